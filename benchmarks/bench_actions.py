@@ -91,7 +91,7 @@ def main() -> None:
         for name in options.tasks:
             demo = record(name, k)
             for space in options.spaces:
-                _judge(space, name, demo, cells[space][name])
+                _count(space, name, demo, cells[space][name])
             print(k, name, *(f"{c[name].alone}/{c[name].played}" for c in cells.values()), flush=True)
             _write(cells, options.out)
 
@@ -102,7 +102,7 @@ def record(name: str, seed: int) -> Demo:
         return env.get_task(name).get_demos(1, live_demos=True, seed=seed)[0]
 
 
-def _judge(space: str, name: str, demo: Demo, cell: Cell) -> None:
+def _count(space: str, name: str, demo: Demo, cell: Cell) -> None:
     mode = MoveArmThenGripper(SPACES[space](), Discrete())
     with Environment(mode, obs_config=state_only(), seed=0) as env:
         task = env.get_task(name)

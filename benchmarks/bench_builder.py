@@ -2,7 +2,7 @@
 
 Goals: a moved body is drawn elsewhere within 100 ms, and what it makes of the waypoints is coloured within 300 ms, on two cores.
 Times are on the wall, of a headless Chromium that draws without a graphics card on the cores that serve the page; the last
-part of each, `picture`, is what a graphics card takes over. `python benchmarks/bench_builder.py --out FILE` measures.
+part of each, `picture`, is the drawing, which a graphics card would do. `python benchmarks/bench_builder.py --out FILE` measures.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from tests.builder.browser.page import Page, start_browser, until
 TASK, BODY, WAYPOINT, VIOLET = "pick_and_lift", "block", "waypoint1", (1.0, 0.0, 1.0)
 PICTURE_GOAL, REACH_GOAL = 0.1, 0.3
 NEAR, ALSO_NEAR, FAR = "0.0", "0.05", "0.8"
-"""Places of the body along y [m]; at the last the hand does not get to it."""
+"""Places of the body along y [m]; the last one is out of reach of the gripper."""
 TOWARDS = (1.0, 0.0, 0.0)
 """Along which arrow it is dragged."""
 HANDLE = 0.125
@@ -45,13 +45,13 @@ SETTLED = 1.0
 STEP, FARTHEST = 0.02, 6
 """How far a step drags it [m], and how many steps it is dragged before it is dragged back."""
 SENT = ("GuiUpdateMessage", "TransformControlsUpdateMessage")
-"""What the page sends of an input."""
+"""Messages of the page for one input."""
 WARM_UP, REPEATS = 3, 20
 
 
 @dataclass(frozen=True)
 class Times:
-    """What one change took, from the event in the page on [s]."""
+    """Times of one change, from the event in the page on [s]."""
 
     seen: float
     """Until it was drawn, or coloured."""
@@ -117,7 +117,7 @@ class Desk:
         return Times(found.at - began, sent - began, min(served, arrived) - began, arrived - began, drawn.value[1] / 1e3)
 
     def body_drawn(self, arrived: float) -> Note:
-        """Return the first picture after an answer in which the violet body is nearer to where it ends than to where it was."""
+        """Return the first image after an answer in which the violet body is nearer to where it ends than to where it was."""
         places = [(note, note.value[3]) for note in self.probe.all("drawn")]
         end = places[-1][1]
         return next(note for note, place in places if note.at > arrived and abs(place - end) < abs(place - self._start))
@@ -185,7 +185,7 @@ def typed(desk: Desk, middle: FloatArray) -> list[Times]:
 
 
 def coloured(desk: Desk) -> list[Times]:
-    """Move the body by a number to where the hand does not get to it, and back, until the tree says so."""
+    """Move the body by a number out of reach of the gripper, and back, until the tree shows it."""
     desk.probe.watch_shade(f"◆ {WAYPOINT}")
     found = []
     for k in range(WARM_UP + REPEATS):

@@ -1,7 +1,7 @@
-"""Pictures: ms per camera and per observation, beside a naive PyBullet camera on the meshes as shipped, in the same run.
+"""Images: ms per camera and per observation, beside a naive PyBullet camera on the meshes as shipped, in the same run.
 
 Goals: RGB, depth and mask at 128 px within 3 ms per camera without shadows and at least ten times faster than the naive camera;
-observations of five cameras, with the step, at least 25 per second with default looks and 60 without shadows.
+observations of five cameras, with the step, at least 25 per second with default appearance and 60 without shadows.
 Times are of the process (CPU), so that other programs do not change them; the notes give the clock on the wall too.
 """
 
@@ -73,7 +73,7 @@ def shipped_panda(folder: Path) -> Path:
 
 
 class NaiveCamera:
-    """What a first PyBullet script does: load the shipped robot, a table, blocks, and call getCameraImage with defaults."""
+    """Baseline of a simple PyBullet script: load the shipped robot, a table, blocks, and call getCameraImage with defaults."""
 
     def __init__(self) -> None:
         self._folder = tempfile.TemporaryDirectory()
@@ -92,7 +92,7 @@ class NaiveCamera:
             pybullet.loadURDF("cube_small.urdf", place, **where)
 
     def shoot(self, view: CameraView) -> object:
-        """Take a picture and make arrays of it."""
+        """Take an image and make arrays of it."""
         eye = view.pose[:3].tolist()
         target = (view.extrinsics() @ [0.0, 0.0, 1.0, 1.0])[:3].tolist()
         width, height = view.size
@@ -132,11 +132,11 @@ def worlds() -> dict[str, World]:
 
 
 def all_cameras(world: World, size: int, products: dict[str, bool], shadows: bool) -> Callable[[], object]:
-    """Take the pictures of all five cameras, as an observation does."""
+    """Take the images of all five cameras, as an observation does."""
     robot = robot_description("panda")
 
     def shoot() -> None:
-        # A moving camera is drawn anew each time: the hand turns a little.
+        # A moving camera is drawn anew each time: the gripper turns a little.
         world.robot.reset_configuration(np.array(robot.home) + np.array([0, 0, 0, 0, 0, 0, next(turns)]))
         views = [camera_view(name, CameraConfig(image_size=(size, size)), world, robot) for name in CAMERAS]
         world.renderer.render_all([Request(view, **products, shadows=shadows) for view in views])
@@ -184,7 +184,7 @@ def observations(shadows: bool, pixels: int = 128) -> Result:
         action = np.array([0.1, 0.1, -0.1, 0.1, 0.1, -0.1, 0.1, 1.0])
         cpu, wall = timed(lambda: task.step(action), 40)
     rate = 1.0 / float(np.median(cpu))
-    looks = "default looks" if shadows else "no shadows"
+    looks = "default appearance" if shadows else "no shadows"
     note = f"{rate:.0f} observations/s, {1.0 / wall:.0f} on the wall"
     return summary(f"step and five cameras {pixels} px, {looks}", cpu, note, per_second=rate, wall=wall)
 

@@ -33,24 +33,24 @@ def _filter(model: RobotModel, keep: int, actions: int) -> Result:
     config, limits, rng = SafetyConfig(), model.limits, np.random.default_rng(keep)
     seconds, margin, broken, changed, solves, stops = [], np.inf, 0, 0, 0, 0
     for seed in range(10):
-        guard, judge, world = SafetyFilter(model, config), DistanceModel(model), cluttered(model, seed=seed)
-        guard.distances.update(world)
-        judge.update(world)
+        safety, checker, world = SafetyFilter(model, config), DistanceModel(model), cluttered(model, seed=seed)
+        safety.distances.update(world)
+        checker.update(world)
         q, v = model.home.copy(), np.zeros(7)
         for k in range(actions // 10):
             if k % keep == 0:
                 wanted = rng.uniform(-limits.velocity, limits.velocity)
             began = time.perf_counter()
-            u = guard.filter(q, v, wanted).velocity
+            u = safety.filter(q, v, wanted).velocity
             seconds.append(time.perf_counter() - began)
             broken += bool(np.any(np.abs(u) > limits.velocity + 1e-9))
             broken += bool(np.any(np.abs(u - v) > DT * limits.acceleration + 1e-9))
             for share in (0.5, 1.0):
-                margin = min(margin, smallest_margin(judge, q + share * DT * u, config.margin, config.self_margin))
+                margin = min(margin, smallest_margin(checker, q + share * DT * u, config.margin, config.self_margin))
             q, v = q + DT * u, u
             broken += not limits.contains(q, 1e-9)
-        changed += sum(n for reason, n in guard.counts.reasons.items() if reason != "limits")
-        solves, stops = solves + guard.counts.solves, stops + guard.counts.stops
+        changed += sum(n for reason, n in safety.counts.reasons.items() if reason != "limits")
+        solves, stops = solves + safety.counts.solves, stops + safety.counts.stops
     note = f"{broken} violations, {1e3 * margin:+.2f} mm from the margin, {solves / actions:.0%} QPs, {stops / actions:.1%} stops"
     figures = {
         "violations": float(broken),

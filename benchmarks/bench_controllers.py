@@ -33,9 +33,9 @@ the state in which the segment began. Torques are commanded 240 times a second, 
 * `filtered`, `stops`: shares of commands that a safety filter changed, and that were braking.
 * `us`: median processor time of a command.
 
-What to know when reading it:
+Notes on the tables:
 
-* Torque controllers know the weight of what the hand holds at the start of a segment. `OperationalSpaceQP` and
+* Torque controllers have the mass of the grasped body at the start of a segment. `OperationalSpaceQP` and
   `CartesianImpedance` pull with bounded or springy forces, so where something holds the arm back they lag instead of pushing
   through. Torques are chosen for an arm that nothing touches: on segments that may touch, a hit can move joints faster than
   that.

@@ -1,4 +1,4 @@
-"""A whole demonstration without pictures, reset included. Goal: at least ten times faster than real time."""
+"""A whole demonstration without images, reset included. Goal: at least ten times faster than real time."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
 """Planning problems, solved by the plain planner and by ours in the same run; a table, and a log for OMPL's Planner Arena.
 
 Times are processor time, so that other work on the machine does not count. The plain planner and `search` find a path of
-straight joint-space edges; `complete` is `search` and all that makes a motion of it: shortcuts, rounding, proof, timing with
-torque limits. `search` looks at its edges half as often as the plain planner, every 0.1 rad, because what it finds is checked
-more closely, repaired and proven afterwards.
+straight joint-space edges; `complete` is `search` and all that makes a motion of it: shortcuts, rounding, continuous
+collision check, timing with torque limits. `search` checks its edges half as often as the plain planner, every 0.1 rad,
+because its path is checked more finely, repaired and certified afterwards.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ FINE = 1e-4
 
 @dataclass(frozen=True)
 class Run:
-    """What one planner did on one problem."""
+    """Result of one planner on one problem."""
 
     solved: bool
     seconds: float
@@ -83,7 +83,7 @@ def run_search(model: RobotModel, collision: CollisionModel, problem: PlanningPr
 
 
 def run_complete(planner: MotionPlanner, problem: PlanningProblem, seed: int, fine: bool) -> Run:
-    """Plan the whole motion, and look at it closely afterwards."""
+    """Plan the whole motion, and check it finely afterwards."""
     planner.update(problem.world)
     began = time.process_time()
     try:
@@ -95,10 +95,10 @@ def run_complete(planner: MotionPlanner, problem: PlanningProblem, seed: int, fi
     seconds, model = time.process_time() - began, planner.model
     collisions = 0
     if fine:
-        judge = CollisionModel(model)
-        judge.update(problem.world)
-        judge.allow(problem.allowed)
-        collisions = sum(judge.in_collision(q) for q in _filled(plan.trajectory.q, FINE))
+        checker = CollisionModel(model)
+        checker.update(problem.world)
+        checker.allow(problem.allowed)
+        collisions = sum(checker.in_collision(q) for q in _filled(plan.trajectory.q, FINE))
     return Run(True, seconds, plan.report.length, _clearance(model, problem, plan.path), plan.report.checks, collisions)
 
 
@@ -114,9 +114,9 @@ def _length(path: FloatArray) -> float:
 
 def _clearance(model: RobotModel, problem: PlanningProblem, path: FloatArray) -> float:
     """Return the smallest distance to anything along a path."""
-    judge = CollisionModel(model)
-    judge.update(problem.world)
-    return min(float(d.distance) for q in path for d in judge.distances(q)[:1])
+    checker = CollisionModel(model)
+    checker.update(problem.world)
+    return min(float(d.distance) for q in path for d in checker.distances(q)[:1])
 
 
 # Results ----------------------------------------------------------------------------------------------------------

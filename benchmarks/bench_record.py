@@ -1,4 +1,4 @@
-"""Recording at scale: demonstrations a minute with and without pictures, by one worker and by two, their size, a worker's memory.
+"""Recording at scale: demonstrations a minute with and without images, by one worker and by two, their size, a worker's memory.
 
     python benchmarks/bench_record.py --out docs/results/record.json
     python benchmarks/bench_record.py --every-task --out docs/results/record_tasks.json
@@ -86,7 +86,7 @@ def measure(tasks: Sequence[str], episodes: int, products: tuple[str, ...], work
         report = record(config, folder, engine=ProcessEngine(workers), on_progress=watch)
     early = watch.memory[max(len(watch.memory) // 10, 2)]
     return Figures(
-        what="5 cameras of 128 px: rgb, depth, mask" if products else "no pictures",
+        what="5 cameras of 128 px: rgb, depth, mask" if products else "no images",
         workers=workers,
         episodes=report.recorded,
         a_minute=round(watch.a_minute, 1),
@@ -114,7 +114,7 @@ def table(figures: Sequence[Figures]) -> str:
 
 @dataclass(frozen=True)
 class TaskFigures:
-    """What episodes of one task cost, with five cameras of 128 px, rgb, depth and mask, and shadows."""
+    """Cost of the episodes of one task, with five cameras of 128 px, rgb, depth and mask, and shadows."""
 
     task: str
     episodes: int
@@ -203,7 +203,7 @@ def main() -> None:
     parser.add_argument(
         "--every-task", action="store_true", help="processor time of every task, or of those named, in one process"
     )
-    parser.add_argument("--episodes", type=int, nargs="+", default=[20, 6], help="of each task, without and with pictures")
+    parser.add_argument("--episodes", type=int, nargs="+", default=[20, 6], help="of each task, without and with images")
     parser.add_argument("--workers", type=int, nargs="+", default=[1, 2])
     parser.add_argument("--out", type=Path)
     options = parser.parse_args()

@@ -1,4 +1,4 @@
-"""Memory of one worker over hundreds of demonstrations with pictures of five cameras, and the size of an episode.
+"""Memory of one worker over hundreds of demonstrations with images of five cameras, and the size of an episode.
 
     python benchmarks/bench_record_memory.py --out docs/results/record_memory.json
 
@@ -36,7 +36,7 @@ TASKS = ("reach_target", "push_button", "beat_the_buzz", "close_microwave", "tak
 
 @dataclass(frozen=True)
 class Sample:
-    """What was seen after one demonstration."""
+    """Memory after one demonstration."""
 
     task: str
     frames: int
@@ -51,7 +51,7 @@ class Sample:
 
 @dataclass(frozen=True)
 class Memory:
-    """What came of it."""
+    """Summary of the samples."""
 
     demos: int
     warm: int

@@ -1,4 +1,4 @@
-"""How long a reset takes, without pictures, task by task. Goal: median below 30 ms."""
+"""How long a reset takes, without images, task by task. Goal: median below 30 ms."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
-"""Two checkouts in one run: ms of an observation of five cameras at 128 px with all products and default settings, old and new in turn.
+"""Two checkouts in one run: ms of an observation of five cameras at 128 px with all products and default settings.
 
 Usage: python benchmarks/compare_cameras.py OLD [TASK ...]    OLD is the folder of another checkout; the new one is this
 
-Both play in processes of their own and take turns of a few observations each, so that other programs slow both alike. Times are of
-the process (CPU). The arm moves a little before each observation, so that no camera sees a still scene.
+Both run in a subprocess and take turns of a few observations each, so that other programs slow both alike. Times are CPU time.
+The arm moves a little before each observation, so that no camera sees a scene at rest.
 """
 
 from __future__ import annotations

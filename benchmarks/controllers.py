@@ -72,7 +72,7 @@ class TrackingProblem:
     """Physics step [s]."""
 
     def model_with_payload(self) -> RobotModel:
-        """Return a model of the arm that carries what the hand holds at the start."""
+        """Return a model of the arm with the body grasped at the start as payload."""
         model = RobotModel(self.model.description, se3_to_pose(self.model.base))
         model.carry(payload_inertia(self.model, self.world))
         return model
@@ -80,7 +80,7 @@ class TrackingProblem:
 
 @dataclass(frozen=True, eq=False)
 class Command:
-    """What a controller commands for the next tick."""
+    """Command of a controller for the next tick."""
 
     values: FloatArray
     """Joint positions [rad], velocities [rad/s] or torques [N m], shape (n,)."""
@@ -92,7 +92,7 @@ class Command:
 
 @dataclass(frozen=True)
 class Follower:
-    """A controller that knows the trajectory it follows."""
+    """A controller with access to the trajectory that it follows."""
 
     mode: DriveMode
     """Kind of its commands; torques are commanded in every physics step, the others once per control tick."""
@@ -212,11 +212,11 @@ def with_safety_filter(inner: Callable[[TrackingProblem], Follower]) -> Callable
     def build(problem: TrackingProblem) -> Follower:
         follower = inner(problem)
         config = SafetyConfig(dt=problem.control_dt, margin=MARGIN, self_margin=MARGIN, limit_margin=LIMIT_MARGIN)
-        guard = SafetyFilter(problem.model, config)
-        guard.distances.update(problem.world, problem.touching)
+        safety = SafetyFilter(problem.model, config)
+        safety.distances.update(problem.world, problem.touching)
 
         def command(k: int, q: FloatArray, v: FloatArray) -> Command:
-            safe = guard.filter(q, v, follower.command(k, q, v).values)
+            safe = safety.filter(q, v, follower.command(k, q, v).values)
             return Command(safe.velocity, safe.stopped, safe.intervened)
 
         return Follower("velocity", command)
@@ -315,7 +315,7 @@ class SegmentTrial:
     controller: str
     """Name of the controller, or `PLAN`."""
     segment: PlannedSegment
-    """What was followed."""
+    """Result of following one trajectory."""
     tip_errors: FloatArray
     """Distance of the tip from the reference [m]."""
     joint_errors: FloatArray

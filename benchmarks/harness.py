@@ -1,4 +1,4 @@
-"""What all benchmarks share: warm up, repeat, median and tails, JSON, comparison of two runs."""
+"""Common parts of all benchmarks: warm up, repeat, median and tails, JSON, comparison of two runs."""
 
 from __future__ import annotations
 
@@ -69,14 +69,14 @@ def fingerprint() -> str:
 
 
 def state_only() -> ObservationConfig:
-    """Joint and gripper data, no pictures."""
+    """Joint and gripper data, no images."""
     config = ObservationConfig()
     config.set_all_high_dim(False)
     return config
 
 
 def velocity_environment() -> Environment:
-    """An environment in joint velocity control without pictures, as reinforcement learning uses it."""
+    """An environment in joint velocity control without images, as reinforcement learning uses it."""
     return Environment(MoveArmThenGripper(JointVelocity(), Discrete()), obs_config=state_only(), seed=0)
 
 

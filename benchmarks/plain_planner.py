@@ -21,7 +21,7 @@ ou.setLogLevel(ou.LOG_NONE)
 
 @dataclass(frozen=True, eq=False)
 class PlainResult:
-    """What the plain planner found."""
+    """Result of the plain planner."""
 
     path: FloatArray | None
     seconds: float

@@ -58,7 +58,7 @@ def _quaternion(matrix: FloatArray) -> FloatArray:
 
 
 def shelf(rng: np.random.Generator) -> Scene:
-    """A shelf in front of the arm with two to three boards, divided, things in it; from one compartment into another."""
+    """A shelf in front of the arm with two to three boards, divided, with objects in it; from one compartment into another."""
     depth, width, boards = rng.uniform(0.25, 0.32), rng.uniform(0.7, 1.0), int(rng.integers(2, 4))
     front, gap = rng.uniform(0.22, 0.32), rng.uniform(0.24, 0.34)
     x, low = front + depth / 2, TABLE_HEIGHT + rng.uniform(0.02, 0.12)
@@ -116,7 +116,7 @@ def open_box(rng: np.random.Generator) -> Scene:
 
 
 def cage(rng: np.random.Generator) -> Scene:
-    """Upright bars around a place on the table with a lid of bars; the hand enters between them and leaves to elsewhere."""
+    """Upright bars around a place on the table with a lid of bars; the gripper enters between them and leaves to elsewhere."""
     center, radius = np.array([rng.uniform(0.22, 0.32), rng.uniform(-0.12, 0.12)]), rng.uniform(0.24, 0.3)
     count, tall, turn = int(rng.integers(5, 7)), rng.uniform(0.35, 0.5), rng.uniform(0, 2 * np.pi)
     bodies = [table()]

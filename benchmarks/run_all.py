@@ -18,9 +18,10 @@ import bench_cameras
 import bench_control_ik
 import bench_control_loops
 import bench_controllers
+import bench_dataset
 import bench_demo
 import bench_planning
-import bench_planning_leg
+import bench_planning_segments
 import bench_reset
 import bench_safety
 import bench_step
@@ -29,12 +30,13 @@ from harness import Result, fingerprint, report
 BENCHMARKS: dict[str, Callable[[bool], Sequence[Result]]] = {
     "step": lambda quick: bench_step.benchmark(),
     "reset": lambda quick: bench_reset.benchmark(repeats=3 if quick else 20),
-    "planning": lambda quick: bench_planning_leg.benchmark(seeds=1 if quick else 5),
+    "planning": lambda quick: bench_planning_segments.benchmark(seeds=1 if quick else 5),
     "problems": lambda quick: bench_planning.benchmark(2 if quick else 25),
     "demo": lambda quick: bench_demo.benchmark(seeds=1 if quick else 5),
     "cameras": lambda quick: bench_cameras.benchmark(),
     "control_ik": lambda quick: bench_control_ik.benchmark(*((4, 20) if quick else (10, 200))),
     "control_loops": lambda quick: bench_control_loops.benchmark(100 if quick else 1000),
+    "dataset": lambda quick: bench_dataset.benchmark(*((2, 20) if quick else (20, 1000))),
     "safety": lambda quick: bench_safety.benchmark(100 if quick else 1000),
     "controllers": lambda quick: bench_controllers.benchmark(("reach_target",) if quick else ("pick_and_lift", "open_drawer")),
 }

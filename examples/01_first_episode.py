@@ -1,7 +1,7 @@
 """A first episode: reset, look, act, read the reward.
 
 What to look for: `reset` returns sentences and an observation; `step` returns observation, reward and whether the episode has
-ended; the same seed gives the same episode again; pictures, depth and masks are plain arrays.
+ended; the same seed gives the same episode again; images, depth and masks are plain arrays.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ def main() -> None:
         task = env.get_task("reach_target")
         descriptions, obs = task.reset(seed=1)
         print("The task says:", descriptions[0])
-        print("The tip is at", obs.gripper_pose[:3].round(3), "and the hand is", "open" if obs.gripper_open else "closed")
+        print("The tip is at", obs.gripper_pose[:3].round(3), "and the gripper is", "open" if obs.gripper_open else "closed")
 
         OUT.mkdir(parents=True, exist_ok=True)
         Image.fromarray(obs.front_rgb).save(OUT / "first_episode.png")
@@ -31,7 +31,7 @@ def main() -> None:
 
         target = task.world.body("target").position
         for height in (0.10, 0.0):  # [m] above the target
-            pose = np.concatenate([target + [0.0, 0.0, height], [0.0, 1.0, 0.0, 0.0]])  # the hand points down
+            pose = np.concatenate([target + [0.0, 0.0, height], [0.0, 1.0, 0.0, 0.0]])  # the gripper points down
             obs, reward, terminate = task.step(np.append(pose, 1.0))
             print("Tip at", obs.gripper_pose[:3].round(3), "reward", reward, "ended", terminate)
 

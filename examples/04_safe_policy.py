@@ -1,7 +1,7 @@
 """A policy that drives into the table, with the safety filter in front of it and without.
 
 What to look for: `SafeArm` wraps the action mode, not the policy. The same actions end a centimetre before the table instead of
-in it, and the filter says how often and why it changed them. The picture shows both arms at the end, the unfiltered one left.
+in it, and the filter says how often and why it changed them. The image shows both arms at the end, the unfiltered one left.
 """
 
 from __future__ import annotations
@@ -15,19 +15,19 @@ from PIL import Image
 from rlbench_pin import Discrete, Environment, JointVelocity, MoveArmThenGripper, ObservationConfig, SafeArm
 
 STEPS = 100
-PICTURE = "safe_policy.png"
+IMAGE_FILE = "safe_policy.png"
 
 
 @dataclass
 class Fall:
-    """What became of one run."""
+    """Result of one run."""
 
     touched: set[str]
     deepest: float
     """How deep the arm got into the table [m]."""
     lowest: float
     """Lowest height of the tip [m]."""
-    picture: np.ndarray
+    image: np.ndarray
 
 
 def policy() -> Iterator[np.ndarray]:
@@ -66,8 +66,8 @@ def main() -> None:
     counts = guarded.counts
     print(f"the filter changed {counts.interventions} of {counts.ticks} commands: {counts.reasons}")
     print(f"the last one: {guarded.last}")
-    Image.fromarray(np.hstack([fall.picture for fall in falls.values()])).save(PICTURE)
-    print(f"both arms at the end: {PICTURE}")
+    Image.fromarray(np.hstack([fall.image for fall in falls.values()])).save(IMAGE_FILE)
+    print(f"both arms at the end: {IMAGE_FILE}")
 
 
 if __name__ == "__main__":

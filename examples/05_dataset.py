@@ -22,15 +22,15 @@ TASK = "pick_and_lift"
 def main() -> None:
     """Record four demonstrations, look into the files, play the key frames of the first."""
     front = ImageConfig(cameras=("front",), products=("rgb",), image_size=(64, 64))
-    config = RecordConfig(tasks=(TASK,), episodes=4, pictures=front)
+    config = RecordConfig(tasks=(TASK,), episodes=4, images=front)
     report = record(config, ROOT, engine=ProcessEngine(2), resume=True)
     print(f"{report.found} episodes found, {report.recorded} recorded, {len(report.failed)} failed")
 
     for entry in read_manifest(ROOT, TASK):
-        with Episode(ROOT / TASK / entry.file) as episode:  # reads one field, and one picture
-            tip, picture = episode.array("gripper_pose"), episode[0].front_rgb
+        with Episode(ROOT / TASK / entry.file) as episode:  # reads one field, and one image
+            tip, image = episode.array("gripper_pose"), episode[0].front_rgb
             way = np.linalg.norm(np.diff(tip[:, :3], axis=0), axis=1).sum()
-            print(f"variation {entry.variation}: {len(tip)} frames, the tip moves {way:.2f} m, first picture {picture.shape}")
+            print(f"variation {entry.variation}: {len(tip)} frames, the tip moves {way:.2f} m, first image {image.shape}")
 
     demo = read_demo(ROOT / TASK / read_manifest(ROOT, TASK)[0].file)
     print(f"{len(demo)} frames, key frames {key_frames(demo)}")
@@ -38,7 +38,7 @@ def main() -> None:
     with Environment(mode, obs_config=low_dim_config()) as environment:
         task = environment.get_task(TASK)
         task.reset_to_demo(demo)
-        for action in key_frame_actions(demo):  # tip pose, hand, and whether collisions are ignored
+        for action in key_frame_actions(demo):  # tip pose, gripper, and whether collisions are ignored
             _, reward, terminate = task.step(action)
             if terminate:
                 break

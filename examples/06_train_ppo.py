@@ -24,11 +24,11 @@ STEPS = 20_000
 EPISODE = 50
 SPEED = 0.5  # of the tip, at most, along each axis [m/s]
 TESTS = range(1_000_000, 1_000_030)  # seeds that training does not meet
-PICTURE = "train_ppo.png"
+IMAGE_FILE = "train_ppo.png"
 
 
 class TipVelocity(gymnasium.ActionWrapper):
-    """Three numbers in -1..1 for the linear tip velocity; the hand keeps its orientation and stays open."""
+    """Three numbers in -1..1 for the linear tip velocity; the gripper keeps its orientation and stays open."""
 
     def __init__(self, env: gymnasium.Env) -> None:
         super().__init__(env)
@@ -61,7 +61,7 @@ def make(shaped: bool = True) -> gymnasium.Env:
     return TipVelocity(TipAndBall(env))
 
 
-def judge(policy: BaseAlgorithm, env: gymnasium.Env) -> tuple[float, float]:
+def evaluate(policy: BaseAlgorithm, env: gymnasium.Env) -> tuple[float, float]:
     """Return mean reward per episode and share of successes over the test seeds."""
     rewards, successes = [], []
     for seed in TESTS:
@@ -85,25 +85,25 @@ def draw(episodes: Monitor, title: str) -> None:
     axes.plot(steps, means, color="tab:blue", label="mean of the last 20")
     axes.set(title=title, xlabel="steps of training", ylabel="reward per episode")
     axes.legend(frameon=False, loc="lower right")
-    figure.savefig(PICTURE, dpi=110)
+    figure.savefig(IMAGE_FILE, dpi=110)
 
 
 def main(shaped: bool = True, steps: int = STEPS) -> None:
-    """Train, judge before and after, and draw."""
+    """Train, evaluate before and after, and draw."""
     env = make(shaped)
     episodes = Monitor(env)
     policy = PPO("MlpPolicy", episodes, n_steps=1024, batch_size=64, gamma=0.95, learning_rate=1e-3, seed=0, device="cpu")
-    before = judge(policy, env)
+    before = evaluate(policy, env)
     began = time.perf_counter()
     policy.learn(steps)
     rate = policy.num_timesteps / (time.perf_counter() - began)
-    after = judge(policy, env)
+    after = evaluate(policy, env)
     draw(episodes, f"PPO on reach_target, {'shaped' if shaped else 'sparse'} reward")
     env.close()
     print(f"{policy.num_timesteps} steps of training, {rate:.0f} a second")
     for moment, (reward, success) in (("before", before), ("after", after)):
         print(f"{moment}: mean reward {reward:.2f} per episode, {100 * success:.0f} % of {len(TESTS)} balls touched")
-    print(f"the mean reward has {'risen' if after[0] > before[0] else 'not risen'}; the curve is in {PICTURE}")
+    print(f"the mean reward has {'risen' if after[0] > before[0] else 'not risen'}; the curve is in {IMAGE_FILE}")
 
 
 if __name__ == "__main__":

@@ -1,9 +1,9 @@
 """Pick and lift by a planner and a follower: `python 07_plan_and_follow.py --seeds 0 20`.
 
-Neither knows the simulator: the planner gets a snapshot of the world and returns a timed trajectory, the follower turns the
+Neither depends on the simulator: the planner gets a snapshot of the world and returns a timed trajectory, the follower turns the
 trajectory and the measured joints into a joint velocity 20 times a second.
 
-What to look for: the whole grasp is planned before the arm moves, so that a turn of the hand that leads nowhere costs nothing;
+What to look for: the whole grasp is planned before the arm moves, so that a turn of the gripper that leads nowhere costs nothing;
 the block that is held is part of the arm in the next plan; the joints stay within a fraction of a degree of their trajectory.
 """
 
@@ -22,8 +22,8 @@ from rlbench_pin.robot import RobotModel, robot_description
 from rlbench_pin.spatial import FloatArray, compose, pose_at
 
 OPEN, CLOSED = 1.0, 0.0
-ABOVE = [0.0, 0.0, 0.1]  # from here the hand goes straight down to the block [m]
-DOWN = pose_at([0.0, 0.0, 0.0], roll=np.pi)  # a hand that points down
+ABOVE = [0.0, 0.0, 0.1]  # from here the gripper goes straight down to the block [m]
+DOWN = pose_at([0.0, 0.0, 0.0], roll=np.pi)  # a gripper that points down
 SETTLE = 20  # control ticks that the arm may take to come to rest
 
 
@@ -34,7 +34,7 @@ class Picker:
         self.task, self.rng = task, np.random.default_rng(seed)
         self.model = RobotModel(robot_description("panda"))
         self.planner = MotionPlanner(self.model)
-        self.hand, self.success, self.error = OPEN, False, 0.0
+        self.gripper, self.success, self.error = OPEN, False, 0.0
         _, self.obs = task.reset(seed=seed)
 
     def pick_and_lift(self) -> bool:
@@ -50,7 +50,7 @@ class Picker:
         return self.success
 
     def plan_grasp(self, block: FloatArray) -> tuple[Plan, Plan]:
-        """Plan above the block and down to it, with the turn of the hand for which both are possible.
+        """Plan above the block and down to it, with the turn of the gripper for which both are possible.
 
         Args:
             block: Pose of the block (7,); a cube can be gripped in four turns.
@@ -67,7 +67,7 @@ class Picker:
         raise refused[0]
 
     def plan(self, pose: FloatArray | list[FloatArray], straight: bool | None = None) -> Plan:
-        """Plan from where the arm is; what the hand holds is carried along."""
+        """Plan from where the arm is; a grasped body is part of the arm."""
         self.planner.update(self.task.world.snapshot())
         return self.planner.plan_to_pose(self.obs.joint_positions, pose, straight=straight, rng=self.rng)
 
@@ -81,14 +81,14 @@ class Picker:
             rest -= follower.done
         self.error = max(self.error, follower.report.largest)
 
-    def grip(self, hand: float) -> None:
-        """Open or close the hand; the step ends when the fingers stand still."""
-        self.hand = hand
+    def grip(self, gripper: float) -> None:
+        """Open or close the gripper; the step ends when the fingers are stationary."""
+        self.gripper = gripper
         self.step(np.zeros(self.model.size))
 
     def step(self, velocity: FloatArray) -> None:
         """Hold joint velocities for one control tick."""
-        self.obs, reward, _ = self.task.step(np.append(velocity, self.hand))
+        self.obs, reward, _ = self.task.step(np.append(velocity, self.gripper))
         self.success = self.success or reward == 1.0
 
 
@@ -103,8 +103,8 @@ def main() -> None:
         for seed in seeds:
             picker = Picker(task, seed)
             solved += picker.pick_and_lift()
-            said, off = "solved" if picker.success else "FAILED", np.degrees(picker.error)
-            print(f"seed {seed}: {said}, joints at most {off:.2f} degrees off their trajectory")
+            outcome, off = "solved" if picker.success else "FAILED", np.degrees(picker.error)
+            print(f"seed {seed}: {outcome}, joints at most {off:.2f} degrees off their trajectory")
     print(f"pick_and_lift: solved {solved} of {len(seeds)}")
 
 

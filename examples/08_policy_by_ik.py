@@ -1,6 +1,6 @@
-"""A policy that says tip velocities, through gymnasium: `python 08_policy_by_ik.py --task pick_and_lift --seeds 0 20`.
+"""A policy that returns tip velocities, through gymnasium: `python 08_policy_by_ik.py --task pick_and_lift --seeds 0 20`.
 
-observation -> where the tip should be -> how fast it should move there -> `DifferentialIK` -> joint velocities -> `env.step`
+observation -> goal of the tip -> velocity of the tip -> `DifferentialIK` -> joint velocities -> `env.step`
 
 What to look for: the policy has no memory and sees nothing but the observation; the controller keeps the limits of all joints,
 so that the policy need not know them; three tasks differ in the one function that says where the tip should be.
@@ -20,46 +20,46 @@ from rlbench_pin.robot import RobotModel, robot_description
 from rlbench_pin.spatial import FloatArray, relative
 
 OPEN, CLOSED = 1.0, 0.0
-ABOVE = 0.1  # height from which the hand goes straight down [m]
-BESIDE, NEAR = 0.008, 0.008  # horizontal distance, and distance, that count as there [m]
+ABOVE = 0.1  # height from which the gripper goes straight down [m]
+SIDEWAYS, NEAR = 0.008, 0.008  # horizontal distance, and distance, that count as there [m]
 GAIN = 3.0  # share of the way to cover per second [1/s]
 FASTEST = np.array([0.25, 1.0])  # of the tip [m/s, rad/s]
 STEPS = 400
 
 Observation = dict[str, FloatArray]
-Goal = tuple[FloatArray, float]  # where the tip should be (3,) [m], and the hand
+Goal = tuple[FloatArray, float]  # where the tip should be (3,) [m], and the gripper
 
 
 def touch(observation: Observation) -> Goal:
-    """reach_target tells where the ball is."""
+    """Return the goal of reach_target, whose state is the position of the ball."""
     return observation["task_low_dim_state"], OPEN
 
 
 def push(observation: Observation) -> Goal:
-    """push_button tells the pose of the button; its cap is pressed from above, by a closed hand."""
+    """Return the goal of push_button, whose state is the pose of the button. The closed gripper presses the cap from above."""
     return from_above(observation, observation["task_low_dim_state"][:3] + [0.0, 0.0, 0.045]), CLOSED
 
 
 def pick(observation: Observation) -> Goal:
-    """pick_and_lift tells where block and marker are; a hand that is closed around the block goes to the marker."""
+    """Return the goal of pick_and_lift, whose state is block and marker positions; once grasped, the goal is the marker."""
     block, marker = observation["task_low_dim_state"].reshape(2, 3)
     if np.linalg.norm(block - observation["gripper_pose"][:3]) > NEAR:
         return from_above(observation, block), OPEN
-    is_held = observation["gripper_open"].item() < 0.5
-    return (marker if is_held else block), CLOSED
+    is_grasped = observation["gripper_open"].item() < 0.5
+    return (marker if is_grasped else block), CLOSED
 
 
 def from_above(observation: Observation, place: FloatArray) -> FloatArray:
     """Return `place` (3,) when the tip is right above it, otherwise a point above it [m]."""
-    beside = np.linalg.norm(place[:2] - observation["gripper_pose"][:2])
-    return place if beside < BESIDE else place + [0.0, 0.0, ABOVE]
+    sideways = np.linalg.norm(place[:2] - observation["gripper_pose"][:2])
+    return place if sideways < SIDEWAYS else place + [0.0, 0.0, ABOVE]
 
 
 TASKS: dict[str, Callable[[Observation], Goal]] = {"reach_target": touch, "push_button": push, "pick_and_lift": pick}
 
 
 def twist_to(place: FloatArray, tip: FloatArray) -> FloatArray:
-    """Return the twist (6,) in the tip's own axes that brings it to `place` (3,) with the hand pointing down.
+    """Return the twist (6,) in the tip's own axes that brings it to `place` (3,) with the gripper pointing down.
 
     Args:
         place: Where the tip should be [m].
@@ -75,11 +75,11 @@ def play(env: gymnasium.Env, controller: DifferentialIK, goal: Callable[[Observa
     """Play one episode; return whether it was solved, and in how many steps."""
     observation, info = env.reset(seed=seed)
     for step in range(STEPS):
-        place, hand = goal(observation)
+        place, gripper = goal(observation)
         twist = twist_to(place, observation["gripper_pose"])
         q, v = observation["joint_positions"], observation["joint_velocities"]
         velocity = controller.velocity_for_twist(q, v, twist, frame="tip")
-        observation, _, terminated, truncated, info = env.step(np.append(velocity, hand))
+        observation, _, terminated, truncated, info = env.step(np.append(velocity, gripper))
         if terminated or truncated:
             return info["success"], step + 1
     return False, STEPS

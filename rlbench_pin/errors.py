@@ -58,9 +58,11 @@ __all__ = [
     "StorageError",
     "TaskEnvironmentError",
     "TaskError",
+    "UnknownArgument",
     "UnknownName",
     "UnknownSetting",
     "UntrustedTaskFile",
+    "UsedByTwoThreads",
     "WaypointError",
     "install_hint",
     "nearest_name",
@@ -139,6 +141,10 @@ class UnknownSetting(UnknownName, AttributeError):  # type: ignore[misc]  # both
         return type(self), (self.record, self.name, self.known)
 
 
+class UnknownArgument(RlbenchPinError, TypeError):
+    """A function has no argument of that name; made from a text alone, because gymnasium raises TypeErrors again."""
+
+
 class InvalidValue(RlbenchPinError, ValueError):
     """A value cannot be used: a wrong kind, shape or size, NaN, outside its range.
 
@@ -175,7 +181,7 @@ def _beginning(value: object, most: int) -> object:
 
 
 class _Words(str):
-    """Words about a value that stand in its place."""
+    """Text that replaces a value."""
 
 
 class MissingExtra(RlbenchPinError, ImportError):
@@ -200,7 +206,7 @@ class SceneFileError(RlbenchPinError):
 
 
 class InvalidRecord(InvalidValue):
-    """A record of a scene, such as `FrameSpec`, was made by hand of something it cannot hold; says which key."""
+    """A record of a scene, such as `FrameSpec`, was constructed with an invalid value; names the key."""
 
     def __init__(self, record: str, key: str, value: object, problem: str, hint: str = "") -> None:
         super().__init__(record, value, problem, hint)
@@ -254,12 +260,12 @@ class PlanningError(RlbenchPinError):
 
     @property
     def evidence(self) -> dict[str, object]:
-        """What is known about the failure, by name."""
+        """Details of the failure, by name."""
         return dict(vars(self))
 
 
 class InvalidRequest(PlanningError, InvalidValue):
-    """A planner was given something that is no configuration, no pose or no path: NaN, a wrong shape, text."""
+    """The argument of a planner is not a configuration, pose or path: NaN, a wrong shape, text."""
 
     reason = "invalid request"
 
@@ -273,7 +279,7 @@ class OutsideJointLimits(PlanningError, ValueError):
         self.what, self.joint, self.value, self.limit, self.tolerance = what, joint, value, limit, tolerance
         super().__init__(
             f"The {what} is outside the joint limits: {joint} is at {value:.6g} rad, {abs(value - limit):.3g} rad beyond its "
-            f"limit of {limit:.6g} rad; {tolerance:g} rad are forgiven. Bring it inside; `model.limits` has all limits."
+            f"limit of {limit:.6g} rad; {tolerance:g} rad are tolerated. Bring it inside; `model.limits` has all limits."
         )
 
 
@@ -387,7 +393,7 @@ class InvalidActionError(RlbenchPinError):
 
 
 class TaskEnvironmentError(RlbenchPinError):
-    """The environment was used in a way that it cannot serve."""
+    """The environment was used in a way that it does not support."""
 
 
 class InvalidArgument(TaskEnvironmentError, InvalidValue):
@@ -416,6 +422,16 @@ class ResetError(TaskEnvironmentError):
         counts = {c: self.causes.count(c) for c in dict.fromkeys(self.causes)}
         text = "; ".join(f"{n} x {c}" for c, n in counts.items())
         super().__init__(f"Task '{task}' could not be placed in {len(self.causes)} attempts: {text}.")
+
+
+class UsedByTwoThreads(TaskEnvironmentError, RuntimeError):
+    """An environment was called while another thread was in a call of it."""
+
+    def __init__(self, call: str) -> None:
+        super().__init__(
+            f"`{call}` was called while another thread was in a call of the same environment, which simulates one world. "
+            "Give each thread an environment of its own, or better each process: threads share one core."
+        )
 
 
 class EnvironmentClosed(TaskEnvironmentError, RuntimeError):
@@ -481,8 +497,8 @@ class StorageError(DatasetError):
 
 
 _STORAGE_ADVICE = {
-    errno.ENOSPC: "Free some space and run it again; `rlbench-pin record` goes on with `--resume`.",
-    errno.EDQUOT: "Free some of your quota and run it again; `rlbench-pin record` goes on with `--resume`.",
+    errno.ENOSPC: "Free some space and run it again; `rlbench-pin record` continues with `--resume`.",
+    errno.EDQUOT: "Free some of your quota and run it again; `rlbench-pin record` continues with `--resume`.",
     errno.EROFS: "The disk is read-only: choose another folder.",
     errno.EACCES: "You may not write there: choose another folder or change its rights.",
     errno.EPERM: "You may not write there: choose another folder or change its rights.",
@@ -526,7 +542,7 @@ class ResultsFileError(EvaluationError):
     def __init__(self, path: Path | str, problem: str, advice: str = "") -> None:
         self.path, self.problem = Path(path), problem
         advice = advice or "Take it from where it was made again, or run the evaluation again: `rlbench-pin evaluate` writes it."
-        super().__init__(f"'{path}' is no results file that can be used: {problem}. {advice}")
+        super().__init__(f"'{path}' is not a results file that can be used: {problem}. {advice}")
 
 
 class IncompatibleResults(EvaluationError):

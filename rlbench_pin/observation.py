@@ -39,7 +39,7 @@ class OptionalFields:
 
 @dataclass(eq=False)
 class Observation(OptionalFields):
-    """What is known at one instant; a field is None when it was not asked for.
+    """Observation at one instant; a field is None when it is switched off.
 
     Images are (h, w, ...) arrays, top row first: rgb uint8, depth float32, mask int32, point cloud float32 in the world frame
     [m]. Joint data are (n,) float64 in [rad], [rad/s], [N m]; `gripper_pose` is the tip pose (7,) in the world.
@@ -82,9 +82,9 @@ class Observation(OptionalFields):
     gripper_touch_forces: Array | None = None
     """Contact force on each finger, x, y, z in its own frame, left finger first [N]."""
     task_low_dim_state: Array | None = None
-    """What the task says about its objects, in the world; one length for each task."""
+    """State of the task's objects in the world; one length for each task."""
     misc: dict[str, Any] = field(default_factory=dict)
-    """What has no field of its own, by name."""
+    """Further values by name."""
     ignore_collisions: InitVar[bool | None] = None
 
     def __post_init__(self, ignore_collisions: bool | None) -> None:
@@ -172,7 +172,7 @@ class Demo(Sequence[Observation]):
             return
         try:
             if not isinstance(seed, tuple):
-                raise TypeError("it is no tuple")
+                raise TypeError("it is not a tuple")
             np.random.set_state(seed)  # noqa: NPY002
         except (TypeError, ValueError, IndexError) as error:
             raise TaskEnvironmentError(

@@ -28,19 +28,19 @@ class PluginTask:
     name: str
     """Name of the task."""
     value: str
-    """Where its class is: `module:Class`."""
+    """Reference of its class: `module:Class`."""
     origin: str
     """The package that brings it, with its version."""
 
     def load(self) -> object:
-        """Import the module and return what the entry point names; whatever the module raises goes through."""
+        """Import the module and return the object of the entry point; errors of the module propagate."""
         module, _, attribute = self.value.partition(":")
         return getattr(importlib.import_module(module), attribute)
 
 
 @dataclass(frozen=True)
 class Plugins:
-    """What the installed packages bring."""
+    """Tasks of the installed packages."""
 
     tasks: dict[str, PluginTask] = field(default_factory=dict)
     """Name -> task, in alphabetical order."""

@@ -84,9 +84,9 @@ class UrdfLink:
     name: str
     """Unique in a valid file."""
     visuals: tuple[UrdfShape, ...]
-    """What is seen, in file order."""
+    """Visual shapes, in file order."""
     collisions: tuple[UrdfShape, ...]
-    """What is touched, in file order."""
+    """Collision shapes, in file order."""
     inertial: UrdfInertial | None
     """None where the file has none."""
 
@@ -113,7 +113,7 @@ class UrdfJoint:
 
 @dataclass(frozen=True)
 class Urdf:
-    """What one URDF file says."""
+    """Contents of one URDF file."""
 
     path: Path
     """The file."""
@@ -133,7 +133,7 @@ class Urdf:
 
     @property
     def base_link(self) -> str:
-        """Name of the first link that is no joint's child.
+        """Name of the first link that is not a joint's child.
 
         Raises:
             AssetInvalid: There is none.
@@ -154,7 +154,7 @@ def read_urdf(path: Path, needed_by: str = "a model") -> Urdf:
 
     Args:
         path: The file.
-        needed_by: Who asks, for the error message.
+        needed_by: Name of the caller, for the error message.
 
     Raises:
         AssetNotFound: The file does not exist.
@@ -236,7 +236,7 @@ def _file(path: Path, element: ET.Element) -> Path:
 def _numbers(element: ET.Element, key: str, default: str) -> tuple[float, ...]:
     numbers = tuple(float(word) for word in element.get(key, default).split())
     if not all(math.isfinite(number) for number in numbers):
-        raise ValueError(f"'{key}' of a <{element.tag}> is no finite number: {element.get(key)}")
+        raise ValueError(f"'{key}' of a <{element.tag}> is not a finite number: {element.get(key)}")
     return numbers
 
 

@@ -9,15 +9,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import fields, is_dataclass
-from functools import partial
+from functools import partial, wraps
+from inspect import signature
 from os import PathLike, fsencode, fspath
 from pathlib import Path
-from typing import Any, ClassVar, TypeGuard, TypeVar
+from typing import Any, ClassVar, ParamSpec, TypeGuard, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rlbench_pin.errors import InvalidActionError, InvalidValue, UnknownName, UnknownSetting
+from rlbench_pin.errors import InvalidActionError, InvalidValue, UnknownArgument, UnknownName, UnknownSetting
 
 KindT = TypeVar("KindT")
 LARGEST_SEED = 2**63 - 1
@@ -27,13 +28,13 @@ LARGEST_SIDE = 8192
 LONGEST_NAME, LONGEST_PATH = 255, 4095
 """Bytes of file names and paths of Linux."""
 _NO_NUMBERS = (bool, np.bool_, np.timedelta64)
-"""What numpy and Python count among their whole numbers, and we do not."""
+"""Types that numpy or Python treat as integers and this package does not."""
 _NUMBERS = (float, int, np.floating, np.integer)
 _MADE_BY = {
     "Generator": "`np.random.default_rng(seed)` makes one.",
     "Demo": "`task.get_demos(1)` and `read_demo(path)` return some.",
 }
-"""Class -> what makes one, where users have to know."""
+"""Class -> function that makes one, for error messages."""
 
 
 def as_number(
@@ -58,7 +59,7 @@ def as_number(
         finite: Whether infinity is refused. NaN always is.
 
     Raises:
-        InvalidValue: It is no number, or outside the range.
+        InvalidValue: It is not a number, or outside the range.
     """
     good = isinstance(value, _NUMBERS) and not isinstance(value, _NO_NUMBERS)
     try:
@@ -89,7 +90,7 @@ def as_whole(
         most: Largest value allowed.
 
     Raises:
-        InvalidValue: It is no whole number, or outside the range.
+        InvalidValue: It is not a whole number, or outside the range.
     """
     whole = is_whole(value)
     number = int(value) if is_whole(value) else 0
@@ -117,6 +118,25 @@ def as_choice(value: object, what: str, choices: Collection[str]) -> str:
     return value
 
 
+ParamsT = ParamSpec("ParamsT")
+ResultT = TypeVar("ResultT")
+
+
+def names_arguments(function: Callable[ParamsT, ResultT]) -> Callable[ParamsT, ResultT]:
+    """Return the function; called with an argument that it does not have, it raises UnknownArgument, which names the nearest."""
+    known = tuple(name for name in signature(function).parameters if name != "self")
+    owner = function.__qualname__.removesuffix(".__init__")
+
+    @wraps(function)
+    def call(*args: ParamsT.args, **named: ParamsT.kwargs) -> ResultT:
+        for name in named:
+            if name not in known:
+                raise UnknownArgument(str(UnknownName(f"argument of {owner}", name, known)))
+        return function(*args, **named)
+
+    return call
+
+
 def as_seed(value: object, what: str = "seed", error: type[InvalidValue] = InvalidValue) -> int:
     """Return a seed as an int, 0 <= seed < 2^63, the range that episode files hold; or raise InvalidValue."""
     return as_whole(value, what, error, least=0, most=LARGEST_SEED)
@@ -135,7 +155,7 @@ def as_interval(
     return low, high
 
 
-def as_picture_size(value: object, what: str, error: type[InvalidValue] = InvalidValue) -> tuple[int, int]:
+def as_image_size(value: object, what: str, error: type[InvalidValue] = InvalidValue) -> tuple[int, int]:
     """Return width and height of an image [px], from a pair or from one number for both; or raise InvalidValue."""
     sides = (value, value) if isinstance(value, int | np.integer) else items_of(value)
     if len(sides) != 2:
@@ -199,7 +219,7 @@ def as_several(value: object, what: str, error: type[InvalidValue] = InvalidValu
 
 
 def as_record(value: object, kind: type[KindT], what: str, error: type[InvalidValue] = InvalidValue) -> KindT:
-    """Return `value`, or raise InvalidValue when it is no `kind`."""
+    """Return `value`, or raise InvalidValue when it is not a `kind`."""
     if not isinstance(value, kind):
         raise error(what, value, f"has to be {_one(kind)}", _MADE_BY.get(kind.__name__, ""))
     return value
@@ -224,7 +244,7 @@ SMALLEST_NORM = 1e-3
 _FLOAT = np.dtype(float)
 _NUMERIC = "biuf"
 _BROKEN = (TypeError, ValueError, OverflowError, AttributeError, RuntimeError, MemoryError)
-"""What objects raise that cannot be made an array."""
+"""Errors of objects that cannot be made an array."""
 
 
 def as_array(value: object, what: str, error: type[InvalidValue] = InvalidValue) -> FloatArray:
@@ -263,7 +283,7 @@ def as_vector(
     """Return `value` as a finite float64 vector of shape (size,); the caller's array itself when it is one.
 
     Raises:
-        InvalidValue: It is no array of numbers, has another shape, or holds NaN, infinity or a number beyond +-`most`.
+        InvalidValue: It is not an array of numbers, has another shape, or holds NaN, infinity or a number beyond +-`most`.
     """
     if type(value) is np.ndarray and value.dtype is _FLOAT and value.shape == (size,):
         numbers = value.tolist()  # NaN and infinity show in any sum, and in any length
@@ -440,7 +460,7 @@ def whole_ratio(control_dt: float, timestep: float) -> int:
     """Return how many physics steps of length `timestep` [s] a control tick of length `control_dt` [s] has.
 
     Raises:
-        InvalidValue: It is no whole number, or a time is not finite and > 0 (also a ValueError).
+        InvalidValue: It is not a whole number, or a time is not finite and > 0 (also a ValueError).
     """
     control_dt, timestep = (as_number(t, what, above=0.0) for t, what in ((control_dt, "control_dt"), (timestep, "timestep")))
     ratio = round(control_dt / timestep) if control_dt < 1e6 * timestep else 0

@@ -99,7 +99,7 @@ def probe_tasks(tasks: list[str], seeds: int, images: bool = False) -> dict[str,
                     demo = task.get_demos(1, live_demos=True, seed=seed)[0]
                     hashes[f"{name} {seed} demonstration"] = demo_digest(demo)
                     hashes[f"{name} {seed} end"] = digest(sorted(task.world.arrays(exact=False).items()))
-                except Exception as error:  # a failure that both checkouts share is no difference
+                except Exception as error:  # a failure that both checkouts share is not a difference
                     hashes[f"{name} {seed} error"] = f"{type(error).__name__}"
     return hashes
 

@@ -1,4 +1,4 @@
-"""Draw docs/images/sheets/: every task as all cameras see a demonstration, and docs/images/looks.jpg of the settings.
+"""Draw docs/images/sheets/: every task as all cameras see a demonstration, and docs/images/looks.jpg of appearance settings.
 
 Usage: python scripts/contact_sheets.py [TASK ...] [--variation N] [--seed N]
 """
@@ -55,7 +55,7 @@ def _sheet(frames: list[Observation], cameras: Sequence[str], rows: list[str], t
 
 
 def looks() -> Image.Image:
-    """One episode without shadows, with default looks, and randomized twice."""
+    """One episode without shadows, with default appearance, and randomized twice."""
     frames, rows = [], ["opengl", "opengl3", "randomized", "randomized"]
     for row, seed in zip(rows, (3, 3, 3, 4)):
         config = ObservationConfig()

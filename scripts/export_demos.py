@@ -23,8 +23,8 @@ def main() -> None:
     """Record, check, read, export."""
     options = _options()
     root = options.out / "dataset"
-    pictures = ImageConfig(cameras=("front", "wrist"), products=("rgb", "depth"), image_size=(options.image_size,) * 2)
-    config = RecordConfig(tasks=tuple(options.tasks), episodes=options.episodes, seed=options.seed, pictures=pictures)
+    images = ImageConfig(cameras=("front", "wrist"), products=("rgb", "depth"), image_size=(options.image_size,) * 2)
+    config = RecordConfig(tasks=tuple(options.tasks), episodes=options.episodes, seed=options.seed, images=images)
     report = record(config, root, engine=ProcessEngine(options.workers), resume=True, on_progress=_show_progress)
     print(f"{report.recorded} recorded now, {report.found} found, {report.missing} missing")
 
@@ -35,7 +35,7 @@ def main() -> None:
             middle = episode[len(episode) // 2]
         print(f"{task}: {len(faults)} faults; {episode.path.name} shows {entry.instructions[0]!r} in {entry.frames} frames,")
         print(
-            f"    in the middle the tip is at {middle.gripper_pose[:3].round(3)} m, the front picture is {middle.front_rgb.shape}"
+            f"    in the middle the tip is at {middle.gripper_pose[:3].round(3)} m, the front image is {middle.front_rgb.shape}"
         )
 
     for task in stored_tasks(root):
@@ -64,7 +64,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--tasks", nargs="+", default=["reach_target", "pick_and_lift"])
     parser.add_argument("--episodes", type=int, default=4, help="of each task")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--image-size", type=int, default=96, help="width and height of the pictures [px]")
+    parser.add_argument("--image-size", type=int, default=96, help="width and height of the images [px]")
     parser.add_argument("--workers", type=int, default=2)
     return parser.parse_args()
 

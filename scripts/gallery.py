@@ -1,6 +1,6 @@
 """Draw docs/images/gallery/: every task of the library late in a demonstration, and write docs/gallery.md, which shows them.
 
-Usage: python scripts/gallery.py [TASK ...]    some tasks: their pictures and their entries anew, the others as they are
+Usage: python scripts/gallery.py [TASK ...]    some tasks: their images and their entries anew, the others as they are
 """
 
 from __future__ import annotations
@@ -56,10 +56,10 @@ def late_in_a_demonstration(name: str) -> tuple[Image.Image, str]:
 
 
 def draw(name: str) -> str:
-    """Write the picture of a task and return its first instruction."""
-    picture, instruction = late_in_a_demonstration(name)
+    """Write the image of a task and return its first instruction."""
+    image, instruction = late_in_a_demonstration(name)
     PICTURES.mkdir(parents=True, exist_ok=True)
-    picture.save(PICTURES / f"{name}.jpg", quality=80, optimize=True)
+    image.save(PICTURES / f"{name}.jpg", quality=80, optimize=True)
     return instruction
 
 
@@ -84,7 +84,7 @@ def page(instructions: dict[str, str]) -> str:
 
 
 def main() -> None:
-    """Draw the pictures of some or all tasks, and write the page."""
+    """Draw the images of some or all tasks, and write the page."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("tasks", nargs="*")
     instructions = written()

@@ -23,7 +23,7 @@ from tqdm import tqdm
 from rlbench_pin.evaluation import read_results, write_results
 
 OUT = Path("out/baselines")
-"""Where data, models and results are, unless told otherwise."""
+"""Default folders of data, models and results."""
 
 
 class Run:

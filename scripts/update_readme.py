@@ -24,7 +24,7 @@ RESULTS = ROOT / "docs" / "results"
 def summary(results: dict[str, Any]) -> str:
     """Return the line of all tasks and the worst one."""
     tasks = dict(current_keys(results))["tasks"]
-    parts = {"seeds that were looked at": "first_try", "unseen seeds": "unseen"}
+    parts = {"seeds used in development": "first_try", "unseen seeds": "unseen"}
     lines = ["| Demonstrations at the first try | All tasks | Worst task |", "|---|---:|---|"]
     for title, key in parts.items():
         rates = {name: task[key] for name, task in tasks.items() if task.get(key, {}).get("of")}

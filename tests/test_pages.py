@@ -23,7 +23,7 @@ def _code(page: Path) -> list[str]:
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_links_lead_to_files(page: Path) -> None:
-    """Every relative link and every picture exists, and where a link names a heading, so does that."""
+    """Every relative link and every image exists, and where a link names a heading, so does that."""
     targets = [t for t in re.findall(r"\]\(([^)\s]+)\)", page.read_text(encoding="utf-8")) if "://" not in t]
     assert [t for t in targets if not (page.parent / t.partition("#")[0]).exists()] == []
     headings = [(page.parent / file if file else page, heading) for file, _, heading in (t.partition("#") for t in targets)]
@@ -52,7 +52,7 @@ GALLERY = (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8")
 
 
 def test_the_gallery_shows_every_task() -> None:
-    """A picture that exists and leads to the sheet, the name, and an instruction, of each task of the library and no other."""
+    """An image that exists and leads to the sheet, the name, and an instruction, of each task of the library and no other."""
     shown = re.findall(r"\[!\[(\w+)\]\(images/gallery/(\w+)\.jpg\)\]\(images/sheets/(\w+)\.jpg\)<br>`(\w+)`<br>([^|<]+)", GALLERY)
     assert [entry[0] for entry in shown] == list(library_names())
     assert all(len(set(entry[:4])) == 1 and entry[4].strip().endswith((".", "?", "!")) for entry in shown)

@@ -18,7 +18,7 @@ RESULTS = ROOT / "docs" / "results" / "demo_success.json"
 
 
 def test_links_lead_to_files() -> None:
-    """Every relative link and every picture exists."""
+    """Every relative link and every image exists."""
     targets = re.findall(r"\]\(([^)#]+)\)", README)
     assert targets
     assert [t for t in targets if not (ROOT / t).exists()] == []

@@ -40,7 +40,7 @@ def test_export_demos(tmp_path: Path) -> None:
     printed = export(tmp_path)
     assert "2 recorded now, 0 found, 0 missing" in printed
     assert f"{TASK}: 0 faults" in printed
-    assert "the front picture is (32, 32, 3)" in printed
+    assert "the front image is (32, 32, 3)" in printed
     verify_task(tmp_path / "dataset", TASK, structure=True)
     entries = read_manifest(tmp_path / "dataset", TASK)
     demos = [read_demo(episode_path(tmp_path / "dataset", TASK, e.variation, e.episode), sha256=e.sha256) for e in entries]
@@ -99,7 +99,7 @@ arc = { axis = [0.0, 1.0, 0.0], angle = 0.4 }
 
 
 def test_turn_tip_frame(tmp_path: Path) -> None:
-    """Every pose of the hand is turned about its own z, stays where it is, and comments and other frames stay as they are."""
+    """Every pose of the gripper is turned about its own z, stays where it is, and comments and other frames stay as they are."""
     file = tmp_path / "scene.toml"
     file.write_text(OLD_SCENE)
     before = hand_poses(file)

@@ -55,9 +55,9 @@ from rlbench_pin.values import (
     as_array,
     as_choice,
     as_flag,
+    as_image_size,
     as_interval,
     as_number,
-    as_picture_size,
     as_pose,
     as_rows,
     as_seed,
@@ -139,12 +139,12 @@ def test_switches_are_truth_values() -> None:
 
 def test_sizes_of_pictures() -> None:
     """A pair, or one number for both sides."""
-    assert as_picture_size(64, "size") == (64, 64)
-    assert as_picture_size([64, np.int16(32)], "size") == (64, 32)
-    assert as_picture_size(np.array([64, 32]), "size") == (64, 32)
+    assert as_image_size(64, "size") == (64, 64)
+    assert as_image_size([64, np.int16(32)], "size") == (64, 32)
+    assert as_image_size(np.array([64, 32]), "size") == (64, 32)
     for size in (0, -1, 64.0, True, "64", "ab", (64,), (64, 64, 3), (64, 0), (64, 1.5), None, (64, 10**9), {64, 32}):
         with pytest.raises(InvalidValue, match="size"):
-            as_picture_size(size, "size")
+            as_image_size(size, "size")
 
 
 def test_intervals_are_in_order() -> None:
@@ -340,7 +340,7 @@ def test_cameras_check_what_is_set(name: str, value: object) -> None:
 
 
 def test_sizes_and_switches_are_kept_as_they_are_used() -> None:
-    """One number is a square picture, a list a pair, 1 is True; copies and pickles are the same."""
+    """One number is a square image, a list a pair, 1 is True; copies and pickles are the same."""
     camera = CameraConfig(image_size=[64, 32])  # type: ignore[arg-type]
     camera.rgb = 0  # type: ignore[assignment]
     assert (camera.image_size, camera.rgb) == ((64, 32), False)

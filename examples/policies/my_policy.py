@@ -1,6 +1,6 @@
 """A policy for reach_target: the tip goes straight to the ball. Evaluate it as `my_policy.py:GoThere`, from this folder.
 
-What to look for: it says what its actions mean and what it wants to observe; everything else is its own affair.
+What to look for: it declares its action mode and its observations; all else is up to it.
 """
 
 from __future__ import annotations

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial import KDTree
 
+from rlbench_pin.baselines.perception import camera_points, first_of_cells
 from rlbench_pin.datasets import key_frames
 from rlbench_pin.environment.observations import ObservationConfig
 from rlbench_pin.environment.presets import key_frame_mode
@@ -20,10 +21,10 @@ from rlbench_pin.observation import Observation
 from rlbench_pin.spatial import TABLE_HEIGHT, compose, pose_at
 
 CAMERAS = ("left_shoulder", "right_shoulder", "overhead", "front")
-"""Cameras whose pictures are used."""
+"""Cameras whose images are used."""
 LOW, HIGH = np.array([-0.12, -0.7, TABLE_HEIGHT + 0.006]), np.array([0.85, 0.7, TABLE_HEIGHT + 0.9])
 """Corners of the box in which points count [m]."""
-ARM, HAND = 0.11, 0.13
+ARM_RADIUS, GRIPPER_RADIUS = 0.11, 0.13
 """Points nearer to the line through the joints, or to the tip and above it, are the arm's [m]."""
 GRAIN = 0.007
 """Edge of the cubes of which each keeps one point [m]."""
@@ -35,15 +36,11 @@ def scene_points(observation: Observation) -> np.ndarray:
     Args:
         observation: With `rgb` and `point_cloud` of the cameras, and `joint_poses` in `misc`.
     """
-    parts = []
-    for camera in CAMERAS:
-        places, colours = getattr(observation, f"{camera}_point_cloud"), getattr(observation, f"{camera}_rgb")
-        parts.append(np.column_stack([places.reshape(-1, 3), colours.reshape(-1, 3) * (COLOUR / 255.0)]).astype(float))
-    points = np.concatenate(parts)
+    places, colours = camera_points(observation, CAMERAS)
+    points = np.column_stack([places, colours * (COLOUR / 255.0)])
     points = points[((points[:, :3] > LOW) & (points[:, :3] < HIGH)).all(axis=1)]
     points = points[_arm_distances(points[:, :3], observation) > 0.0]
-    _, kept = np.unique(np.floor(points[:, :3] / GRAIN).astype(int), axis=0, return_index=True)
-    return points[kept]
+    return points[first_of_cells(points[:, :3], GRAIN)]
 
 
 def _arm_distances(points: np.ndarray, observation: Observation) -> np.ndarray:
@@ -51,8 +48,8 @@ def _arm_distances(points: np.ndarray, observation: Observation) -> np.ndarray:
     joints = np.asarray(observation.misc["joint_poses"], dtype=float)[:, :3]
     assert observation.gripper_pose is not None
     tip = np.asarray(observation.gripper_pose, dtype=float)[:3]
-    lines = [(a, b, ARM) for a, b in zip(joints, joints[1:]) if np.linalg.norm(b - a) > 1e-6]
-    lines.append((joints[-1], tip, HAND))
+    lines = [(a, b, ARM_RADIUS) for a, b in zip(joints, joints[1:]) if np.linalg.norm(b - a) > 1e-6]
+    lines.append((joints[-1], tip, GRIPPER_RADIUS))
     return np.min([_line_distances(points, a, b) - radius for a, b, radius in lines], axis=0)
 
 
@@ -73,8 +70,8 @@ SHIFTS = [(x, y) for x in np.linspace(-0.2, 0.2, 5) for y in np.linspace(-0.2, 0
 """Shifts of a whole scene that are tried, beside those that bring the middles together [m]."""
 TURNING = 0.001
 """Cost of a turn, so that of two that fit alike the smaller is taken [m/rad]."""
-CLEARLY = 0.001
-"""What is clearly better [m]."""
+COST_TOLERANCE = 0.001
+"""Smallest difference of costs that counts [m]."""
 PLACES = 40
 """Places that are tried."""
 SAMPLES, REFINED = (80, 200, 500), (10, 3)
@@ -146,14 +143,14 @@ class Scene:
         return kept_mean(self._tree.query(moved, distance_upper_bound=FAR)[0])
 
     def whole(self, part: np.ndarray) -> Match:
-        """Return the motion of a whole scene (m, 6) that fits best, judged both ways."""
+        """Return the motion of a whole scene (m, 6) that fits best, measured in both directions."""
         center, here = part[:, :2].mean(axis=0), self.points[:, :2].mean(axis=0)
         tried = [PlanarMotion.about(yaw, center, here + shift) for yaw in TURNS for shift in SHIFTS]
         return self._best(part, [PlanarMotion(), *tried], both_ways=True)
 
     def staying(self, part: np.ndarray, motion: PlanarMotion) -> Match:
         """Return a motion as it is, and how well it fits a part (m, 6)."""
-        return Match(motion, self._misfit(motion, thinned(part, SAMPLES[-1])) + CLEARLY)
+        return Match(motion, self._misfit(motion, thinned(part, SAMPLES[-1])) + COST_TOLERANCE)
 
     def part(self, part: np.ndarray, likely: PlanarMotion) -> Match:
         """Return the motion of a part (m, 6) that fits best.
@@ -166,7 +163,7 @@ class Scene:
         places = thinned(self.points, PLACES)[:, :2]
         tried = [PlanarMotion.about(yaw, center, place) for place in places for yaw in TURNS]
         kept, other = self._best(part, [likely], both_ways=False), self._best(part, tried, both_ways=False)
-        return other if other.cost + CLEARLY < kept.cost else kept
+        return other if other.cost + COST_TOLERANCE < kept.cost else kept
 
     def _best(self, part: np.ndarray, tried: Sequence[PlanarMotion], both_ways: bool) -> Match:
         """Return the best motion: those tried are compared, refined by few points, then by more, fewer of them each time."""
@@ -228,7 +225,7 @@ def thinned(points: np.ndarray, most: int) -> np.ndarray:
 
 
 TOGETHER = 0.2
-"""Key frames that follow each other within this distance belong to one part of the scene, which the hand may touch [m]."""
+"""Key frames that follow each other within this distance belong to one part of the scene, which the gripper may touch [m]."""
 RADIUS = 0.15
 """A part of the scene is what is so near to its key frames [m]."""
 FEWEST = 40
@@ -266,9 +263,9 @@ class Shown:
     """Points of the first frame, shape (n, 6)."""
     parts: tuple[Part, ...]
 
-    def misses(self, said: frozenset[str]) -> float:
+    def misses(self, words: frozenset[str]) -> float:
         """Return the cost of an instruction with these words [m]."""
-        return WORDS * (1.0 - len(said & self.words) / max(1, len(said | self.words)))
+        return WORDS * (1.0 - len(words & self.words) / max(1, len(words | self.words)))
 
 
 class Nearest:
@@ -333,15 +330,15 @@ class NearestPolicy(KeyFramePolicy):
     def _looked(self, observation: Observation, instruction: str) -> list[list[KeyFrame]]:
         """Return the key frames of the demonstrations that fit best, moved to what is seen; each plan ends with the way back."""
         assert observation.gripper_pose is not None
-        scene, home, said = Scene(scene_points(observation)), KeyFrame(observation.gripper_pose, True), words_of(instruction)
+        scene, home, words = Scene(scene_points(observation)), KeyFrame(observation.gripper_pose, True), words_of(instruction)
         wholes = [(scene.whole(shown.scene), shown) for shown in self._shown]
-        wholes.sort(key=lambda fit: fit[0].cost + fit[1].misses(said))
+        wholes.sort(key=lambda fit: fit[0].cost + fit[1].misses(words))
         ways = (True, False) if self._local else (False,)
-        plans = [_moved(shown, scene, whole, said, local) for whole, shown in wholes[:CONSIDERED] for local in ways]
+        plans = [_moved(shown, scene, whole, words, local) for whole, shown in wholes[:CONSIDERED] for local in ways]
         return [[*frames, home] for _, frames in sorted(plans, key=lambda plan: plan[0])]
 
 
-def _moved(shown: Shown, scene: Scene, whole: Match, said: frozenset[str], local: bool) -> tuple[float, list[KeyFrame]]:
+def _moved(shown: Shown, scene: Scene, whole: Match, words: frozenset[str], local: bool) -> tuple[float, list[KeyFrame]]:
     """Return how badly a demonstration fits, and its key frames moved to this scene, part by part or with the whole."""
     find = scene.part if local else scene.staying
     matches = [find(part.points, whole.motion) if len(part.points) else None for part in shown.parts]
@@ -349,7 +346,7 @@ def _moved(shown: Shown, scene: Scene, whole: Match, said: frozenset[str], local
     frames = []
     for part, motion in zip(shown.parts, _motions(matches, whole.motion)):
         frames += [KeyFrame(motion.of_pose(f.pose), f.is_open, f.ignore_collisions) for f in part.frames]
-    return (float(np.mean(costs)) if costs else whole.cost) + shown.misses(said), frames
+    return (float(np.mean(costs)) if costs else whole.cost) + shown.misses(words), frames
 
 
 def _motions(matches: Sequence[Match | None], whole: PlanarMotion) -> list[PlanarMotion]:

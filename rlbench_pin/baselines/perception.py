@@ -10,13 +10,13 @@ from types import MappingProxyType
 
 import numpy as np
 import pinocchio as pin
-import small_gicp
 from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from rlbench_pin.assets import asset_path
+from rlbench_pin.errors import DatasetError
 from rlbench_pin.observation import Observation
 from rlbench_pin.robot import RobotModel
 from rlbench_pin.robot.geometry import shape_surface
@@ -27,7 +27,7 @@ from rlbench_pin.urdf import UrdfLink, kinematic_urdf, read_urdf
 
 
 def arm_surface(arm: RobotModel, q: FloatArray, fingers: FloatArray) -> FloatArray:
-    """Return points (m, 3) on the surface of arm and hand at joint positions `q` (n,) [rad] and `fingers` (2,) [m]."""
+    """Return points (m, 3) on the surface of arm and gripper at joint positions `q` (n,) [rad] and `fingers` (2,) [m]."""
     description = arm.description
     names = (*description.arm_joints, *description.gripper_joints)
     joints = dict(zip(names, [*q.tolist(), *fingers.tolist()], strict=True))
@@ -66,7 +66,7 @@ def name_of(color: FloatArray, names: Sequence[str] = tuple(PALETTE)) -> str:
 
 SPACING = 0.006
 """Mean distance of points on a surface [m]."""
-MOST = 6000
+MAX_POINTS = 6000
 """Points of one link at most."""
 NO_JOINTS: Mapping[str, float] = MappingProxyType({})
 
@@ -147,7 +147,7 @@ def _sampled(link: UrdfLink) -> FloatArray:
     triangles = np.concatenate([points[numbers] for points, numbers in corners])
     across = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     areas = 0.5 * np.linalg.norm(across, axis=1)
-    count = int(min(MOST, max(40.0, areas.sum() / SPACING**2)))
+    count = int(min(MAX_POINTS, max(40.0, areas.sum() / SPACING**2)))
     chosen = triangles[rng.choice(len(triangles), size=count, p=areas / areas.sum())]
     a, b = rng.random((2, count, 1))
     flip = a + b > 1.0
@@ -159,7 +159,7 @@ def _sampled(link: UrdfLink) -> FloatArray:
 CAMERAS = ("left_shoulder", "right_shoulder", "overhead", "wrist", "front")
 """The cameras that are looked through."""
 LOWEST, HIGHEST = np.array([-0.1, -0.85, -0.003]), np.array([1.1, 0.85, 0.9])
-"""Corners of the box over the table in which things are looked for; heights count from the table [m]."""
+"""Corners of the box over the table in which objects are looked for; heights count from the table [m]."""
 FLAT = 0.003
 """What is lower than this belongs to the plane of the table [m]."""
 OWN = 0.03
@@ -205,7 +205,7 @@ class Cloud:
 class View:
     """What is seen at one instant, taken apart."""
 
-    things: Cloud
+    objects: Cloud
     """What stands on the table or floats above it."""
     marks: Cloud
     """The plane of the table, with what is painted on it."""
@@ -241,11 +241,34 @@ def look(observation: Observation, arm: RobotModel) -> View:
     return View(merged.where(apart & (height > FLAT)), merged.where(apart & (height <= FLAT)))
 
 
+def first_of_cells(points: FloatArray, side: float) -> NDArray[np.int64]:
+    """Return the rows of the points (n, 3) that are the first in their cell of a grid, in the order of the cells.
+
+    Args:
+        points: [m].
+        side: Edge of the cubic cells [m].
+    """
+    cells = np.floor(points / side).astype(np.int64)
+    cells -= cells.min(axis=0, initial=0)
+    return np.unique(np.ravel_multi_index(tuple(cells.T), cells.max(axis=0, initial=0) + 1), return_index=True)[1]
+
+
 def thinned(cloud: Cloud, voxel: float = VOXEL) -> Cloud:
     """Keep one point of each cube of side `voxel` [m]."""
-    cells = np.floor(cloud.points / voxel).astype(np.int64)
-    _, first = np.unique(cells, axis=0, return_index=True)
-    return cloud.where(np.sort(first))
+    return cloud.where(np.sort(first_of_cells(cloud.points, voxel)))
+
+
+def camera_points(observation: Observation, cameras: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the point clouds of cameras, merged: points, float32 (n, 3) [m], and colours, uint8 (n, 3).
+
+    Raises:
+        DatasetError: A camera lacks colours or points.
+    """
+    pairs = [(getattr(observation, f"{c}_point_cloud", None), getattr(observation, f"{c}_rgb", None)) for c in cameras]
+    if any(p is None or c is None for p, c in pairs):
+        raise DatasetError(f"An observation lacks colours or point clouds of one of {list(cameras)}.")
+    points = np.concatenate([np.asarray(p, dtype=np.float32).reshape(-1, 3) for p, _ in pairs])
+    return points, np.concatenate([np.asarray(c, dtype=np.uint8).reshape(-1, 3) for _, c in pairs])
 
 
 def _seen_by(observation: Observation, name: str) -> Cloud | None:
@@ -352,6 +375,8 @@ def locate(
 
 def _best(model: KnownModel, joints: Mapping[str, float], scene: FloatArray, yaws: int) -> Located:
     """Return the best fit of one state of the model."""
+    import small_gicp  # of the extra `classical`; other baselines need points alone
+
     surface = outside(model.points_at(joints))
     surface = surface[:: max(1, len(surface) // SURFACE)]
     target, tree = small_gicp.PointCloud(surface), cKDTree(surface)
@@ -383,7 +408,7 @@ def outside(points: FloatArray, cell: float = 0.02, depth: float = 0.01) -> Floa
     seen = np.zeros(len(points), dtype=bool)
     for slope in (0.3, 0.8, 1.5):
         for yaw in np.linspace(-np.pi, np.pi, 8, endpoint=False):
-            along = points @ pin.rpy.rpyToMatrix(0.0, slope, yaw)  # x towards the thing, and down
+            along = points @ pin.rpy.rpyToMatrix(0.0, slope, yaw)  # x towards the object, and down
             cells = np.floor(along[:, 1:] / cell).astype(np.int64)
             _, which = np.unique(cells[:, 0] * 100_000 + cells[:, 1], return_inverse=True)
             nearest = np.full(which.max() + 1, np.inf)
@@ -447,9 +472,9 @@ def _joined(boxes: np.ndarray, axis: int) -> np.ndarray:
     section = boxes[:, :, others].reshape(-1, 4)
     order = np.lexsort((boxes[:, 0, axis], *section.T))
     boxes, section = boxes[order], section[order]
-    goes_on = (section[1:] == section[:-1]).all(axis=1) & (boxes[1:, 0, axis] == boxes[:-1, 1, axis])
-    goes_on &= boxes[1:, 0, axis] % LONGEST != 0
-    first, last = np.append(True, ~goes_on)[: len(boxes)], np.append(~goes_on, True)[: len(boxes)]
+    continues = (section[1:] == section[:-1]).all(axis=1) & (boxes[1:, 0, axis] == boxes[:-1, 1, axis])
+    continues &= boxes[1:, 0, axis] % LONGEST != 0
+    first, last = np.append(True, ~continues)[: len(boxes)], np.append(~continues, True)[: len(boxes)]
     joined = boxes[first].copy()
     joined[:, 1] = boxes[last][:, 1]
     return joined

@@ -1,1 +1,1 @@
-"""The task builder: a task is made in the browser, validated, and kept as the two files that a person would write."""
+"""The task builder: edit a task in the browser, validate it, and save it as its scene file and its Python file."""

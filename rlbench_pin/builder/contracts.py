@@ -1,4 +1,4 @@
-"""Records that the parts of the builder exchange: the text of a task, and the results of the worker process."""
+"""Records shared by the parts of the builder: the text of a task, and the results of the worker process."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ Standing = Literal["free", "collides", "unreachable"]
 
 @dataclass(frozen=True)
 class TaskText:
-    """The two files of a task as they stand in the editor."""
+    """The two files of a task as the editor shows them."""
 
     name: str
     """Name of the task."""
     folder: Path
-    """Where the files lie; `./thing.urdf` in the scene is meant from here."""
+    """Folder of the files; relative paths in the scene, such as `./cup.urdf`, start here."""
     scene: str
     """Content of `<task>.toml`."""
     python: str
@@ -34,11 +34,11 @@ class OpenedTask:
     """The content of a task that the worker process has built."""
 
     variations: int
-    """How many there are."""
+    """Number of variations."""
     conditions: tuple[str, ...]
     """The success conditions as text, in order."""
     graspable: tuple[str, ...]
-    """Names of what may be grasped."""
+    """Names of the bodies that may be grasped."""
     waypoints: tuple[str, ...]
     """Names of the waypoints in the order of visits."""
     problems: tuple[Problem, ...] = ()
@@ -54,7 +54,7 @@ class WaypointVerdict:
     standing: Standing
     """Green, amber or red."""
     cause: str = ""
-    """Why not, in words."""
+    """Why it is not reached, as text."""
     pose: FloatArray = field(default_factory=lambda: np.zeros(7))
     """Pose (7,) of the tip at the waypoint, in the world."""
     configuration: FloatArray | None = None
@@ -65,16 +65,16 @@ class WaypointVerdict:
 
 @dataclass(frozen=True, eq=False)
 class PlannedPath:
-    """The way of the tip to one waypoint."""
+    """The path of the tip to one waypoint."""
 
     waypoint: str
-    """Where it leads."""
+    """Name of the waypoint."""
     points: FloatArray
-    """Positions (m, 3) of the tip [m]; none when there is no way."""
+    """Positions (m, 3) of the tip [m]; none when there is no path."""
     method: str = ""
-    """How it was planned."""
+    """Planning method."""
     cause: str = ""
-    """Why there is no way."""
+    """Why there is no path."""
 
 
 @dataclass(frozen=True)
@@ -82,11 +82,11 @@ class ValidationLine:
     """A line of the validator's panel."""
 
     name: str
-    """What is asked, as `rlbench-pin check` calls it."""
+    """Name of the check in `rlbench-pin check`."""
     passed: bool | None
-    """None while it is being looked at."""
+    """None while it is being validated."""
     figure: str
-    """What was measured."""
+    """The measured value."""
     failures: tuple[tuple[int, int, str], ...] = ()
     """Seed, variation and cause of each failure."""
 
@@ -102,4 +102,4 @@ class ReachSpot:
     spots: tuple[tuple[float, float], ...]
     """x, y of each waypoint [m]."""
     free: bool
-    """Whether the arm at home touches nothing."""
+    """Whether the arm in its home configuration touches nothing."""

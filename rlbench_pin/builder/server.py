@@ -1,4 +1,4 @@
-"""The web server of the builder: a page of viser on this machine, behind a random token."""
+"""The web server of the builder: a viser page on this machine; its address contains a random token."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from rlbench_pin.values import as_text, as_whole
 
 LOCAL_NAMES = ("127.0.0.1", "localhost", "::1")
 """Names of this machine. A page that points another name here (DNS rebinding) is refused."""
-LARGEST_UPLOAD = 64 * 1024 * 1024
+MAX_UPLOAD_SIZE = 64 * 1024 * 1024
 """Size of an uploaded file at most [bytes]."""
 _STARTING = threading.Lock()
 
@@ -99,7 +99,7 @@ class _Connection(ServerConnection):
                 return raw
             message = msgspec.msgpack.decode(raw)
             kind = message.get("type")
-            if kind == "FileTransferStartUpload" and message["size_bytes"] > LARGEST_UPLOAD:
+            if kind == "FileTransferStartUpload" and message["size_bytes"] > MAX_UPLOAD_SIZE:
                 # As an empty file it ends at once in the tab, and its parts are ignored; the receiver refuses empty files.
                 return msgspec.msgpack.encode({**message, "size_bytes": 0, "part_count": 0})
             if kind not in ("ShareUrlRequest", "ShareUrlDisconnect"):
@@ -107,7 +107,7 @@ class _Connection(ServerConnection):
 
 
 class LocalServer:
-    """A page of viser behind a random token; without the token, every request is refused.
+    """A viser page whose address contains a random token; a request without the token is refused.
 
     Args:
         port: TCP port; 0 takes a free one.

@@ -1,4 +1,4 @@
-"""The validator: what every task must keep, measured and reported."""
+"""The validator: it measures whether tasks fulfil their contract, and writes reports."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Why a demonstration failed: the typed reason with its evidence, and an image of the world at that moment."""
+"""Causes of failed demonstrations: the error with its evidence, and an image of the world at that moment."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ from rlbench_pin.tasks import find_task
 from rlbench_pin.values import as_path
 
 
-def explain_failure(task: str, seed: int, variation: int, picture: Path | None = None, attempt: int = 0) -> list[str]:
-    """Play one demonstration again and return lines that say why it fails; one line when it does not.
+def explain_failure(task: str, seed: int, variation: int, image: Path | None = None, attempt: int = 0) -> list[str]:
+    """Replay one demonstration and return lines with the cause of its failure; one line when it succeeds.
 
     Args:
         task: Name of the task, or path of a task file.
         seed: Seed of the episode.
         variation: Its variation.
-        picture: PNG file of the world at the failure; None for none.
-        attempt: Which try of the seed.
+        image: PNG file of the world at the failure; None for none.
+        attempt: Number of the attempt of the seed.
 
     Raises:
         StorageError: The image cannot be written.
     """
-    picture = None if picture is None else as_path(picture, "picture")
+    image = None if image is None else as_path(image, "image")
     with make_environment(low_dim_config()) as environment:
         task_environment = environment.get_task(find_task(task))
         failures = _Failures()
@@ -43,11 +43,11 @@ def explain_failure(task: str, seed: int, variation: int, picture: Path | None =
             return [f"{head}: the demonstration succeeds."]
         lines = [f"{head}: {outcome.cause}", f"  waypoint: {outcome.waypoint}"]
         lines += [line for error in failures.since_success for line in evidence_lines(error)]
-        if picture is not None:
-            with storing(picture):
-                picture.parent.mkdir(parents=True, exist_ok=True)
-                Image.fromarray(_look(task_environment.world)).save(picture, "PNG")
-            lines.append(f"  picture: {picture}")
+        if image is not None:
+            with storing(image):
+                image.parent.mkdir(parents=True, exist_ok=True)
+                Image.fromarray(_look(task_environment.world)).save(image, "PNG")
+            lines.append(f"  image: {image}")
         return lines
 
 

@@ -1,4 +1,4 @@
-"""Images of a check: contact sheets of demonstrations and maps of what the arm reaches."""
+"""Images of a check: contact sheets of demonstrations and reach maps."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ MOMENTS = 5
 _SCALE = 210.0
 """Pixels per metre."""
 _TABLE = ((-0.36, 0.72), (-0.56, 0.56))
-"""x and y that a panel shows [m]."""
+"""Range of x and y of a panel [m]."""
 _PER_ROW, _GAP, _MAP_CAPTION, _HEAD = 5, 10, 20, 48
 _YES, _NO, _MAP_FAINT, _FLOOR = (0, 128, 90), (213, 70, 0), (120, 120, 120), (238, 238, 232)
 _SIZE = 144
@@ -74,7 +74,7 @@ def demo_sheet(
         task: Class of the task.
         seed: Seed of the episode.
         variation: Variation of the task.
-        attempt: Which try of the seed; None takes the first that succeeds.
+        attempt: Number of the attempt of the seed; None takes the first that succeeds.
         size: Side of each image [px].
 
     Raises:
@@ -116,12 +116,12 @@ def _demonstrate(task_environment: TaskEnvironment, seed: int, variation: int, a
 
 
 def moments(task: TaskEnvironment, demo: Demo, config: ObservationConfig, count: int = MOMENTS) -> dict[float, Observation]:
-    """Play a demonstration again and look through all cameras at `count` frames of it, first and last among them.
+    """Replay a demonstration and render all cameras at `count` frames of it, including the first and the last.
 
-    Playing it twice is cheaper than taking every image, and the second time goes exactly as the first.
+    Playing it twice is cheaper than taking every image, and the replay is identical.
 
     Returns:
-        Time since the reset [s] -> what is seen then.
+        Time since the reset [s] -> the observation.
     """
     wanted = set(np.linspace(0, len(demo) - 1, count).round().astype(int).tolist())
     seen: dict[float, Observation] = {}
@@ -144,12 +144,12 @@ def moments(task: TaskEnvironment, demo: Demo, config: ObservationConfig, count:
 
 
 def reach_map(task: str, reaches: Sequence[Reach], fixed: bool) -> Image.Image:
-    """Draw one panel for each waypoint, and one for all together with the arm at home.
+    """Draw one panel for each waypoint, and one for all waypoints with a collision-free arm at home.
 
     Args:
         task: Name for the title.
-        reaches: Random layouts of the task, each with what was reached.
-        fixed: Draw the places of the waypoints instead of those of the task root, which stays where it is.
+        reaches: Random layouts of the task, each with its reached waypoints.
+        fixed: Draw the places of the waypoints instead of those of the task root, which does not move.
     """
     count = len(reaches[0].waypoints)
     panels = [_panel("all, arm free", [(_spot(r, None, fixed), r.place[2], r.accepted) for r in reaches], fixed)]
@@ -209,7 +209,7 @@ def _map_sheet(task: str, panels: Sequence[Image.Image], fixed: bool, count: int
     rows = -(-len(panels) // columns)
     sheet = Image.new("RGB", (_GAP + columns * width, _HEAD + rows * height), _PAPER)
     draw = ImageDraw.Draw(sheet)
-    draw.text((_GAP, 4), f"{task}: what the arm reaches from {count} places", fill=_INK, font=font(16))
+    draw.text((_GAP, 4), f"{task}: reach of the arm at {count} places", fill=_INK, font=font(16))
     marks = "places of the waypoint" if fixed else "places of the task, a line along its x"
     draw.text((_GAP, 27), f"dots reached, crosses not; {marks}; frame: workspace; disc: robot", fill=_MAP_FAINT, font=font(12))
     for k, panel in enumerate(panels):
@@ -218,7 +218,7 @@ def _map_sheet(task: str, panels: Sequence[Image.Image], fixed: bool, count: int
 
 
 def draw_images(task: str, trials: Sequence[Trial], out: Path) -> dict[str, str]:
-    """Draw what can be drawn of one task into `out`, and return what it shows -> file below `out`."""
+    """Draw the images of one task into `out`, and return content (`sheet`, `map`) -> file below `out`."""
     drawn = {}
     solved = [trial for trial in of_kind(trials, DemoTrial) if trial.solved]
     if solved:
@@ -236,7 +236,7 @@ def draw_images(task: str, trials: Sequence[Trial], out: Path) -> dict[str, str]
 def _draw_sheet(task: str, trial: DemoTrial, out: Path) -> str:
     """The five cameras at the reset, at three moments of a demonstration, and at its end."""
     sheet, _ = demo_sheet(find_task(task), trial.seed, trial.variation, attempt=len(trial.failed), size=_SIZE)
-    file = Path("pictures") / f"{trial.task}.jpg"
+    file = Path("images") / f"{trial.task}.jpg"
     (out / file).parent.mkdir(parents=True, exist_ok=True)
     sheet.save(out / file, quality=80, optimize=True)
     return file.as_posix()
@@ -244,7 +244,7 @@ def _draw_sheet(task: str, trial: DemoTrial, out: Path) -> str:
 
 def _draw_map(task: str, trials: Sequence[ReachTrial], out: Path) -> str:
     static = task_scene(find_task(task)).placement.static
-    file = Path("pictures") / f"{trials[0].task}_reach.png"
+    file = Path("images") / f"{trials[0].task}_reach.png"
     (out / file).parent.mkdir(parents=True, exist_ok=True)
     reach_map(trials[0].task, [trial.reach for trial in trials if trial.reach], static).save(out / file)
     return file.as_posix()

@@ -20,17 +20,17 @@ HEADER = (
 )  # fmt: skip
 
 
-def page(content: Plain, pictures: Mapping[str, Mapping[str, str]] | None = None) -> str:
+def page(content: Plain, images: Mapping[str, Mapping[str, str]] | None = None) -> str:
     """Return the page.
 
     Args:
-        content: What the JSON report holds; parts that an older one lacks are left out.
-        pictures: Task -> what an image shows (`sheet`, `map`) -> its file, relative to the page.
+        content: The JSON report; parts that an older one lacks are left out.
+        images: Task -> content of an image (`sheet`, `map`) -> its file, relative to the page.
     """
     content = current_keys(content)
     tasks = content["tasks"]
     sections = [_head(content), overview(content), _slowest(tasks)]
-    sections += [_task(name, task, (pictures or {}).get(name, {})) for name, task in tasks.items()]
+    sections += [_task(name, task, (images or {}).get(name, {})) for name, task in tasks.items()]
     return "\n\n".join(section for section in sections if section) + "\n"
 
 
@@ -92,9 +92,9 @@ def _slowest(tasks: Plain) -> str:
     return f"## The slowest\n\n{text}\n\n" + markdown_table(["Task", "x real time", "Where the time goes"], rows)
 
 
-def _task(name: str, task: Plain, pictures: Mapping[str, str]) -> str:
+def _task(name: str, task: Plain, images: Mapping[str, str]) -> str:
     parts = [f"## {name}", "; ".join(task["faults"]) or "ok", _findings(task)]
-    parts += [f"![{name}, {what}]({file})" for what, file in pictures.items()]
+    parts += [f"![{name}, {what}]({file})" for what, file in images.items()]
     parts += [_failures(task["failures"]), _variations(task), _segments(task), _reach(task)]
     return "\n\n".join(part for part in parts if part)
 
@@ -157,7 +157,7 @@ def _reach(task: Plain) -> str:
 
 
 def share(rate: Plain | None) -> str:
-    """Return `19/20`, or nothing where nothing was tried."""
+    """Return `19/20`, or an empty text where nothing was tried."""
     return f"{rate['count']}/{rate['of']}" if rate and rate["of"] else ""
 
 

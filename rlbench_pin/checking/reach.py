@@ -1,4 +1,4 @@
-"""Which waypoints the arm reaches, over the whole range of places that a task may stand at."""
+"""Reachability of the waypoints, over the whole range of places of a task."""
 
 from __future__ import annotations
 
@@ -19,29 +19,29 @@ from rlbench_pin.tasks import Waypoint
 
 @dataclass(frozen=True)
 class Reach:
-    """What can be reached in one random layout of the task; a layout that a reset would refuse is kept."""
+    """Reachability in one random layout of the task; layouts that a reset would refuse are kept."""
 
     place: tuple[float, float, float]
     """x, y [m] and yaw [rad] of the task root."""
     waypoints: tuple[int, ...]
     reached: tuple[bool, ...]
-    """Whether the arm gets to each waypoint after the ones before it, without regard to collisions, as a reset asks."""
+    """Whether the arm gets to each waypoint after the ones before it, without regard to collisions, as a reset requires."""
     spots: tuple[tuple[float, float], ...]
     """x, y of each waypoint [m]."""
     free: bool
-    """Whether the arm at home touches nothing."""
+    """Whether the arm in its home configuration touches nothing."""
 
     @property
     def accepted(self) -> bool:
-        """Whether a reset would keep this draw."""
+        """Whether a reset would accept this layout."""
         return self.free and all(self.reached)
 
 
 def reach_of(runtime: Runtime, seed: int, variation: int) -> Reach:
-    """Lay the task out once, from `seed`, and see which waypoints can be reached.
+    """Set up one layout of the task, from `seed`, and check which waypoints can be reached.
 
     Raises:
-        BoundaryError: Something found no place.
+        BoundaryError: There was no free place for an object.
     """
     random = EpisodeRandom.from_seed(seed)
     runtime.task.end_episode()

@@ -1,4 +1,4 @@
-"""What the trials of a check found: one record for each part of the check, with a verdict of its own."""
+"""Results of the trials of a check: one class of records for each part of the check."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ class Incident:
 
 @dataclass(frozen=True, kw_only=True)
 class Trial:
-    """What every record says, whichever part of the check it belongs to."""
+    """Fields that the records of all parts have."""
 
     part: ClassVar[Part]
     task: str
     seed: int
     variation: int
     error: str = ""
-    """What the task raised where it should not raise anything; the trial then has no result."""
+    """Unexpected error of the task; the trial then has no result."""
 
     @classmethod
     def without_start(cls, task: str, seed: int, variation: int, why: str) -> Self:
@@ -43,7 +43,7 @@ class Trial:
         return cls(task=task, seed=seed, variation=variation, error=why)
 
     def incidents(self) -> Iterator[Incident]:
-        """Yield what went wrong."""
+        """Yield the errors and failures."""
         if self.error:
             yield Incident(self.error)
 
@@ -70,15 +70,15 @@ class Cost:
     """Time that a reset and a demonstration took."""
 
     wall: float = 0.0
-    """On the clock [s]."""
+    """Wall time [s]."""
     process: float = 0.0
-    """Of the process [s]."""
+    """Process time [s]."""
     planning: float = 0.0
-    """Of the process, spent planning [s]."""
+    """Process time of planning [s]."""
     physics: float = 0.0
-    """Of the process, spent simulating [s]."""
+    """Process time of simulation [s]."""
     observing: float = 0.0
-    """Of the process, spent observing [s]."""
+    """Process time of observations [s]."""
     ticks: int = 0
     """Control ticks simulated."""
 
@@ -95,13 +95,13 @@ class SolvedDemo:
     stable: bool = False
     """Whether success still held after 1 s with the arm stationary and the gripper unchanged."""
     left_over: tuple[str, ...] = ()
-    """What the episode left behind in the next one."""
+    """Differences in the next episode that this one caused."""
     segments: tuple[SegmentReport, ...] = ()
     """Planning and length of each segment."""
     cost: Cost = Cost()
 
     def incidents(self, attempt: int) -> Iterator[Incident]:
-        """Yield what went wrong after the demonstration, the successful `attempt` of its seed."""
+        """Yield the failures after the demonstration, the successful `attempt` of its seed."""
         if self.replayed is False:
             yield Incident("replay: goal not reached", attempt)
         if self.left_over:
@@ -141,7 +141,7 @@ class DemoTrial(Trial):
         return self.solved_at_first or bool(self.other_plans)
 
     def incidents(self) -> Iterator[Incident]:
-        """Yield the failed attempts, then what went wrong after the successful one."""
+        """Yield the failed attempts, then the failures after the successful one."""
         for attempt, failed in enumerate(self.failed):
             yield Incident(failed.cause, attempt, failed.waypoint)
         yield from super().incidents()
@@ -151,7 +151,7 @@ class DemoTrial(Trial):
 
 @dataclass(frozen=True, kw_only=True)
 class UnseenTrial(DemoTrial):
-    """The same of a seed that nobody has looked at while the task was made; these count apart."""
+    """The same for a seed that was not used while the task was made; these are counted separately."""
 
     part = "unseen"
 
@@ -162,15 +162,15 @@ class RepeatTrial(Trial):
 
     part = "repeat"
     differing: tuple[str, ...] = ()
-    """Which of `reset` and `demonstration` had other bytes the second time."""
+    """Those of `reset` and `demonstration` whose repetition was not byte-identical."""
 
     @property
     def repeats(self) -> bool:
-        """Whether both gave the same bytes twice."""
+        """Whether both were byte-identical."""
         return not self.differing and not self.error
 
     def incidents(self) -> Iterator[Incident]:
-        """Yield what does not repeat."""
+        """Yield what was not byte-identical."""
         yield from (Incident(f"{what}: not the same bytes twice") for what in self.differing)
         yield from super().incidents()
 
@@ -184,7 +184,7 @@ class NoopTrial(Trial):
 
     @property
     def reached_goal(self) -> bool:
-        """Whether it reached the goal; it should not."""
+        """Whether it reached the goal, which is a fault."""
         return self.episode is not None and self.episode.success
 
     def incidents(self) -> Iterator[Incident]:
@@ -200,7 +200,7 @@ class RandomTrial(Trial):
 
     part = "random"
     reached_goal: bool = False
-    """Whether they reached the goal; they should not."""
+    """Whether they reached the goal, which is a fault."""
 
     def incidents(self) -> Iterator[Incident]:
         """Yield the error, or that the goal was reached."""
@@ -274,5 +274,5 @@ def of_kind(trials: Iterable[Trial], kind: type[Kind]) -> list[Kind]:
 
 
 def ordered(trials: Iterable[Trial]) -> list[Trial]:
-    """Sort trials, so that a report does not depend on who finished first."""
+    """Sort trials, so that a report does not depend on the order in which workers finish."""
     return sorted(trials, key=lambda trial: (trial.task, trial.part, trial.seed))

@@ -44,7 +44,7 @@ _RATES = (
 
 @dataclass(frozen=True)
 class Failure:
-    """A cause of failure, and where to see it."""
+    """A cause of failure, and an example."""
 
     cause: str
     count: int
@@ -56,7 +56,7 @@ class Failure:
 
 
 def group_failures(trials: Iterable[Trial]) -> tuple[Failure, ...]:
-    """Group what went wrong by cause, numbers ignored, most frequent first; each with its first example."""
+    """Group failures by cause, numbers ignored, most frequent first; each with its first example."""
     groups: dict[str, Failure] = {}
     for trial in trials:
         for found in trial.incidents():
@@ -78,7 +78,7 @@ class SegmentStatistics:
     duration: tuple[float, float]
     """Median and 95th percentile of the length of the motion [s]."""
     methods: dict[str, int]
-    """How the plan was found -> how often."""
+    """Planning method -> number of plans."""
 
     def as_dict(self) -> dict[str, object]:
         """Plain data for JSON."""
@@ -116,12 +116,12 @@ class Speed:
 
     @property
     def other(self) -> float:
-        """Share of the process time that none of these takes."""
+        """Share of the process time of everything else."""
         return max(0.0, 1.0 - self.planning - self.physics - self.observing)
 
     @property
     def reason(self) -> str:
-        """What the time is spent on, the largest share first."""
+        """The shares of the process time as text, the largest first."""
         segment = (
             ""
             if self.slowest_segment is None
@@ -194,7 +194,7 @@ def _spread(values: Sequence[float]) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Worst:
-    """The largest of a quantity over all resets, and where to see it."""
+    """The largest value of a quantity over all resets, and an example."""
 
     value: float = 0.0
     """[m]"""
@@ -209,7 +209,7 @@ class Worst:
 
 @dataclass(frozen=True)
 class TaskReport:
-    """What the trials of one task add up to."""
+    """Summary of the trials of one task."""
 
     task: str
     variations: tuple[int, ...]
@@ -219,7 +219,7 @@ class TaskReport:
     same_scene: Rate
     """Seeds whose first scene was solved, planned again with other random draws after a failure."""
     unseen: Rate
-    """First tries on the seeds that count apart."""
+    """First attempts on the unseen seeds."""
     stable_success: Rate
     """Successful demonstrations whose success still held after 1 s."""
     replay: Rate
@@ -234,24 +234,24 @@ class TaskReport:
     repeat: Rate
     """Resets and demonstrations that repeat bit for bit."""
     tidy: Rate
-    """Episodes that leave nothing behind in the next."""
+    """Episodes that cause no difference in the next."""
     left_over: tuple[str, ...]
-    """What the others left behind."""
+    """Differences that the others caused."""
     drift: Worst
-    """Motion in a world left alone."""
+    """Motion in a world without actions."""
     penetration: Worst
     """Overlap at a reset."""
     held: tuple[str, ...]
-    """What was held at a reset."""
+    """Objects that the gripper held at a reset."""
     words: dict[int, tuple[str, ...]]
     """Variation -> instructions."""
     reach: dict[int, Rate]
-    """Waypoint -> places of the task from which the arm gets there."""
+    """Waypoint -> places of the task at which the arm reaches it."""
     accepted: Rate
-    """Places that a reset would keep."""
+    """Places that a reset would accept."""
     failures: tuple[Failure, ...]
     errors: tuple[str, ...]
-    """What the task raised."""
+    """Errors of the task."""
     frames: float
     """Median length of a demonstration [frames]."""
     simulated: float
@@ -269,7 +269,7 @@ class TaskReport:
 
     @property
     def faults(self) -> tuple[str, ...]:
-        """What is wrong, empty when the task passes."""
+        """The faults, empty when the task passes."""
         return tuple(fault for _, passed, fault in _checks(self) if not passed)
 
     def passes(self, check: str) -> bool:

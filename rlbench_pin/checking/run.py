@@ -20,10 +20,10 @@ from rlbench_pin.processes import GivenUp, Journal, ProcessEngine, SerialEngine,
 from rlbench_pin.tasks import LIBRARY, find_task
 from rlbench_pin.values import as_function, as_names, as_path, as_record, as_several, as_whole
 
-MOST_WORKERS = 1024
+MAX_WORKERS = 1024
 _PACKAGE = ASSETS.parent
 _DECISIVE = ("reach.py", "records.py", "trials.py", "validate.py")
-"""Files of this folder that trials depend on; the others only show them."""
+"""Files of this folder that trials depend on; the others only present results."""
 _UNRELATED = ("cli", "datasets", "evaluation", "gym", "recording")
 """Folders of the package that trials do not depend on."""
 _NESTED: dict[str, type] = {"episode": NoopEpisode, "reach": Reach, "cost": Cost}
@@ -34,7 +34,7 @@ _LISTED: dict[str, type] = {"failed": FailedAttempt, "segments": SegmentReport}
 
 @dataclass(frozen=True)
 class CheckProgress:
-    """How far a check is."""
+    """Progress of a check."""
 
     total: int
     """Trials of the whole check."""
@@ -43,7 +43,7 @@ class CheckProgress:
     done: int
     """Trials done now."""
     latest: Item | None = None
-    """The item that was finished last, None at the start."""
+    """The last finished item, None at the start."""
 
 
 def run_trials(
@@ -62,7 +62,7 @@ def run_trials(
         RlbenchPinError: Several workers died with the same item.
     """
     items = [as_record(item, Item, "an entry of items") for item in as_several(items, "items")]
-    workers = as_whole(workers, "workers", least=1, most=MOST_WORKERS)
+    workers = as_whole(workers, "workers", least=1, most=MAX_WORKERS)
     as_record(journal, TrialJournal, "journal")
     as_function(on_progress, "on_progress")
     report = on_progress or (lambda _: None)
@@ -95,8 +95,8 @@ class _Checker:
 
 def _raise_lost(lost: GivenUp[Item]) -> tuple[Item, list[Trial]]:
     raise RlbenchPinError(
-        f"At '{lost.item.part}' of '{lost.item.task}', {lost.cause}; perhaps memory ran out. "
-        "With --out, the same command goes on from here."
+        f"At '{lost.item.part}' of '{lost.item.task}', {lost.cause}; perhaps out of memory. "
+        "With --out, the same command continues from here."
     )
 
 
@@ -173,7 +173,7 @@ def _as_tuple(value: Any) -> Any:
 
 
 def _marks(tasks: Sequence[str]) -> dict[str, str]:
-    """Return task -> a checksum of everything that its trials depend on."""
+    """Return task -> a checksum of all files and settings that its trials depend on."""
     shared = sha256(json.dumps(library_versions()).encode())
     for file in sorted(_PACKAGE.rglob("*")):
         if file.is_file() and file.suffix != ".pyc" and LIBRARY not in file.parents and _decides(file):

@@ -1,4 +1,4 @@
-"""Items of a check -> trials, in any process."""
+"""Run the items of a check, and return their trials."""
 
 from __future__ import annotations
 
@@ -33,10 +33,11 @@ from rlbench_pin.checking.validate import (
     reset_repeats,
     solved_by_other_plans,
 )
+from rlbench_pin.datasets import key_frame_actions
 from rlbench_pin.environment import DemoOutcome, Environment, TaskEnvironment
 from rlbench_pin.environment.episode import drawn_variations
 from rlbench_pin.environment.presets import key_frame_mode, low_dim_config, make_environment
-from rlbench_pin.environment.replay import key_frame_actions, reaches_goal, replay_succeeds
+from rlbench_pin.environment.replay import reaches_goal, replay_succeeds
 from rlbench_pin.environment.runtime import Listener, Runtime
 from rlbench_pin.errors import BoundaryError, InvalidActionError, PlanningError, ResetError
 from rlbench_pin.planning.plan import Plan, PlanRequest
@@ -100,7 +101,7 @@ class Item:
     seeds: tuple[int, ...]
     """Seeds of the episodes; not used for `words`, which has one trial for each variation."""
     max_variations: int
-    """Most variations to draw."""
+    """Maximum number of variations to draw."""
     max_attempts: int = 10
     """Attempts at each demonstration."""
     first_seed: int = 0
@@ -121,7 +122,7 @@ def work(item: Item) -> list[Trial]:
 
 
 def _environment(part: Part) -> Environment:
-    """Return what a part is tried in: key frames are poses of the tip, all else joint positions."""
+    """Return the environment of a part: actions are tip poses for key frames, joint positions for all others."""
     if part == "key_frames":
         return Environment(key_frame_mode(), obs_config=low_dim_config(), seed=0)
     return make_environment(low_dim_config())
@@ -148,7 +149,7 @@ def _trials(task: TaskEnvironment, item: Item) -> Iterator[Trial]:
 def _guarded(
     part: Part, trial: Callable[[TaskEnvironment, int, int], Trial], task: TaskEnvironment, seed: int, variation: int
 ) -> Trial:
-    """Do a trial; what the task raises becomes part of its record."""
+    """Run a trial; errors of the task become part of its record."""
     record, name = RECORDS[part], task.get_name()
     try:
         return trial(task, seed, variation)
@@ -175,7 +176,7 @@ def demo_trial(
     replay: bool = True,
     kind: type[DemoTrial] = DemoTrial,
 ) -> DemoTrial:
-    """Try to demonstrate one seed, then look at what it left behind, and perhaps replay the recorded actions."""
+    """Demonstrate one seed, check the next episode for differences, and perhaps replay the recorded actions."""
     failed: list[FailedAttempt] = []
     demo = None
     for attempt in range(max_attempts):
@@ -194,7 +195,7 @@ def demo_trial(
 def _solved(task: TaskEnvironment, outcome: DemoOutcome, cost: Cost, replay: bool) -> SolvedDemo:
     demo = outcome.demo
     assert demo is not None
-    stable = task.success_lasts()
+    stable = task.success_is_stable()
     remains = left_over(task, demo)
     return SolvedDemo(
         frames=len(demo),
@@ -235,7 +236,7 @@ def random_trial(task: TaskEnvironment, seed: int, variation: int) -> RandomTria
 
 
 def key_frames_trial(task: TaskEnvironment, seed: int, variation: int) -> KeyFramesTrial:
-    """Demonstrate, go back to the start, and execute the key frames alone, as agents of key frames do."""
+    """Demonstrate, restore the start, and execute the key frames alone, as key-frame agents do."""
     demo = None
     for attempt in range(KEY_FRAME_TRIES):
         if demo is None:
@@ -267,14 +268,14 @@ _TRIALS: dict[Part, Callable[[TaskEnvironment, int, int], Trial]] = {
 
 @dataclass(frozen=True)
 class CheckPlan:
-    """How much a check does; the fields are the arguments of `rlbench-pin check` and their defaults."""
+    """Numbers of trials of a check; the fields are the arguments of `rlbench-pin check` and their defaults."""
 
     episodes: int = 30
     """Demonstrations of each task."""
     variations: int = 20
     """Variations of a task at most."""
     replays: int = 50
-    """Demonstrations that are played again."""
+    """Demonstrations that are replayed."""
     key_frames: int = 10
     """Demonstrations whose key frames alone are executed."""
     seed: int = 0
@@ -293,11 +294,11 @@ class CheckPlan:
     """Tries for each demonstration."""
 
     def items(self, task: str, seeds_at_once: int = 50) -> Iterator[Item]:
-        """Yield the work on a task.
+        """Yield the items of a task.
 
         Args:
             task: Its name, or the path of its file.
-            seeds_at_once: Most seeds of an item; their results come together.
+            seeds_at_once: Maximum number of seeds of an item; their results come together.
         """
         if self.contract:
             yield Item(task, "words", (0,), self.variations)

@@ -18,23 +18,23 @@ from rlbench_pin.spatial import FloatArray
 
 NOOP_STEPS = RANDOM_STEPS = 200
 NOOP_TIME = 2.0
-"""Time after a reset in which nothing may move [s]."""
+"""Time after a reset in which no object may move [s]."""
 MAX_DRIFT = 1e-3
-"""How far anything may move in that time [m]."""
+"""Tolerance of motion in that time [m]."""
 MAX_PENETRATION = 2e-3
-"""How deep objects may overlap at a reset [m]."""
+"""Tolerance of the penetration of objects at a reset [m]."""
 ENGINE_STATE = "physics"
-"""Array of `World.arrays` that holds the engine's own file, in which memory addresses differ from save to save."""
+"""Array of `World.arrays` with the engine's own file, whose memory addresses differ from save to save."""
 
 
 @dataclass(frozen=True)
 class NoopEpisode:
-    """An episode of the no-op policy: the arm holds still from the reset on."""
+    """An episode of the no-op policy: the arm stays at rest from the reset on."""
 
     penetration: float
     """Deepest overlap at the reset [m]."""
     held: tuple[str, ...]
-    """Objects that the gripper holds at the reset; there should be none."""
+    """Objects that the gripper holds at the reset, which is a fault."""
     arm_speed: float
     """Largest joint speed of the arm at the reset [rad/s]."""
     drift: float
@@ -42,11 +42,11 @@ class NoopEpisode:
     drifter: str
     """The link it belongs to."""
     success: bool
-    """Whether the goal was reached, at the reset or later; it should not."""
+    """Whether the goal was reached, at the reset or later, which is a fault."""
 
 
 def noop_episode(task: TaskEnvironment, seed: int, variation: int, steps: int = NOOP_STEPS) -> NoopEpisode:
-    """Reset and hold still for `steps` control ticks, at least as long as `NOOP_TIME`."""
+    """Reset and keep the arm at rest for `steps` control ticks, at least as long as `NOOP_TIME`."""
     task.reset(seed=seed, variation=variation)
     penetration, held = task.world.max_penetration(), task.runtime.gripper.grasped
     speed = float(np.abs(task.world.robot.joint_velocities).max())
@@ -60,7 +60,7 @@ def noop_episode(task: TaskEnvironment, seed: int, variation: int, steps: int = 
 
 
 def random_succeeds(task: TaskEnvironment, seed: int, variation: int, steps: int = RANDOM_STEPS) -> bool:
-    """Whether `steps` actions drawn evenly from the action space reach the goal; they should not."""
+    """Whether `steps` actions drawn uniformly from the action space reach the goal, which is a fault."""
     rng = np.random.default_rng(seed)
     task.reset(seed=seed, variation=variation)
     low, high = task.action_bounds()
@@ -68,7 +68,7 @@ def random_succeeds(task: TaskEnvironment, seed: int, variation: int, steps: int
 
 
 def left_over(task: TaskEnvironment, demo: Demo) -> tuple[str, ...]:
-    """Start as a demonstration did, after it was played, and return what is not as it was: nothing, in a task that cleans up."""
+    """Restart a demonstration after it was played, and return the differences; a task that cleans up has none."""
     assert demo.seed is not None
     if demo.attempt or demo.state is None:
         task.reset_to_demo(demo)
@@ -81,7 +81,7 @@ def left_over(task: TaskEnvironment, demo: Demo) -> tuple[str, ...]:
 
 
 def reset_repeats(task: TaskEnvironment, seed: int, variation: int) -> bool:
-    """Whether the same seed gives the same world, bit for bit, also after another episode."""
+    """Whether the same seed gives a byte-identical world, also after another episode."""
     first = _start(task, seed, variation)
     task.reset(seed=seed + 1)
     task.step(np.append(task.world.robot.joint_positions, 0.0))
@@ -89,7 +89,7 @@ def reset_repeats(task: TaskEnvironment, seed: int, variation: int) -> bool:
 
 
 def demo_repeats(task: TaskEnvironment, seed: int, variation: int) -> bool:
-    """Whether a demonstration played twice has the same bytes, or fails twice for the same cause."""
+    """Whether a demonstration played twice is byte-identical, or fails twice for the same cause."""
     first, second = (_demo_bytes(task, seed, variation) for _ in range(2))
     return first == second
 
@@ -100,7 +100,7 @@ def demo_bytes(demo: Demo) -> bytes:
 
 
 def solved_by_other_plans(task: TaskEnvironment, seed: int, variation: int, tries: int) -> bool:
-    """Whether one of `tries` demonstrations of the very scene of a seed succeeds, each planned with other random draws."""
+    """Whether one of `tries` demonstrations in the same scene of a seed succeeds, each planned with other random draws."""
     task.reset(seed=seed, variation=variation)
     start = task.get_state()
     for number in range(1, tries + 1):
@@ -140,7 +140,7 @@ def poor_instructions(words: Mapping[int, Sequence[str]]) -> tuple[int, ...]:
 def corners(task: TaskEnvironment) -> dict[str, FloatArray]:
     """Return the corners (8, 3) of the box around every link of every body in the world [m], by `body/link`.
 
-    A ball has only its centre (1, 3), since a spin of it cannot be seen; under the name of each body is its origin (1, 3).
+    A ball has only its centre (1, 3), since its rotation is not visible; under the name of each body is its origin (1, 3).
     """
     points = {name: body.position[None] for name, body in task.world.bodies.items()}
     return points | {f"{body.name}/{link}": box for body in task.world.snapshot().bodies for link, box in _corners(body)}
@@ -163,7 +163,7 @@ def _largest_move(before: Mapping[str, FloatArray], after: Mapping[str, FloatArr
 
 
 def differences(before: Mapping[str, np.ndarray], after: Mapping[str, np.ndarray]) -> tuple[str, ...]:
-    """Return what differs between two `World.arrays`, in words, without the clock and the engine's own state."""
+    """Return the differences of two `World.arrays` as text, without the clock and the engine's own state."""
     was, now = (json.loads(np.asarray(a["meta"], dtype=np.uint8).tobytes()) for a in (before, after))
     if list(was["bodies"]) != list(now["bodies"]):
         changed = sorted(set(was["bodies"]) ^ set(now["bodies"])) or ["order of bodies"]
@@ -187,7 +187,7 @@ def _rows_that_differ(key: str, before: np.ndarray, after: np.ndarray, bodies: l
 
 
 def _start(task: TaskEnvironment, seed: int, variation: int) -> bytes:
-    """Bytes of the world after a reset and again some steps later, when differences that were hidden have shown."""
+    """Bytes of the world after a reset and again some steps later, when hidden differences have become visible."""
     task.reset(seed=seed, variation=variation)
     first = _world_bytes(task)
     for _ in range(EXTRA_TICKS):

@@ -1,1 +1,1 @@
-"""`rlbench-pin <command>`: what each takes is a frozen dataclass. Results go to stdout, progress and errors to stderr."""
+"""`rlbench-pin <command>`: the arguments of each are a frozen dataclass. Results go to stdout, progress and errors to stderr."""

@@ -1,4 +1,4 @@
-"""`rlbench-pin build [NAME]`: the task builder, served to a browser of this machine."""
+"""`rlbench-pin build [NAME]`: the task builder, in a browser on this machine."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ if TYPE_CHECKING:
 MaybeName = Annotated[str, tyro.conf.arg(metavar="[NAME]", help_behavior_hint="")]
 """A task that may be left out."""
 UNNAMED = "my_task"
-"""What a new task is called that nobody has named."""
+"""Name of a new task when none is given."""
 _ENDS = (".toml", ".py")
 
 
 @dataclass(frozen=True)
 class Build:
-    """Make or change a task in the browser: its scene, its behaviour, demonstration and check. Writes NAME.toml and NAME.py."""
+    """Make or change a task in the browser: scene, behaviour, demonstration and validation. Writes NAME.toml and NAME.py."""
 
     name: tyro.conf.Positional[MaybeName] = ""
     """A task of `--out` or of the library, to change it, or the name of a new one in snake case; a new task when left out."""
     task_file: MaybePath = None
     """Instead of a name: one of the two files of a task."""
     out: Path = Path()
-    """Folder of the task; one of the library stays in its own. Nothing outside of it is written."""
+    """Folder of the task; a task of the library stays in its own folder. Nothing is written outside the folder."""
     port: int = 0
     """Port of 127.0.0.1 to serve the page at; 0 takes one that is free."""
     browser: bool = True
@@ -62,8 +62,8 @@ class Build:
                 window.close()
                 if document.unsaved and document.step:
                     draft = window.drafts.file
-                    kept = "no draft of it is kept" if draft is None else f"the next opening offers it, from {draft}"
-                    print(f"Not saved: what was changed in '{document.name}' since it was last saved; {kept}.")
+                    kept = "no draft of them is kept" if draft is None else f"the next opening offers it, from {draft}"
+                    print(f"Not saved: the changes of '{document.name}' since the last save; {kept}.")
         return 0
 
     def _document(self) -> TaskDocument:

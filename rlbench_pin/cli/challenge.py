@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from rlbench_pin.evaluation.challenge import ChallengeConfig, ChallengeProgress
 
 LearnerName = Annotated[str, tyro.conf.arg(metavar="LEARNER", help_behavior_hint="(required)")]
-"""A learner behind a command, which says in its own words that it needs one."""
+"""A learner as the argument of a command; the command reports a missing one."""
 Shots = Annotated[tuple[int, ...], tyro.conf.arg(metavar="INT...")]
 """Numbers of demonstrations."""
 SplitName = Annotated[str, tyro.conf.arg(metavar="SPLIT")]
@@ -41,7 +41,7 @@ SplitName = Annotated[str, tyro.conf.arg(metavar="SPLIT")]
 
 @dataclass(frozen=True)
 class Run:
-    """Let a few-shot learner take the challenge. Use `--resume` to continue after an interruption.
+    """Run the few-shot challenge with a learner. Use `--resume` to continue after an interruption.
 
     The folder gets a results file for each number of demonstrations, `shots_5.json`, which `rlbench-pin results` shows and
     compares, the learning curve, `summary.json`, and the demonstrations with their seeds.
@@ -52,9 +52,9 @@ class Run:
     shots: Shots = (1, 5, 20)
     """Numbers of demonstrations of each test task."""
     split: SplitName = "V1"
-    """Which tasks are trained and tested on: V1, FS10_V1, FS25_V1, FS50_V1 or FS95_V1."""
+    """Split of the tasks into training and test: V1, FS10_V1, FS25_V1, FS50_V1 or FS95_V1."""
     tasks: OnlyTasks = ()
-    """Only these test tasks, with spaces or commas between them."""
+    """Only these test tasks, separated by spaces or commas."""
     available: bool = False
     """Leave out the tasks that are not built."""
     episodes: int = 25
@@ -65,30 +65,30 @@ class Run:
     """File with a secret of at least 16 bytes, mixed into the seeds of episodes and demonstrations.
     Results record its SHA-256. Publish the file when the challenge is over."""
     max_steps: MaybeInt = None
-    """Actions of an episode at most; when not given, what the learner suggests or `evaluate` would take."""
+    """Maximum number of actions of an episode; by default what the learner suggests, else as in `evaluate`."""
     max_seconds: float = 120.0
-    """Simulated time of an episode at most [s]."""
+    """Maximum simulated time of an episode [s]."""
     time_limit: float = 30.0
-    """Time that the policy has for one action [s], by the clock on the wall."""
+    """Wall-clock time limit of the policy for one action [s]."""
     start_limit: float = 300.0
-    """Time that the learner has to start [s]."""
+    """Time limit of the learner to start [s]."""
     adapt_limit: float = 3600.0
-    """Time that the learner has to adapt to a task [s]."""
+    """Time limit of the learner to adapt to a task [s]."""
     train_limit: float = 1e6
-    """Time that the learner has to practise the tasks of the training [s]."""
+    """Time limit of the learner to train on the training tasks [s]."""
     robot: RobotName = "panda"
     """Name of the arm."""
     workers: int = 1
     """Worker processes, each with a learner of its own; with 0 this process does the work."""
     engine: EngineName = "processes"
-    """What does the work: processes of this machine, or a Ray cluster."""
+    """Engine: processes of this machine, or a Ray cluster."""
     out: Path = Path("out/challenge")
     """Folder of the run."""
     resume: bool = False
-    """Go on with a run that did not end."""
+    """Continue an interrupted run."""
 
     def run(self) -> int:
-        """Let a learner take the challenge, and print its learning curve; 130 when it was stopped."""
+        """Run the challenge, and print the learning curve; 130 when it was stopped."""
         from rlbench_pin.cli.progress import stopping_gently
         from rlbench_pin.evaluation.challenge import ChallengeStopped, run_challenge
 
@@ -106,7 +106,7 @@ class Run:
                 curve = run_challenge(config, self.out, engine=engine, resume=self.resume, on_progress=bar, stop=stop)
             except ChallengeStopped as stopped:
                 bar.close()
-                print(f"{stopped.stage}: {stopped.done} of {stopped.wanted}. Go on with:  {self.go_on()}", file=sys.stderr)
+                print(f"{stopped.stage}: {stopped.done} of {stopped.wanted}. Continue with:  {self.go_on()}", file=sys.stderr)
                 return INTERRUPTED
         print(curve.table().text())
         files = " ".join(shlex.quote(str(self.out / f"shots_{point.shots}.json")) for point in curve.points)
@@ -140,7 +140,7 @@ class Run:
         )
 
     def go_on(self) -> str:
-        """Return the command that goes on where this one was stopped."""
+        """Return the command that continues this run."""
         words = sys.argv[1:]
         if words[:1] != ["challenge"]:  # called from a program
             words = ["challenge", "run", self.learner, "--out", str(self.out)]
@@ -155,7 +155,7 @@ class Splits:
     """Print JSON for programs, with the names of all tasks."""
 
     def run(self) -> int:
-        """Print one line per split; as JSON, all that is known of each."""
+        """Print one line per split; as JSON, all data of each."""
         from rlbench_pin.evaluation.challenge import meta_split, meta_splits
 
         splits = [meta_split(name) for name in meta_splits()]
@@ -173,12 +173,12 @@ class Splits:
 
 @dataclass(frozen=True)
 class Challenge:
-    """The few-shot challenge: a learner meets unseen tasks with 1, 5 and 20 demonstrations of each, and nothing else."""
+    """The few-shot challenge: a learner gets 1, 5 and 20 demonstrations of each unseen task."""
 
     action: tyro.conf.OmitSubcommandPrefixes[
         Annotated[Run, tyro.conf.subcommand("run")] | Annotated[Splits, tyro.conf.subcommand("splits")]
     ] = field()
-    """What to do."""
+    """Subcommand."""
 
     def run(self) -> int:
         """Do it."""
@@ -189,7 +189,7 @@ class ChallengeBar:
     """A bar on stderr for each part of a run.
 
     Args:
-        learner: What takes the challenge.
+        learner: The learner.
     """
 
     def __init__(self, learner: str) -> None:
@@ -198,12 +198,12 @@ class ChallengeBar:
 
     def __call__(self, progress: ChallengeProgress) -> None:
         """Show how far it is."""
-        from tqdm import tqdm
+        from rlbench_pin.cli.bars import progress_bar
 
         if progress.stage != self._stage:
             self.close()
             self._stage, name = progress.stage, f"{self._learner}, {progress.stage}"
-            self._bar = tqdm(total=progress.wanted, initial=progress.done, desc=name, dynamic_ncols=True)
+            self._bar = progress_bar(total=progress.wanted, initial=progress.done, desc=name)
         assert self._bar is not None
         self._bar.update(progress.done - self._bar.n)
         notes = [f"success {100.0 * progress.successes / progress.done:.0f} %"] if "shot" in self._stage and progress.done else []

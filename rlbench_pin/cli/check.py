@@ -1,4 +1,4 @@
-"""`rlbench-pin check TASK...`: does a task keep its contract, and how often does its demonstration succeed?"""
+"""`rlbench-pin check TASK...`: validate the contract of tasks and the success rate of their demonstrations."""
 
 from __future__ import annotations
 
@@ -36,35 +36,35 @@ class Check:
     """Validate tasks: demonstrations succeed and replay, resets repeat, the no-op and the random policy solve nothing."""
 
     tasks: tyro.conf.Positional[AnyTasks] = ()
-    """Task names, as `rlbench-pin list` prints them, or task files, with spaces or commas between; all when none is given."""
+    """Task names, as `rlbench-pin list` prints them, or task files, separated by spaces or commas; all by default."""
     task_file: Files = ()
-    """Task files outside the package, each with its scene file beside it."""
+    """Task files outside the package, each with its scene file in the same folder."""
     episodes: int = 30
     """Demonstrations of each task, spread over its variations."""
     variations: int = 20
-    """Number of variations of a task to test, at most."""
+    """Maximum number of variations of a task."""
     replays: int = 50
-    """Demonstrations whose recorded actions are played again, the first ones of a task."""
+    """Number of demonstrations whose recorded actions are replayed, the first ones of a task."""
     key_frames: int = 10
-    """Demonstrations whose key frames alone (where the arm rests or the fingers move) are executed through planning."""
+    """Number of demonstrations whose key frames alone (where the arm rests or the fingers move) are executed through planning."""
     seed: int = 0
     """Seed of the first episode; episode i uses seed + i."""
     unseen: int = 0
-    """Further demonstrations of each task on other seeds, which count apart."""
+    """Further demonstrations of each task on other seeds, counted separately."""
     unseen_seed: int = 5000
     """First of those seeds."""
     contract: bool = True
     """Also validate instructions, resets, the no-op policy, random actions, and what the arm reaches."""
     contract_seeds: int = 5
-    """Seeds of the episodes that do nothing, and of those with random actions."""
+    """Number of seeds for the no-op policy, and for random actions."""
     placements: int = 100
-    """Places of the task from which to try every waypoint."""
+    """Number of random places of the task at which every waypoint is tried."""
     max_attempts: int = 10
-    """Tries for each demonstration."""
+    """Attempts for each demonstration."""
     workers: int = 1
     """Processes; the result does not depend on their number."""
     explain: bool = False
-    """Play the first try of each cause of failure again: print its evidence and draw the world into `explain` below `--out`
+    """Replay the first attempt of each cause of failure: print its evidence and draw the world into `explain` below `--out`
     (`out/explain` without it)."""
     json: MaybePath = None
     """File to write the whole report to."""
@@ -161,7 +161,7 @@ class Check:
         print(write_whole(out / "report.md", page(content, images).encode()))
 
     def _explain(self, report: TaskReport, task: str) -> None:
-        """Play failed tries again, one of each cause, and print what is known of them."""
+        """Replay failed attempts, one of each cause, and print their evidence."""
         from rlbench_pin.checking import explain_failure
 
         for f in report.failures:
@@ -179,7 +179,7 @@ def _report(name: str, task: str, trials: Sequence[Trial]) -> TaskReport:
 
 
 def print_failures(report: TaskReport) -> None:
-    """Print why tries failed, most frequent first, with a seed to see it."""
+    """Print the causes of failed attempts, most frequent first, each with an example seed."""
     for f in report.failures:
         where = "" if f.waypoint is None else f", waypoint {f.waypoint}"
         print(

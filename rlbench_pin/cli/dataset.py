@@ -56,22 +56,21 @@ class Info:
 
 @dataclass(frozen=True)
 class Verify:
-    """Check every file against its SHA-256, and read every value; names the bad ones."""
+    """Check every file against its SHA-256, read every value, and print the damaged files."""
 
     root: Root
     """Folder of the dataset."""
     quick: bool = False
-    """Compare checksums only."""
+    """Only compare checksums."""
 
     def run(self) -> int:
-        """Print what is wrong; 1 when something is."""
-        from tqdm import tqdm
-
+        """Print the faults; 1 when there are any."""
+        from rlbench_pin.cli.bars import progress_bar
         from rlbench_pin.datasets import read_manifest, stored_tasks, task_faults
 
         bad = 0
         tasks = stored_tasks(self.root, at_least_one=True)
-        for task in tqdm(tasks, unit="task", desc="verify"):
+        for task in progress_bar(tasks, unit="task", desc="verify"):
             for fault in task_faults(self.root, task, structure=not self.quick):
                 bad += 1
                 print(fault)
@@ -84,17 +83,16 @@ class Verify:
 
 @dataclass(frozen=True)
 class Merge:
-    """Copy the episodes of several datasets into one; refuses what does not go together before it writes anything."""
+    """Copy the episodes of several datasets into one; incompatible datasets are refused before anything is written."""
 
     out: Path
-    """Folder of the result; may hold episodes already."""
+    """Folder of the result; it may contain episodes already."""
     roots: tyro.conf.Positional[SomeFolders] = ()
     """Folders of the datasets."""
 
     def run(self) -> int:
         """Merge and print how many episodes were copied."""
-        from tqdm import tqdm
-
+        from rlbench_pin.cli.bars import progress_bar
         from rlbench_pin.datasets import merge_datasets, plan_merge, read_manifest, stored_tasks
 
         if not self.roots:
@@ -102,7 +100,7 @@ class Merge:
         for root in self.roots:
             if not any(read_manifest(root, task) for task in stored_tasks(root, at_least_one=True)):
                 raise _nothing_listed(root)
-        with tqdm(total=len(plan_merge(self.roots, self.out)), unit="episode", desc="merge") as bar:
+        with progress_bar(total=len(plan_merge(self.roots, self.out)), unit="episode", desc="merge") as bar:
             moves = merge_datasets(self.roots, self.out, lambda _: bar.update() and None)
         print(f"{len(moves)} episodes copied to {self.out}")
         return 0
@@ -117,21 +115,21 @@ class Rerender:
     out: Path
     """Folder of the result; an interrupted run is resumed."""
     tasks: OnlyTasks = ()
-    """Only these tasks, with spaces or commas between them."""
+    """Only these tasks, separated by spaces or commas."""
     image_size: Size = (128, 128)
     """Width and height of the images [px]."""
     cameras: Cameras = CAMERAS
     """Cameras whose images are stored."""
     products: Products = ("rgb", "depth", "mask")
-    """What each camera delivers, of rgb, depth, mask and point_cloud."""
+    """Images of each camera: rgb, depth, mask, point_cloud."""
     workers: int = 1
     """Worker processes; with 0 this process does the work."""
     engine: EngineName = "processes"
-    """What does the work: processes of this machine, or a Ray cluster."""
+    """Engine: processes of this machine, or a Ray cluster."""
     task_file: Files = ()
-    """Your own files of tasks that are not installed; they are used instead of those that the dataset keeps."""
+    """Your own task files for tasks that are not installed; they replace those in the dataset."""
     trust_task_files: bool = False
-    """Run the task files that the dataset keeps, where tasks are not installed. Read them first."""
+    """Run the task files in the dataset, for tasks that are not installed. Read them first."""
 
     def run(self) -> int:
         """Rerender; 1 when episodes are missing at the end."""
@@ -161,7 +159,7 @@ class Rerender:
 
 @dataclass(frozen=True)
 class Seeds:
-    """Write the seeds of a dataset to a small file, from which `rerender` makes it again."""
+    """Write the seeds of a dataset to a small file, from which `rerender` reproduces it."""
 
     root: Root
     """Folder of the dataset."""
@@ -169,7 +167,7 @@ class Seeds:
     """The file to write."""
 
     def run(self) -> int:
-        """Write and print how many."""
+        """Write the file, and print the number of seeds."""
         from rlbench_pin.recording.rerender import seeds_of, write_seeds
 
         seeds = seeds_of(self.root)
@@ -190,19 +188,18 @@ class Export:
     out: tyro.conf.Positional[Path]
     """The new folder or file."""
     tasks: OnlyTasks = ()
-    """Only these tasks, with spaces or commas between them."""
+    """Only these tasks, separated by spaces or commas."""
     cameras: OnlyCameras = ()
     """Cameras whose images are exported; all stored ones when none is named. Folders always get all."""
 
     def run(self) -> int:
         """Export and say where it is."""
-        from tqdm import tqdm
-
+        from rlbench_pin.cli.bars import progress_bar
         from rlbench_pin.datasets.formats import export_dataset, stored_episodes
 
         tasks = _tasks(self.tasks)
         total = len(stored_episodes(self.root, tasks))
-        with tqdm(total=total, unit="episode", desc=f"export {self.format}") as bar:
+        with progress_bar(total=total, unit="episode", desc=f"export {self.format}") as bar:
             export_dataset(
                 self.format,
                 self.root,
@@ -227,7 +224,7 @@ class Dataset:
         | Annotated[Seeds, tyro.conf.subcommand("seeds")]
         | Annotated[Export, tyro.conf.subcommand("export")]
     ] = field()
-    """What to do."""
+    """Subcommand."""
 
     def run(self) -> int:
         """Do it."""
@@ -252,7 +249,7 @@ def _table(infos: list[TaskInfo]) -> str:
 
 
 def _row(info: TaskInfo) -> tuple[str, ...]:
-    sizes = sorted({"x".join(map(str, shape[1::-1])) for shape in info.pictures.values()})
+    sizes = sorted({"x".join(map(str, shape[1::-1])) for shape in info.images.values()})
     return (
         info.task,
         str(info.episodes),
@@ -262,7 +259,7 @@ def _row(info: TaskInfo) -> tuple[str, ...]:
         f"{info.num_bytes / 1e6:.1f}",
         f"{info.num_bytes / info.frames / 1e3:.1f}",
         str(info.retried),
-        f"{len(info.pictures)} of {' '.join(sizes)} px" if info.pictures else "none",
+        f"{len(info.images)} of {' '.join(sizes)} px" if info.images else "none",
     )
 
 

@@ -38,13 +38,13 @@ class RecordDemos:
     out: Path = Path("out/demo")
     """Folder of the dataset."""
     video: bool = True
-    """VideoRecorder each episode from the side as an MP4 beside it."""
+    """Record a video of each episode from the side, as an MP4 file next to it."""
     image_size: Size = (128, 128)
     """Width and height of the cameras' images [px]."""
     cameras: Cameras = CAMERAS
     """Cameras whose images are stored."""
     max_attempts: int = 10
-    """Tries for each episode."""
+    """Attempts for each episode."""
     json: bool = False
     """Print JSON for programs."""
 
@@ -65,9 +65,9 @@ class RecordDemos:
         return 0
 
     def _record_all(self, task: TaskEnvironment) -> Iterator[Recorded]:
-        from tqdm import tqdm
+        from rlbench_pin.cli.bars import progress_bar
 
-        with tqdm(total=self.episodes, unit="demo", desc=self.task) as bar:
+        with progress_bar(total=self.episodes, unit="demo", desc=self.task) as bar:
             for seed in range(self.seed, self.seed + self.episodes):
                 recorded = self._record(task, seed, bar)
                 bar.update()
@@ -76,7 +76,7 @@ class RecordDemos:
                 yield recorded
 
     def _record(self, task: TaskEnvironment, seed: int, bar: tqdm) -> Recorded:
-        """Try until a demonstration of this seed succeeds, then write it."""
+        """Repeat attempts until a demonstration of this seed succeeds, then write it."""
         from rlbench_pin.recording.video import VideoRecorder
         from rlbench_pin.tasks import keep_task
 

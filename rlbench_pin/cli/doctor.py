@@ -1,4 +1,4 @@
-"""`rlbench-pin doctor`: what works on this machine."""
+"""`rlbench-pin doctor`: check the renderers, videos and libraries of this machine."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ _DARK, _FLAT = 8.0, 4.0
 
 @dataclass(frozen=True)
 class Doctor:
-    """Say what works here: take an image with each renderer, write a video, name the libraries."""
+    """Check this machine: take an image with each renderer, write a video, print the versions of the libraries."""
 
     json: bool = False
     """Print JSON for programs."""
 
     def run(self) -> int:
-        """Try everything; fails when something that is needed does not work."""
+        """Run all checks; 1 when a required one fails."""
         from rlbench_pin.environment.demos import library_versions
 
         findings = [
@@ -54,7 +54,7 @@ class Finding:
     detail: str
 
     def line(self) -> str:
-        """One line for people."""
+        """The check as a line of text."""
         mark = "ok     " if self.works else ("BROKEN " if self.needed else "missing")
         return f"{mark} {self.what:<16} {self.detail}"
 

@@ -7,7 +7,7 @@ import shlex
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -19,6 +19,7 @@ from rlbench_pin.cli.list_tasks import split_names
 from rlbench_pin.cli.options import (
     EngineName,
     MaybeInt,
+    MaybeText,
     RobotName,
     TaskNames,
     check_at_least,
@@ -40,70 +41,75 @@ TASKS = (
     "reach_target", "push_button", "pick_and_lift", "take_lid_off_saucepan", "open_drawer",
     "close_microwave", "slide_block_to_target", "stack_blocks", "put_rubbish_in_bin", "meat_off_grill",
 )  # fmt: skip
-"""What is evaluated when no task is named."""
+"""Tasks by default."""
 MaybePolicy = Annotated[str, tyro.conf.arg(metavar="[POLICY]", help_behavior_hint="")]
-"""A policy behind a command that can do without."""
+"""A policy as an optional argument."""
 EPISODES = 25
-"""Episodes of each task, when not said otherwise."""
+"""Episodes of each task by default."""
 
 
 @dataclass(frozen=True)
 class Evaluate:
     """Evaluate a policy on tasks: success with its interval, collisions, limits. `--resume` continues after an interruption.
 
-    The results file is the same to the byte, however many workers there are; `rlbench-pin results FILE...` shows and compares
-    what is in it.
+    Given the key of the run, results files are byte-identical for any number of workers. `rlbench-pin results FILE...` shows and
+    compares them.
     """
 
     policy: tyro.conf.Positional[MaybePolicy] = ""
     """`noop`, `random`, `expert` (the planner of demonstrations), `classical`, `cloning?folder=FOLDER`,
     `key_frames?folder=FOLDER`, `ppo:FOLDER`, `sac:FOLDER`, `sb3:FILE`, `lerobot:FOLDER`, `module:factory`,
-    `file.py:factory`, or where one is served: `tcp://HOST:PORT`, `unix:PATH`. docs/policies.md says how to write one."""
+    `file.py:factory`, or the address of a policy server: `tcp://HOST:PORT`, `unix:PATH`. See docs/policies.md."""
     tasks: TaskNames = TASKS
-    """Task names, task files, sets of tasks such as FS10_V1, or `all`, with spaces or commas between them."""
+    """Task names, task files, sets of tasks such as FS10_V1, or `all`, separated by spaces or commas."""
     available: bool = False
     """Leave out the tasks of a set that are not built."""
     episodes: MaybeInt = None
-    """Episodes of each task, spread evenly over its variations; 25 when not given."""
+    """Episodes of each task, spread evenly over its variations; default 25."""
     variations: int = -1
-    """Number of variations of a task, at most; -1 is all."""
+    """Maximum number of variations of a task; -1 is all."""
     seed: int = 0
-    """Which stretch of the published seeds: episode i begins from 2^53 + 2 (seed + i), where no demonstration does."""
+    """Start in the published seeds: episode i has seed 2^53 + 2 (seed + i), which no demonstration has."""
     max_steps: MaybeInt = None
-    """Actions of an episode at most; when not given, what the policy suggests, else 25 where each plans a motion to a pose, else
-    as many as the seconds hold."""
+    """Maximum number of actions of an episode; by default what the policy suggests, else 25 if each plans a motion, else
+    as many as fit into `--max-seconds`."""
     max_seconds: float = 120.0
-    """Simulated time of an episode at most [s]."""
+    """Maximum simulated time of an episode [s]."""
     time_limit: float = 30.0
-    """Time that the policy has for one action [s], by the clock on the wall. Taking longer costs the episode."""
+    """Wall-clock time limit of the policy for one action [s]. Beyond it the episode is a failure."""
     start_limit: float = 300.0
-    """Time that the policy has to start [s]."""
+    """Time limit of the policy to start [s]."""
     robot: RobotName = "panda"
     """Name of the arm."""
     tell_task: bool = True
-    """Tell the policy the name of the task, beside the instruction."""
+    """Pass the name of the task to the policy, in addition to the instruction."""
+    policy_seed_key: MaybeText = None
+    """Key of the seeds for the policy, as a results file publishes it, to repeat that run; drawn when not given."""
     workers: int = 1
     """Worker processes, each with a policy of its own; with 0 this process does the work."""
     engine: EngineName = "processes"
-    """What does the work: processes of this machine, or a Ray cluster."""
+    """Engine: processes of this machine, or a Ray cluster."""
     out: Path = Path("out/results.json")
-    """The results file. Times go to a file beside it, and finished episodes to a journal until the last one is played."""
+    """The results file. Times go to a second file next to it, and finished episodes to a journal until the run is complete."""
     resume: bool = False
-    """Go on with an evaluation that did not end."""
+    """Continue an interrupted evaluation."""
     videos: int = 0
-    """Videos of the first failures of each task, so many, played again after the evaluation, in a folder beside the results."""
+    """Number of failures of each task to replay as videos after the evaluation, in a folder next to the results."""
     page: tyro.conf.OmitArgPrefixes[PageOptions] = field(default_factory=PageOptions)
-    """Episodes as they are played, by this process, one after the other; the results are the same."""
+    """Show the episodes as they are played, one after the other in this process; the results are the same."""
 
     def run(self) -> int:
         """Evaluate a policy; 130 when it was stopped."""
         if not self.policy:
             raise TaskEnvironmentError("No policy was named. Use `rlbench-pin evaluate POLICY`, for example `expert`.")
         from rlbench_pin.cli.progress import EvaluationBar, stopping_gently
+        from rlbench_pin.evaluation.policies.references import EXPERT, find_policy
         from rlbench_pin.evaluation.run import EvaluationStopped, evaluate
 
         check_at_least(self, workers=0, videos=0)
         config = self.config()
+        if self.policy != EXPERT:
+            find_policy(self.policy)
         check_file(self.out)
         engine, page = self._engine(), watched(self.page, self.policy)
         with page as make, stopping_gently() as stop, closing(EvaluationBar(self.policy)) as bar:
@@ -113,13 +119,14 @@ class Evaluate:
                 )
             except EvaluationStopped as stopped:
                 bar.close()
-                print(f"{stopped.done} of {stopped.wanted} episodes are played. Go on with:  {self.go_on()}", file=sys.stderr)
+                print(f"{stopped.done} of {stopped.wanted} episodes are played. Continue with:  {self.go_on()}", file=sys.stderr)
                 return INTERRUPTED
         print(summary(results))
         print(f"Results in {self.out}; `rlbench-pin results {shlex.quote(str(self.out))}` shows all of them.")
         if self.videos:
             folder = self.out.with_name(f"{self.out.stem}_videos")
-            for video in record_failures(config, results, self.videos, folder):
+            repeated = replace(config, policy_seed_key=results.policy_seed_key)
+            for video in record_failures(repeated, results, self.videos, folder):
                 print(f"  video  {video}")
         return 0
 
@@ -133,7 +140,7 @@ class Evaluate:
         return SerialEngine()
 
     def config(self) -> EvaluationConfig:
-        """Return what is to be evaluated.
+        """Return the settings of the evaluation.
 
         Raises:
             MissingTasks: A set has tasks that are not built.
@@ -156,10 +163,11 @@ class Evaluate:
             start_limit=self.start_limit,
             robot=self.robot,
             tell_task=self.tell_task,
+            policy_seed_key=self.policy_seed_key,
         )
 
     def go_on(self) -> str:
-        """Return the command that goes on where this one was stopped."""
+        """Return the command that continues this evaluation."""
         words = sys.argv[1:]
         if words[:1] != ["evaluate"]:  # called from a program
             words = ["evaluate", self.policy, "--out", str(self.out), "--tasks", *self.tasks]
@@ -167,14 +175,19 @@ class Evaluate:
 
 
 def summary(results: Results) -> str:
-    """Return a line for each task: rate of success with its interval, held successes, faults; and the mean of the tasks."""
+    """Return a line for each task with its rate of success and its faults, the mean of the tasks, and the first faults."""
+    import numpy as np
+
+    from rlbench_pin.evaluation.results.statistics import summarise
+    from rlbench_pin.evaluation.results.tables import fault_notes
     from rlbench_pin.rates import Rate
 
     width = max(len(task) for task in (*results.tasks, "mean"))
-    lines = [f"{'task':<{width}}  success        95 %         held  refused  collisions  faults"]
+    lines = [f"{'task':<{width}}  success        95 %       stable  refused  collisions  faults"]
     lines += [_line(task, width, results.of_task(task)) for task in results.tasks]
     means = [Rate(sum(e.success for e in some), len(some)).value for some in map(results.of_task, results.tasks)]
-    return "\n".join([*lines, f"{'mean':<{width}}  {100.0 * math.fsum(means) / len(means):5.1f} %"])
+    mean = f"{'mean':<{width}}  {100.0 * math.fsum(means) / len(means):5.1f} %"
+    return "\n".join([*lines, mean, *fault_notes(summarise(results, np.random.default_rng(0)))])
 
 
 def _line(task: str, width: int, episodes: tuple[EpisodeRecord, ...]) -> str:
@@ -190,16 +203,15 @@ def _line(task: str, width: int, episodes: tuple[EpisodeRecord, ...]) -> str:
 
 
 def record_failures(config: EvaluationConfig, results: Results, count: int, folder: Path) -> Iterator[Path]:
-    """Play the first failures of each task again, and yield a video of each as it is made.
+    """Replay the first failures of each task, and yield a video of each as it is made.
 
     Args:
         config: What was evaluated.
-        results: What came of it.
+        results: Its results.
         count: Failures of each task.
         folder: Where videos go: `<task>_<seed>_<how it ended>.mp4`.
     """
-    from tqdm import tqdm
-
+    from rlbench_pin.cli.bars import progress_bar
     from rlbench_pin.evaluation.run import EpisodeRunner, plan_episodes
 
     check_folder(folder)
@@ -209,7 +221,7 @@ def record_failures(config: EvaluationConfig, results: Results, count: int, fold
     for task in results.tasks:
         of_task = [(item, records[item.name, item.variation, item.seed]) for item in items if item.name == task]
         chosen += [(item, record) for item, record in of_task if not record.success][:count]
-    with EpisodeRunner(config) as runner, tqdm(total=len(chosen), unit="video", desc="videos") as bar:
+    with EpisodeRunner(config) as runner, progress_bar(total=len(chosen), unit="video", desc="videos") as bar:
         for item, record in chosen:
             path = folder / f"{item.name}_{item.seed}_{record.end}.mp4"
             runner.play(item, lambda task, path=path: _recorded(task, path))  # type: ignore[misc]
@@ -232,11 +244,11 @@ def _recorded(task: TaskEnvironment, path: Path) -> Iterator[None]:
 
 @contextmanager
 def watched(wanted: PageOptions, title: str) -> Iterator[Callable[[EvaluationConfig], EpisodeRunner]]:
-    """Yield what makes the runners of an evaluation; where a page is wanted, it is there for the duration of the block.
+    """Yield the factory of the runners of an evaluation; with `--live`, a page is served for the duration of the block.
 
     Args:
-        wanted: What the user asked for.
-        title: What the page is called.
+        wanted: The arguments of the command.
+        title: Title of the page.
     """
     from rlbench_pin.evaluation.run import EpisodeRunner
 

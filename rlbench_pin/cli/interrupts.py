@@ -1,4 +1,4 @@
-"""Ctrl-C, closed pipes and full disks: the process around a command."""
+"""Ctrl-C, closed pipes and full disks, for the process of a command."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from typing import TextIO
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells have it: 128 and the number of the signal."""
 _AGAIN = 0.05
-"""Delay after which an interrupt that was lost comes again [s]."""
+"""Delay after which a lost interrupt is repeated [s]."""
 
 
 def say(text: str) -> None:
@@ -25,25 +25,25 @@ def say(text: str) -> None:
 
 
 def end_at_once(_: int, __: FrameType | None) -> None:
-    """End this process: nothing was begun. An exception could be lost in a library that is just being imported."""
+    """End this process at once. No work was begun, and a library that is being imported could lose an exception."""
     say("rlbench-pin: interrupted")
     os._exit(INTERRUPTED)
 
 
 def is_whole_process() -> bool:
-    """Whether signals can be handled here: in the main thread, where nobody else handles Ctrl-C."""
+    """Whether signals can be handled: in the main thread, if no other handler of Ctrl-C is installed."""
     handler = signal.getsignal(signal.SIGINT)
     return threading.current_thread() is threading.main_thread() and handler in (signal.default_int_handler, end_at_once)
 
 
 def end_quietly() -> None:
-    """Answer Ctrl-C by ending the process, unless somebody else handles it; `python -m` imports the package first."""
+    """Let Ctrl-C end the process, unless another handler is installed; `python -m` imports the package first."""
     if is_whole_process():
         signal.signal(signal.SIGINT, end_at_once)
 
 
 def _raise_again(lost: sys.UnraisableHookArgs) -> None:
-    """Repeat an interrupt that came where no exception leaves, such as in `__del__`; report everything else as usual."""
+    """Repeat an interrupt raised where exceptions are ignored, such as in `__del__`; report all other errors as usual."""
     if not issubclass(lost.exc_type, KeyboardInterrupt):
         sys.__unraisablehook__(lost)
         return
@@ -54,9 +54,9 @@ def _raise_again(lost: sys.UnraisableHookArgs) -> None:
 
 @contextmanager
 def loading() -> Iterator[Callable[[], None]]:
-    """Answer Ctrl-C in this block by ending the process, or by KeyboardInterrupt once what is yielded was called.
+    """Let Ctrl-C end the process in this block, or raise KeyboardInterrupt once the yielded function was called.
 
-    After the block all is said, and Ctrl-C changes nothing any more.
+    After the block the command is complete, and Ctrl-C has no effect.
     """
     signal.signal(signal.SIGINT, end_at_once)
     try:
@@ -66,7 +66,7 @@ def loading() -> Iterator[Callable[[], None]]:
 
 
 def _interruptible() -> None:
-    """From here on Ctrl-C raises KeyboardInterrupt, which nothing keeps to itself."""
+    """Let Ctrl-C raise KeyboardInterrupt from now on, and repeat an interrupt that is lost."""
     sys.unraisablehook = _raise_again
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
@@ -76,7 +76,7 @@ PIPE_CLOSED = 141
 
 
 def print_any_name() -> None:
-    """Let stdout and stderr take file names that are no text of their encoding; they come out as the bytes they are."""
+    """Let stdout and stderr accept file names that are invalid in their encoding; they are written as their bytes."""
     for stream in (sys.stdout, sys.stderr):
         encoding = getattr(stream, "encoding", None) or ""
         errors = "surrogateescape" if encoding.lower().replace("-", "") == "utf8" else "backslashreplace"
@@ -85,7 +85,7 @@ def print_any_name() -> None:
 
 
 def flushed() -> OSError | None:
-    """Write what is still held back; return why that is not possible, and drop it then, or None."""
+    """Flush stdout and stderr; return the error if that fails, and drop the rest, or None."""
     problem: OSError | None = None
     for stream in (sys.stdout, sys.stderr):
         try:
@@ -99,7 +99,7 @@ def flushed() -> OSError | None:
 
 
 def _drop(stream: TextIO) -> None:
-    """Send what a stream still holds to nowhere, so that the end of the process does not complain of it again."""
+    """Discard the buffer of a stream, so that the end of the process does not report the error again."""
     with suppress(OSError, ValueError):
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, stream.fileno())

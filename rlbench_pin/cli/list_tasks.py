@@ -1,4 +1,4 @@
-"""`rlbench-pin list`: the tasks; and task names as the other commands take them."""
+"""`rlbench-pin list`: the tasks; and the task names in the arguments of other commands."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 ALL = "all"
-"""Stands for all tasks on a command line."""
+"""Name of all tasks on a command line."""
 
 
 @dataclass(frozen=True)
 class ListTasks:
-    """List the tasks, each with a line about it.
+    """List the tasks, each with one line of description.
 
-    Those of other packages come last, with the package that brings them.
+    Those of other packages come last, with the name of the package.
     """
 
     sets: bool = False
@@ -42,7 +42,7 @@ class ListTasks:
         return 0
 
     def print_sets(self) -> int:
-        """Print one line per set; as JSON, all that is known of each."""
+        """Print one line per set; as JSON, all data of each."""
         from rlbench_pin.evaluation.sets import task_set, task_sets
 
         sets = [task_set(name) for name in task_sets()]
@@ -64,7 +64,7 @@ def split_names(words: Iterable[str]) -> tuple[str, ...]:
 
 
 def named_tasks(words: Iterable[str]) -> tuple[str, ...]:
-    """Return the names in `words`, each once, in order, with those of all tasks in the place of `all`."""
+    """Return the names in `words`, each once, in order; `all` is replaced by the names of all tasks."""
     names = (usable_names() if name == ALL else (name,) for name in split_names(words))
     return tuple(dict.fromkeys(name for some in names for name in some))
 

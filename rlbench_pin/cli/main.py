@@ -1,4 +1,4 @@
-"""The entry point: everything else is imported when Ctrl-C is already answered quietly."""
+"""The entry point: it handles Ctrl-C first, and imports all other modules afterwards."""
 
 from __future__ import annotations
 

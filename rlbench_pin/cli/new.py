@@ -13,7 +13,7 @@ from rlbench_pin.cli.options import storing, write_whole
 from rlbench_pin.errors import StorageError, TaskEnvironmentError
 
 TASK = Template('''\
-"""$title. (One sentence: what is to be done.)"""
+"""$title. (One sentence: the goal.)"""
 
 from __future__ import annotations
 
@@ -23,35 +23,35 @@ from rlbench_pin.tasks import COLORS, SpawnBoundary, Task, TipInside
 
 
 class $cls(Task):
-    """What varies, and what counts as success. Here: the tip must be inside the ball, whose colour is the variation."""
+    """Describe the variations and the success condition. Here: the tip must be inside the ball; its colour is the variation."""
 
-    solved_by_chance = True  # a ball in the air can be hit by chance; leave this line out where that would be a fault
+    solved_by_chance = True  # random actions can hit a ball in the air; leave this line out if that would be a fault
 
     def init_task(self) -> None:
-        """Called once: look elements up by the names in $name.toml, say what may be grasped and what success is."""
+        """Called once: look up elements by their names in $name.toml, register graspable objects and success conditions."""
         self.ball = self.world.body("ball")
         self.place = SpawnBoundary([self.world.region("air")])
         # self.register_graspable_objects(["ball"])
         self.register_success_conditions([TipInside(self.robot, self.world.sensor("goal"))])
 
     def variation_count(self) -> int:
-        """How many goals there are; leave it out where there is one."""
+        """Return the number of goals; leave this method out if there is one."""
         return len(COLORS)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Called for every episode: draw everything from `rng`, return sentences that all ask for the goal."""
+        """Called for every episode: draw all random values from `rng`, return instructions that all describe the goal."""
         name, rgb = COLORS[variation]
         self.ball.set_color(rgb)
         self.place.clear()
         self.place.sample(self.ball, rng)
-        return [f"Touch the {name} ball.", f"Bring the hand to the {name} ball."]
+        return [f"Touch the {name} ball.", f"Bring the gripper to the {name} ball."]
 ''')
 SCENE = Template("""\
 # Lengths [m], angles [rad]; a pose is [x, y, z] or [x, y, z, yaw] or [x, y, z, qx, qy, qz, qw] in the frame of `parent`;
 # rpy = [roll, pitch, yaw] may turn a pose of three numbers.
 format = 2
 
-[placement]                                 # where the task root stands; everything below is in its frame
+[placement]                                 # pose of the task root; all poses below are in its frame
 pose = [0.25, 0.0, 0.0]                     # in the middle of the placement area; heights count from the table top
 static = true                               # false: the root is placed at random in every episode
 yaw = [0.0, 0.0]                            # bounds of its random turn

@@ -1,4 +1,4 @@
-"""Types of command line arguments, their checks, the files that commands write, and the engine that does the work."""
+"""Types of command line arguments, their checks, the files that commands write, and the engine."""
 
 from __future__ import annotations
 
@@ -26,31 +26,33 @@ Viewed = Annotated[str, tyro.conf.arg(metavar="TASK|FOLDER")]
 TaskNames = Annotated[tuple[str, ...], tyro.conf.arg(metavar="TASK...")]
 """Any number of tasks."""
 OnlyTasks = Annotated[tuple[str, ...], tyro.conf.arg(metavar="TASK...", help_behavior_hint="")]
-"""Tasks that a command keeps to; all when none is named."""
+"""Tasks that a command is limited to; all by default."""
 AnyTasks = Annotated[tuple[str, ...], tyro.conf.arg(metavar="[TASK...]", help_behavior_hint="")]
-"""Tasks behind a command that can do without."""
+"""Tasks as optional arguments."""
 SomeTasks = Annotated[tuple[str, ...], tyro.conf.arg(metavar="TASK...", help_behavior_hint="(required)")]
-"""Tasks behind a command that cannot; it says so in its own words."""
+"""Tasks as required arguments; the command reports missing ones."""
 RobotName = Annotated[str, tyro.conf.arg(metavar="ARM")]
 """An arm."""
 Device = Annotated[str, tyro.conf.arg(metavar="DEVICE")]
-"""Where torch computes."""
+"""Device of torch."""
 MaybePath = Annotated[Path | None, tyro.conf.arg(metavar="PATH")]
-"""A file or folder that may be left out."""
+"""An optional file or folder."""
 MaybeInt = Annotated[int | None, tyro.conf.arg(metavar="INT")]
-"""A number that may be left out."""
+"""An optional number."""
+MaybeText = Annotated[str | None, tyro.conf.arg(metavar="TEXT")]
+"""An optional text."""
 MaybeBool = Annotated[bool | None, tyro.conf.arg(metavar="{True,False}")]
-"""A choice that may be left out."""
+"""An optional choice."""
 Files = Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FILE...", help_behavior_hint="")]
 """Any number of files."""
 SomeFiles = Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FILE...", help_behavior_hint="(required)")]
-"""Files, of which there must be one."""
+"""One or more files."""
 SomeFolders = Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FOLDER...", help_behavior_hint="(required)")]
-"""Folders, of which there must be one."""
+"""One or more folders."""
 Cameras = Annotated[tuple[str, ...], tyro.conf.arg(metavar=f"{{{','.join(CAMERAS)}}}...")]
 """Any number of cameras."""
 OnlyCameras = Annotated[tuple[str, ...], tyro.conf.arg(metavar=f"{{{','.join(CAMERAS)}}}...", help_behavior_hint="")]
-"""Cameras that a command keeps to; all when none is named."""
+"""Cameras that a command is limited to; all by default."""
 Products = Annotated[tuple[str, ...], tyro.conf.arg(metavar=f"{{{','.join(PRODUCTS)}}}...")]
 """Any number of kinds of images."""
 EngineName = Literal["processes", "ray"]
@@ -62,10 +64,10 @@ Size = Annotated[tuple[int, int], tyro.conf.arg(metavar="WIDTH HEIGHT")]
 
 
 def check_at_least(command: object, **least: int) -> None:
-    """Check numbers of a command, each by the name of its field; one that is None was not given.
+    """Check the lower bounds of numbers of a command, by the names of their fields; None is a number that was not given.
 
     Raises:
-        TaskEnvironmentError: One of them, or a number of a pair, is lower than the least that makes sense.
+        TaskEnvironmentError: One of them, or a number of a pair, is below its bound.
     """
     for name, low in least.items():
         value = getattr(command, name)
@@ -76,12 +78,12 @@ def check_at_least(command: object, **least: int) -> None:
 
 
 def checked_names(words: Iterable[str], split: Callable[[Iterable[str]], tuple[str, ...]], usage: str) -> tuple[str, ...]:
-    """Return the names in `words`, of which there must be one.
+    """Return the names in `words`; at least one is required.
 
     Args:
-        words: As they were typed.
-        split: What takes them apart.
-        usage: How the command is used.
+        words: The arguments of the command.
+        split: Function that splits them.
+        usage: Usage of the command, for the message.
 
     Raises:
         TaskEnvironmentError: There is none.
@@ -100,17 +102,17 @@ def storing(path: Path) -> AbstractContextManager[None]:
 
 
 def write_whole(path: Path, content: bytes) -> Path:
-    """Write a file that is complete or not there; see `datasets.storage.write_whole`."""
+    """Write a file atomically; see `datasets.storage.write_whole`."""
     from rlbench_pin.datasets import storage
 
     return storage.write_whole(path, content)
 
 
 def check_folder(folder: Path) -> None:
-    """Make a folder and see whether files can be written there, before hours of work.
+    """Make a folder and check that files can be written there, before the work begins.
 
     Raises:
-        StorageError: They cannot.
+        StorageError: They cannot be written.
     """
     with storing(folder):
         folder.mkdir(parents=True, exist_ok=True)
@@ -119,10 +121,10 @@ def check_folder(folder: Path) -> None:
 
 
 def check_file(path: Path) -> None:
-    """See whether a file can be written, before the work that it is for; its folder is made.
+    """Check that a file can be written, before the work begins; its folder is made.
 
     Raises:
-        StorageError: It cannot.
+        StorageError: It cannot be written.
     """
     with storing(path):
         if path.is_dir():
@@ -131,7 +133,7 @@ def check_file(path: Path) -> None:
 
 
 def write_json(path: Path, content: object) -> None:
-    """Write a file for programs.
+    """Write a JSON file.
 
     Raises:
         StorageError: It cannot be written.
@@ -140,7 +142,7 @@ def write_json(path: Path, content: object) -> None:
 
 
 def make_engine(name: EngineName, workers: int) -> Engine:
-    """Return the engine that does the work.
+    """Return the engine of that name.
 
     Raises:
         MissingExtra: Ray is not installed.

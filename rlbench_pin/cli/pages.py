@@ -1,4 +1,4 @@
-"""Pages that commands serve until Ctrl-C: the builder's modules, which need viser, are imported when one is asked for."""
+"""Pages that commands serve until Ctrl-C. Modules that need viser are imported when a page is requested."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from rlbench_pin.cli.options import check_at_least
 from rlbench_pin.errors import TaskEnvironmentError
 
 _DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY")
-_LARGEST_PORT = 65535
+_MAX_PORT = 65535
 
 
 @dataclass(frozen=True)
 class PageOptions:
-    """What a command takes that can serve a page."""
+    """Options of commands that can serve a page."""
 
     live: bool = False
     """Show it in a browser, in 3D and over time, until Ctrl-C."""
     port: int = 0
-    """Where the page is served on 127.0.0.1; 0 takes a free port."""
+    """Port of the page on 127.0.0.1; 0 takes a free port."""
     browser: bool = True
     """Open the page, where there is a browser."""
 
@@ -42,21 +42,22 @@ def live_module() -> Any:
 
 
 def check_port(page: Any) -> None:
-    """Raise TaskEnvironmentError unless the port of a page is one."""
+    """Raise TaskEnvironmentError unless the port of a page is valid."""
     check_at_least(page, port=0)
-    if page.port > _LARGEST_PORT:
-        raise TaskEnvironmentError(f"--port is {page.port}; ports go up to {_LARGEST_PORT}, and 0 takes a free one.")
+    if page.port > _MAX_PORT:
+        raise TaskEnvironmentError(f"--port is {page.port}; ports go up to {_MAX_PORT}, and 0 takes a free one.")
 
 
 def announce(address: str, browser: bool) -> None:
-    """Print where a page is, and open it where somebody wants that and there is a screen."""
+    """Print the address of a page, and open it if that is wanted and there is a screen; signals end the command from now on."""
+    answer_signals()
     print(f"{address}  (Ctrl-C ends it)", flush=True)
     if browser and has_screen():
         webbrowser.open(address)
 
 
 def has_screen() -> bool:
-    """Whether a browser would be seen."""
+    """Whether there is a screen for a browser."""
     return sys.platform in ("darwin", "win32") or any(os.environ.get(name) for name in _DISPLAYS)
 
 
@@ -83,7 +84,7 @@ def live_page(show: Callable[[Any], Any], title: str, page: PageOptions) -> Iter
 
 
 def answer_signals() -> None:
-    """Let Ctrl-C, SIGTERM and a closed terminal raise KeyboardInterrupt, also where SIGINT was ignored at the start."""
+    """Let Ctrl-C, SIGTERM and a closed terminal raise KeyboardInterrupt, also if SIGINT was ignored at the start."""
     if threading.current_thread() is threading.main_thread():
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             if signal.getsignal(number) in (signal.SIG_DFL, signal.SIG_IGN):
@@ -91,6 +92,6 @@ def answer_signals() -> None:
 
 
 def wait_for_end() -> None:
-    """Wait until somebody wants the page to end: by Ctrl-C, SIGTERM, or closing the terminal; it comes as KeyboardInterrupt."""
+    """Wait until Ctrl-C, SIGTERM or a closed terminal raises KeyboardInterrupt."""
     answer_signals()
     threading.Event().wait()

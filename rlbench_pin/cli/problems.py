@@ -18,16 +18,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Problems:
-    """Write motions of demonstrations as planning problems: arm, obstacles, held bodies, start and goal, as JSON.
+    """Write motions of demonstrations as planning problems: arm, obstacles, grasped bodies, start and goal, as JSON.
 
     A problem is a segment that is planned to a pose among obstacles. Segments that may touch anything (`ignore_collisions`),
-    or follow a curve, are none; the last line for each task counts them.
+    or follow a curve, are left out; the last line for each task counts them.
     """
 
     action: tyro.conf.Positional[Literal["export"]]
-    """What to do."""
+    """Subcommand."""
     tasks: tyro.conf.Positional[SomeTasks] = ()
-    """Task names, as `rlbench-pin list` prints them, with spaces or commas between them, `all`, or task files."""
+    """Task names, as `rlbench-pin list` prints them, separated by spaces or commas, `all`, or task files."""
     episodes: int = 5
     """Demonstrations of each task."""
     seed: int = 0
@@ -36,7 +36,7 @@ class Problems:
     """Folder for the files."""
 
     def run(self) -> int:
-        """Play demonstrations, write their segments, print how many, and how many are no problems; 1 when there is no problem."""
+        """Write the segments of demonstrations, print the numbers of problems and other segments; 1 when there is no problem."""
         from rlbench_pin.tasks import find_task
 
         check_at_least(self, episodes=1, seed=0)

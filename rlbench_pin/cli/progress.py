@@ -1,4 +1,4 @@
-"""Progress bars on stderr, and Ctrl-C that loses nothing."""
+"""Progress bars on stderr, and Ctrl-C that keeps finished work."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from types import FrameType
 from tqdm import tqdm
 
 from rlbench_pin.checking import CheckProgress
+from rlbench_pin.cli.bars import progress_bar
 from rlbench_pin.cli.interrupts import say
 from rlbench_pin.evaluation.run import EvaluationProgress
 from rlbench_pin.recording.record import RecordReport
@@ -26,7 +27,7 @@ class RecordBar:
     def __call__(self, report: RecordReport) -> None:
         """Show how far it is."""
         if self._bar is None:
-            self._bar = tqdm(total=report.wanted, initial=report.found, unit="episode", desc=self._what, dynamic_ncols=True)
+            self._bar = progress_bar(total=report.wanted, initial=report.found, unit="episode", desc=self._what)
         self._bar.update(report.found + report.recorded - self._bar.n)
         notes = [f"{count} {cause}" for cause, count in sorted(report.causes.items(), key=lambda item: -item[1])]
         notes += [f"{len(report.failed)} given up"] if report.failed else []
@@ -40,7 +41,7 @@ class RecordBar:
 
 
 class CheckBar:
-    """Trials done, their rate, and the task and part that were finished last, on stderr."""
+    """Trials done, their rate, and the last finished task and part, on stderr."""
 
     def __init__(self) -> None:
         self._bar: tqdm | None = None
@@ -48,7 +49,7 @@ class CheckBar:
     def __call__(self, progress: CheckProgress) -> None:
         """Show how far the check is."""
         if self._bar is None:
-            self._bar = tqdm(total=progress.total, initial=progress.found, unit="trial", desc="check", smoothing=0.05)
+            self._bar = progress_bar(total=progress.total, initial=progress.found, unit="trial", desc="check", smoothing=0.05)
         if progress.latest is not None:
             self._bar.set_postfix_str(f"{progress.latest.task} {progress.latest.part}", refresh=False)
         self._bar.update(progress.found + progress.done - self._bar.n)
@@ -61,14 +62,14 @@ class CheckBar:
 
 @contextmanager
 def stopping_gently() -> Iterator[threading.Event]:
-    """Yield an event that the first Ctrl-C sets; a second one interrupts at once."""
+    """Yield an event that the first Ctrl-C sets; the second Ctrl-C interrupts at once."""
     stop = threading.Event()
 
     def on_interrupt(_: int, __: FrameType | None) -> None:
         if stop.is_set():
             raise KeyboardInterrupt
         stop.set()
-        say("\nFinishing what is under way; Ctrl-C again to abandon it.")
+        say("\nFinishing the running episodes; Ctrl-C again to abandon them.")
 
     before = signal.signal(signal.SIGINT, on_interrupt)
     try:
@@ -81,7 +82,7 @@ class EvaluationBar:
     """Episodes done, their rate, and how many of them succeeded so far.
 
     Args:
-        what: What is evaluated.
+        what: Name of the policy.
     """
 
     def __init__(self, what: str) -> None:
@@ -92,7 +93,7 @@ class EvaluationBar:
         """Show how far it is."""
         if self._bar is None:
             total, found = progress.wanted, progress.found
-            self._bar = tqdm(total=total, initial=found, unit="episode", desc=self._what, dynamic_ncols=True)
+            self._bar = progress_bar(total=total, initial=found, unit="episode", desc=self._what)
         played = progress.found + progress.done
         self._bar.update(played - self._bar.n)
         notes = [f"success {100.0 * progress.successes / played:.0f} %"] if played else []

@@ -1,4 +1,4 @@
-"""`rlbench-pin record TASK...`: demonstrations by the thousand, resumable, by as many processes as there are cores."""
+"""`rlbench-pin record TASK...`: record demonstrations with several worker processes; a run can be resumed."""
 
 from __future__ import annotations
 
@@ -45,16 +45,16 @@ _BOOLEANS = ("true", "false")
 
 @dataclass(frozen=True)
 class KnownNames:
-    """Flags of RLBench's generators, taken in the place of ours. Underscores are as good as hyphens, lists may have commas."""
+    """Flags of RLBench's generators, accepted in place of ours. Underscores are equal to hyphens, lists may have commas."""
 
     tasks: OnlyTasks = ()
-    """As the task names themselves."""
+    """Same as the task names."""
     save_path: MaybePath = None
-    """As `--out`."""
+    """Same as `--out`."""
     processes: MaybeInt = None
-    """As `--workers`."""
+    """Same as `--workers`."""
     episodes_per_task: MaybeInt = None
-    """As `--episodes` with `--per-variation`; with `--all-variations True` as `--episodes` alone."""
+    """Same as `--episodes` with `--per-variation`; with `--all-variations True` same as `--episodes` alone."""
     all_variations: MaybeBool = None
     """True spreads the episodes of a task over its variations, as `record` does; False counts them for each variation."""
 
@@ -69,40 +69,40 @@ class Record:
     """Plan demonstrations of tasks and write them to a dataset. Use `--resume` to continue after an interruption."""
 
     tasks: tyro.conf.Positional[AnyTasks] = ()
-    """Task names, as `rlbench-pin list` prints them, with spaces or commas between them, `all`, or task files; with `--resume`
+    """Task names, as `rlbench-pin list` prints them, separated by spaces or commas, `all`, or task files; with `--resume`
     alone, those recorded before."""
     episodes: int = 10
     """Episodes of each task, spread evenly over its variations."""
     per_variation: bool = False
     """Count episodes for each variation."""
     variations: int = -1
-    """Number of variations of a task, at most; -1 is all."""
+    """Maximum number of variations of a task; -1 is all."""
     seed: int = 0
-    """Seed of the recording. The same seed gives the same files, however many workers there are."""
+    """Seed of the recording. The same seed gives the same files for any number of workers."""
     workers: int = 1
     """Worker processes; with 0 this process does the work."""
     engine: EngineName = "processes"
-    """What does the work: processes of this machine, or a Ray cluster."""
+    """Engine: processes of this machine, or a Ray cluster."""
     resume: bool = False
-    """Go on with what the folder holds."""
+    """Continue the recording in the folder."""
     trust_task_files: bool = False
-    """Run the task files that the folder keeps, where tasks are not installed and their files not named. Read them first."""
+    """Run the task files in the folder, for tasks that are neither installed nor named as files. Read them first."""
     image_size: Size = (128, 128)
     """Width and height of the images [px]."""
     cameras: Cameras = CAMERAS
     """Cameras whose images are stored."""
     products: Products = ("rgb", "depth", "mask")
-    """What each camera delivers, of rgb, depth, mask and point_cloud; nothing after `--products` for no images."""
+    """Images of each camera: rgb, depth, mask, point_cloud; `--products` without a value records no images."""
     compression: Compression = "gzip"
-    """`gzip` is small, `lzf` is fast."""
+    """Compression: `gzip` gives smaller files, `lzf` is faster."""
     max_attempts: int = 10
-    """Tries for each episode."""
+    """Attempts for each episode."""
     renderer: RenderMode = "opengl3"
     """`opengl3` draws shadows, `opengl` is faster without."""
     arm_max_velocity: float = 1.0
-    """Cap on the speed of motions along the joint-space path [rad/s]."""
+    """Limit of the speed along the joint-space path [rad/s]."""
     arm_max_acceleration: float = 4.0
-    """Cap on how fast that speed changes [rad/s^2]."""
+    """Limit of the acceleration along the joint-space path [rad/s^2]."""
     out: Path = DEFAULT_OUT
     """Folder of the dataset."""
     json: bool = False
@@ -134,7 +134,7 @@ class Record:
         return INTERRUPTED if code and stop.is_set() else code
 
     def _in_our_names(self) -> Record:
-        """Return the same with our flags in the place of those of other generators.
+        """Return the same command with our flags in place of those of other generators.
 
         Raises:
             TaskEnvironmentError: A setting was given under both names.
@@ -164,7 +164,7 @@ class Record:
             max_attempts=self.max_attempts,
             max_velocity=self.arm_max_velocity,
             max_acceleration=self.arm_max_acceleration,
-            pictures=ImageConfig(
+            images=ImageConfig(
                 cameras=self.cameras,
                 products=self.products,
                 image_size=self.image_size,
@@ -182,7 +182,7 @@ class Record:
 
 
 def spelled_out(arguments: Sequence[str]) -> list[str]:
-    """Return the arguments of `record` as its parser wants them.
+    """Return the arguments of `record` in the form of its parser.
 
     `--image_size=128,128` becomes two numbers, and `--all_variations` without a value is true.
     """
@@ -203,19 +203,19 @@ def spelled_out(arguments: Sequence[str]) -> list[str]:
 
 
 def _split(argument: str) -> list[str]:
-    """Cut `--flag=value` of the flags that are rewritten."""
+    """Split `--flag=value` of the flags that are rewritten."""
     flag, equals, value = argument.partition("=")
     return [flag, value] if equals and flag.replace("_", "-") in ("--image-size", "--all-variations") else [argument]
 
 
 def print_report(report: RecordReport, out: Path, go_on: str, *, as_json: bool) -> int:
-    """Print what was done, what failed and how to go on; return the exit code."""
+    """Print the recorded and failed episodes and the command that continues; return the exit code."""
     print(json.dumps(as_dict(report), indent=1) if as_json else _text(report, out))
     for result in report.failed:
         item, why = result.item, "; ".join(result.failures)
         print(f"{item.name}, variation {item.variation}, episode {item.index} (seed {item.seed}) failed: {why}", file=sys.stderr)
     if report.missing > len(report.failed):
-        print(f"{report.missing} episodes are missing. Go on with:  {go_on}", file=sys.stderr)
+        print(f"{report.missing} episodes are missing. Continue with:  {go_on}", file=sys.stderr)
     return 1 if report.missing else 0
 
 
@@ -242,6 +242,6 @@ def _text(report: RecordReport, out: Path) -> str:
         f"{report.found + report.recorded} of {report.wanted} episodes in {out}: {report.recorded} recorded now "
         f"({rate:.1f} a minute, {report.frames} frames, {megabytes:.1f} MB), {report.found} found there"
     ]
-    lines += [f"tries that failed: {', '.join(f'{n} x {cause}' for cause, n in report.causes.items())}"] if report.causes else []
+    lines += [f"failed attempts: {', '.join(f'{n} x {cause}' for cause, n in report.causes.items())}"] if report.causes else []
     lines += [f"{death.item.name}: a worker died ({death.cause}) and was replaced" for death in report.deaths]
     return "\n".join(lines)

@@ -1,4 +1,4 @@
-"""`rlbench-pin replay FILE...`: do the recorded actions of stored episodes still reach the goal?"""
+"""`rlbench-pin replay FILE...`: check that the recorded actions of stored episodes still reach the goal."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from rlbench_pin.errors import DatasetError, TaskEnvironmentError
 
 @dataclass(frozen=True)
 class Replay:
-    """Restore the start of stored episodes, repeat their joint-position actions, and say whether they succeed again."""
+    """Restore the start of stored episodes, repeat their joint-position actions, and print whether they succeed again."""
 
     files: tyro.conf.Positional[SomeFiles] = ()
-    """Episode files, or folders of datasets, of which the episodes in the manifests are replayed."""
+    """Episode files, or folders of datasets; of a dataset, all episodes in its manifests are replayed."""
 
     task_file: Files = ()
-    """Your own files of tasks that are not installed; they are used instead of those that the dataset keeps."""
+    """Your own task files for tasks that are not installed; they replace those in the dataset."""
     trust_task_files: bool = False
-    """Run the task files that the dataset keeps, where tasks are not installed. Read them first."""
+    """Run the task files in the dataset, for tasks that are not installed. Read them first."""
 
     def run(self) -> int:
         """Print one line per episode; 1 when one does not succeed."""

@@ -22,30 +22,30 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ShowResults:
-    """Print tables of results files, compare them episode by episode, draw them.
+    """Print tables of results files, compare them episode by episode, plot them.
 
-    Success has its interval of 95 %: Wilson's for a task, a bootstrap with the tasks as strata for the mean over tasks.
+    Success has a 95 % confidence interval: Wilson for a task, a bootstrap stratified by task for the mean over tasks.
     """
 
     files: tyro.conf.Positional[SomeFiles] = ()
     """Results files, as `rlbench-pin evaluate` writes them."""
     compare: bool = False
-    """Compare every further file with the first: McNemar's test on the episodes that both played, by task and in all."""
-    held: bool = False
-    """Compare success that lasts, instead of success."""
+    """Compare each further file with the first: McNemar's test on the common episodes, by task and overall."""
+    stable: bool = False
+    """Compare stable success instead of success."""
     common: bool = False
-    """Compare the episodes that both files have, where they do not have the same."""
+    """Compare only the common episodes of two files with different episodes."""
     any_limits: bool = False
-    """Compare although episodes ended at different limits."""
+    """Compare files whose episodes have different limits."""
     plot: MaybePath = None
-    """Image to draw: success by task, the files side by side; PNG or SVG."""
+    """File of a plot: success by task, the files side by side; PNG or SVG."""
     markdown: bool = False
     """Print the tables in Markdown."""
     json: bool = False
     """Print JSON for programs."""
 
     def run(self) -> int:
-        """Print, and draw."""
+        """Print the tables, and draw the plot."""
         from rlbench_pin.evaluation.results.plots import check_plot, draw_results
         from rlbench_pin.evaluation.results.records import read_results
         from rlbench_pin.evaluation.results.statistics import summarise
@@ -56,7 +56,7 @@ class ShowResults:
                 "No file was named. Use `rlbench-pin results FILE...`; `rlbench-pin evaluate` writes them."
             )
         if self.compare and len(self.files) < 2:
-            raise TaskEnvironmentError("--compare needs two files or more, of which the first is compared with the others.")
+            raise TaskEnvironmentError("--compare needs two files or more: the first is compared with each other file.")
         if self.plot is not None:
             check_plot(self.plot, len(self.files))
             check_file(self.plot)
@@ -75,7 +75,7 @@ class ShowResults:
         return 0
 
     def labels(self, results: Sequence[Results]) -> list[str]:
-        """Return what each file is called: its policy; with the name of the file where two have the same one."""
+        """Return the label of each file: its policy; with the name of the file if two policies are equal."""
         names = [r.policy for r in results]
         for further in ([path.stem for path in self.files], [str(path) for path in self.files]):
             count = Counter(names)
@@ -90,7 +90,7 @@ class ShowResults:
         for other, label in zip(results[1:], labels[1:]):
             comparison = compare(
                 results[0], other, np.random.default_rng(0),
-                measure="lasts" if self.held else "success", common=self.common, any_limits=self.any_limits,
+                measure="lasts" if self.stable else "success", common=self.common, any_limits=self.any_limits,
             )  # fmt: skip
             found.append(replace(comparison, first=labels[0], second=label))
         return found
@@ -109,7 +109,11 @@ class ShowResults:
 def _summary(summary: Summary) -> dict[str, Any]:
     tasks = [{**asdict(task), "success": task.success.as_dict(), "held": task.held.as_dict()} for task in summary.tasks]
     mean = {"success": summary.success.as_dict(), "held": summary.held.as_dict()}
-    return {"policy": summary.policy, "episodes": summary.episodes, "mean": mean, "tasks": tasks}
+    faults = [
+        {"fault": e.fault, "task": e.task, "variation": e.variation, "seed": e.seed, "detail": e.fault_detail}
+        for e in summary.first_faults
+    ]
+    return {"policy": summary.policy, "episodes": summary.episodes, "mean": mean, "tasks": tasks, "first_faults": faults}
 
 
 def _comparison(comparison: Comparison) -> dict[str, Any]:

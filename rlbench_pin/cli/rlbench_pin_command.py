@@ -1,4 +1,4 @@
-"""What the program `rlbench-pin` starts. It is installed beside the package, whose import takes a moment."""
+"""Entry point of the program `rlbench-pin`. It is installed next to the package, so that Ctrl-C is handled before the import."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def main() -> int:
 
 
 def _end_at_once(_: int, __: FrameType | None) -> None:
-    """End this process with 128 and the number of the signal: nothing was begun."""
+    """End this process with exit code 128 + the number of the signal; no work was begun."""
     sys.stderr.write("rlbench-pin: interrupted\n")
     sys.stderr.flush()
     os._exit(130)

@@ -54,13 +54,13 @@ COMMANDS: dict[str, type] = {
 DONE, FAILED, MISUSED = 0, 1, 2
 _WRITING = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 DESCRIPTION = (
-    "Robot manipulation tasks with planned demonstrations. `rlbench-pin COMMAND --help` says what a command takes, "
-    "`rlbench-pin --version` which version this is."
+    "Robot manipulation tasks with planned demonstrations. `rlbench-pin COMMAND --help` prints the arguments of a command, "
+    "`rlbench-pin --version` prints the version."
 )
 
 
 class Command(Protocol):
-    """What every command can do."""
+    """Interface of a command."""
 
     def run(self) -> int:
         """Do the work and return the exit code."""
@@ -73,7 +73,7 @@ def summary(command: type) -> str:
 
 
 def parse(words: Sequence[str]) -> Command:
-    """Return the command that `words` ask for.
+    """Return the command that `words` describe.
 
     Raises:
         SystemExit: Help or the version was asked for and printed (0), or the words are no command line (2).
@@ -87,7 +87,7 @@ def parse(words: Sequence[str]) -> Command:
     commands: dict[str, Callable[..., object]] = {
         name: command if name == asked else make_dataclass(command.__name__, [], namespace={"__doc__": summary(command)})
         for name, command in COMMANDS.items()
-    }  # the parser of a command is built only when it is asked for
+    }  # the parser of a command is built only when it is needed
     command: Command = tyro.extras.subcommand_cli_from_dict(
         commands, prog="rlbench-pin", description=DESCRIPTION, args=list(words)
     )
@@ -95,10 +95,10 @@ def parse(words: Sequence[str]) -> Command:
 
 
 def run(words: Sequence[str], on_begin: Callable[[], None]) -> int:
-    """Run the command that `words` ask for to its end and return the exit code.
+    """Run the command that `words` describe to its end and return the exit code.
 
     Args:
-        words: The command line behind `rlbench-pin`.
+        words: The command line after `rlbench-pin`.
         on_begin: Called between reading the words and beginning the work.
 
     Returns:
@@ -125,7 +125,7 @@ def run(words: Sequence[str], on_begin: Callable[[], None]) -> int:
 
 
 def _after_flush(code: int) -> int:
-    """Return the exit code when everything printed has left the process."""
+    """Flush the output and return the exit code."""
     problem = flushed()
     if problem is None or code in (MISUSED, INTERRUPTED):
         return code
@@ -139,11 +139,11 @@ def _system_error(error: OSError | UnicodeError | MemoryError) -> str:
     if isinstance(error, MemoryError):
         return "there is not enough memory."
     if isinstance(error, UnicodeError):
-        return f"a name is no text: {error}. Choose a name of ordinary characters."
+        return f"a name is not valid text: {error}. Choose a name of ordinary characters."
     reason = error.strerror or str(error)
     if error.filename is None:
         return f"the output cannot be written: {reason}." if error.errno in _WRITING else f"the system refused: {reason}."
-    return f"'{error.filename}': {reason}. See whether the file or folder is there and can be used."
+    return f"'{error.filename}': {reason}. Check that the file or folder exists and can be used."
 
 
 def _print_error(problem: object, code: int) -> int:

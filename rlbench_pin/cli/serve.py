@@ -13,7 +13,7 @@ from rlbench_pin.cli.pages import answer_signals
 from rlbench_pin.errors import TaskEnvironmentError
 
 PolicyName = Annotated[str, tyro.conf.arg(metavar="POLICY", help_behavior_hint="(required)")]
-"""A policy behind a command, which says in its own words that it needs one."""
+"""A policy as the argument of a command; the command reports a missing one."""
 Address = Annotated[str, tyro.conf.arg(metavar="ADDRESS")]
 """A Unix socket, or host and port."""
 
@@ -26,9 +26,9 @@ class Serve:
     """`module:factory`, `file.py:factory`, `sb3:FILE`, `lerobot:FOLDER`, or the name of a policy of this package."""
 
     address: Address = "tcp://127.0.0.1:5555"
-    """Where: `unix:PATH`, which this user alone can open, or `tcp://HOST:PORT`."""
+    """Address: `unix:PATH`, which only this user can open, or `tcp://HOST:PORT`."""
     anywhere: bool = False
-    """Let other machines connect. Nothing is encrypted and no password asked for: do so in a network that you trust."""
+    """Let other machines connect. There is no encryption and no authentication: use it only in a trusted network."""
 
     def run(self) -> int:
         """Serve until Ctrl-C."""
@@ -40,7 +40,7 @@ class Serve:
             raise TaskEnvironmentError("No policy was named. Use `rlbench-pin serve POLICY`, for example `my_policy.py:make`.")
         found = find_policy(self.policy)
         if found.place == "socket":
-            raise TaskEnvironmentError(f"'{self.policy}' is served already. Name what answers there.")
+            raise TaskEnvironmentError(f"'{self.policy}' is the address of a server. Name the policy itself.")
         try:
             listener = listen(self.address, self.anywhere)
         except (ValueError, OSError) as error:

@@ -1,4 +1,4 @@
-"""`rlbench-pin train`: baselines that learn, here those from recorded demonstrations."""
+"""`rlbench-pin train`: train a baseline on recorded demonstrations or by reinforcement learning."""
 
 from __future__ import annotations
 
@@ -39,76 +39,82 @@ PLOTS = "rlbench_pin.evaluation.results.plots"
 
 
 @dataclass(frozen=True)
-class ByTrial:
-    """Arguments that both algorithms take."""
+class ReinforcementLearning:
+    """Arguments of both algorithms."""
 
     tasks: tyro.conf.Positional[SomeTasks] = ()
-    """Tasks to learn, one after the other, each with a model of its own."""
+    """Tasks to train, one after the other, each with its own model."""
     steps: int = 20_000
-    """Decisions of training for each task, 0.15 s each, rounded up to whole segments of about 2000 between checkpoints. More
-    prolong a training that is finished."""
+    """Decisions of training for each task, 0.15 s each, rounded up to a multiple of `--checkpoint-steps`. A larger number
+    continues a finished training."""
     out: Path = Path("out/model")
     """Folder of the models, one for each task."""
     shaped: bool = False
-    """Pay the task's own reward at each step, where it has one; otherwise 1 for success alone."""
+    """Use the shaped reward of the task, if it has one; otherwise the reward is 1 at success."""
     demonstrations: int = 0
-    """Demonstrations that the planner makes first, so many: a first policy imitates them, and SAC keeps them in its buffer."""
+    """Number of demonstrations that the planner makes first: the first policy imitates them, and SAC keeps them in its buffer."""
     seed: int = 0
     """Seed of first weights, episodes, exploration and batches. On the CPU the same seed gives the same weights."""
     workers: int = 1
-    """Environments at once, each in a process of its own when there are several. Another number is another training."""
+    """Number of parallel environments, each in its own process if there are several. The result depends on this number."""
     device: Device = "cpu"
-    """Where torch computes: `cpu`, `cuda`, `cuda:1`."""
+    """Device of torch: `cpu`, `cuda`, `cuda:1`."""
     episode_steps: MaybeInt = None
-    """Decisions of a training episode at most; when not given, 30 for `reach_target` and 50 for others."""
-    leg: int = 2048
-    """Decisions between two checkpoints; PPO learns once in each segment. Another number is another training."""
+    """Maximum number of decisions of a training episode; default 30 for `reach_target` and 50 for other tasks."""
+    checkpoint_steps: int = 2048
+    """Decisions between two checkpoints; PPO updates once per checkpoint. The result depends on this number."""
     plot: MaybePath = None
-    """PNG or SVG file for the learning curves of all tasks; that of each is in its folder in any case."""
+    """PNG or SVG file for the learning curves of all tasks; each task also has its own in its folder."""
     resume: bool = False
-    """Go on with what the folder holds."""
+    """Continue the training in the folder."""
 
 
 @dataclass(frozen=True)
-class Ppo(ByTrial):
-    """Learn by trial with PPO of Stable-Baselines3, from state; with demonstrations it begins as a policy that imitates them."""
+class Ppo(ReinforcementLearning):
+    """Reinforcement learning from state with PPO of Stable-Baselines3, starting from an imitation of demonstrations, if any."""
 
     def run(self) -> int:
         """Train."""
-        return train_by_trial(self, "ppo")
+        return train_rl(self, "ppo")
 
 
 @dataclass(frozen=True)
-class Sac(ByTrial):
-    """Learn by trial with SAC of Stable-Baselines3, from state; half of each batch comes from demonstrations, if any."""
+class Sac(ReinforcementLearning):
+    """Reinforcement learning from state with SAC of Stable-Baselines3; half of each batch comes from demonstrations, if any."""
 
     def run(self) -> int:
         """Train."""
-        return train_by_trial(self, "sac")
+        return train_rl(self, "sac")
 
 
 @dataclass(frozen=True)
-class Cloning:
-    """Learn joint commands from recorded demonstrations, from state or images."""
+class FromDemonstrations:
+    """Arguments of the baselines that learn from recorded demonstrations."""
 
     data: tyro.conf.Positional[SomeFolders] = ()
-    """Folders of datasets."""
+    """Folders of datasets; key frames need no stored images: the demonstrations are replayed."""
     out: Path = Path("out/model")
     """Folder of the models, one for each task."""
     tasks: OnlyTasks = ()
-    """Tasks to train; all of the datasets when none is named."""
+    """Tasks to train; default: all tasks of the datasets."""
     demos: int = -1
     """Demonstrations of each task, spread over its variations; -1 is all."""
-    cameras: OnlyCameras = ()
-    """Cameras to learn from in place of the state of the task."""
     steps: MaybeInt = None
-    """Batches of 128 ticks for each task; 3000 when not given."""
+    """Batches for each task; when not given, 3000 of 128 ticks (cloning) or 1500 of 8 clouds (key-frames)."""
     seed: int = 0
     """Seed of first weights, batches and augmentation. On the CPU the same seed gives the same files."""
     device: Device = "cpu"
-    """Where torch computes: `cpu`, `cuda`, `cuda:1`."""
+    """Device of torch: `cpu`, `cuda`, `cuda:1`."""
     resume: bool = False
-    """Go on with what the folder holds."""
+    """Continue the training in the folder."""
+
+
+@dataclass(frozen=True)
+class Cloning(FromDemonstrations):
+    """Learn joint commands from recorded demonstrations, from state or images."""
+
+    cameras: OnlyCameras = ()
+    """Cameras to learn from in place of the state of the task."""
 
     def run(self) -> int:
         """Train."""
@@ -116,25 +122,8 @@ class Cloning:
 
 
 @dataclass(frozen=True)
-class KeyFrames:
+class KeyFrames(FromDemonstrations):
     """Learn tip poses from recorded demonstrations, from point clouds of five cameras."""
-
-    data: tyro.conf.Positional[SomeFolders] = ()
-    """Folders of datasets; stored images are not needed: the demonstrations are played again."""
-    out: Path = Path("out/model")
-    """Folder of the models, one for each task."""
-    tasks: OnlyTasks = ()
-    """Tasks to train; all of the datasets when none is named."""
-    demos: int = -1
-    """Demonstrations of each task, spread over its variations; -1 is all."""
-    steps: MaybeInt = None
-    """Batches of 8 clouds for each task; 1500 when not given."""
-    seed: int = 0
-    """Seed of first weights, batches and augmentation. On the CPU the same seed gives the same files."""
-    device: Device = "cpu"
-    """Where torch computes: `cpu`, `cuda`, `cuda:1`."""
-    resume: bool = False
-    """Go on with what the folder holds."""
 
     def run(self) -> int:
         """Train."""
@@ -143,7 +132,7 @@ class KeyFrames:
 
 @dataclass(frozen=True)
 class Train:
-    """Train a baseline, on demonstrations or by trial. Use `--resume` to continue after an interruption."""
+    """Train a baseline, on demonstrations or by reinforcement learning. Use `--resume` to continue after an interruption."""
 
     action: tyro.conf.OmitSubcommandPrefixes[
         Annotated[Cloning, tyro.conf.subcommand("cloning")]
@@ -151,20 +140,20 @@ class Train:
         | Annotated[Ppo, tyro.conf.subcommand("ppo")]
         | Annotated[Sac, tyro.conf.subcommand("sac")]
     ] = field()
-    """Which baseline."""
+    """The baseline."""
 
     def run(self) -> int:
         """Do it."""
         return self.action.run()
 
 
-def train_on_demonstrations(command: Cloning | KeyFrames, baseline: str, **options: Any) -> int:
+def train_on_demonstrations(command: FromDemonstrations, baseline: str, **options: Any) -> int:
     """Train one model after the other; 130 when it was interrupted.
 
     Args:
-        command: What the user typed.
+        command: The arguments of the command.
         baseline: A key of `STEPS`.
-        options: Further arguments of what trains.
+        options: Further arguments of the training.
     """
     from rlbench_pin.cli.progress import stopping_gently
     from rlbench_pin.datasets import chosen_tasks, stored_tasks
@@ -177,7 +166,7 @@ def train_on_demonstrations(command: Cloning | KeyFrames, baseline: str, **optio
     stored = {task: root for root in reversed(command.data) for task in stored_tasks(root, at_least_one=True)}
     tasks = chosen_tasks(command.data[0], tuple(sorted(stored)), named_tasks(command.tasks) if command.tasks else ())
     if not command.resume and any((command.out / task).exists() for task in tasks):
-        raise TaskEnvironmentError(f"'{command.out}' holds models already. Go on with --resume, or name another --out.")
+        raise TaskEnvironmentError(f"'{command.out}' contains models already. Continue with --resume, or name another --out.")
     with stopping_gently() as stop:
         for task in tasks:
             if not _train_on_demonstrations(command, baseline, task, stop, options):
@@ -189,15 +178,15 @@ def train_on_demonstrations(command: Cloning | KeyFrames, baseline: str, **optio
 
 
 def _train_on_demonstrations(
-    command: Cloning | KeyFrames, baseline: str, task: str, stop: threading.Event, options: dict[str, Any]
+    command: FromDemonstrations, baseline: str, task: str, stop: threading.Event, options: dict[str, Any]
 ) -> bool:
     """Train one task and return whether it is finished."""
-    from tqdm import tqdm
+    from rlbench_pin.cli.bars import progress_bar
 
     steps, batch, rate = STEPS[baseline]
     cloning = importlib.import_module(f"{BASELINES}.cloning")
     config = cloning.TrainConfig(steps=command.steps or steps, batch=batch, rate=rate, seed=command.seed, device=command.device)
-    with tqdm(total=config.steps, unit="step", desc=task, dynamic_ncols=True) as bar:
+    with progress_bar(total=config.steps, unit="step", desc=task) as bar:
         options = {"demos": command.demos, "on_step": _show_loss(bar), "stop": stop, **options}
         roots: list[Path] = list(command.data)
         if baseline == "cloning":
@@ -215,20 +204,20 @@ def _show_loss(bar: tqdm) -> Callable[[int, float], None]:
     return show
 
 
-def train_by_trial(command: ByTrial, algorithm: str) -> int:
+def train_rl(command: ReinforcementLearning, algorithm: str) -> int:
     """Train one model after the other; 130 when it was interrupted.
 
     Args:
-        command: What the user typed.
+        command: The arguments of the command.
         algorithm: `ppo` or `sac`.
     """
     from rlbench_pin.cli.progress import stopping_gently
 
     usage = f"rlbench-pin train {algorithm} TASK..."
     tasks = named_tasks(checked_names(command.tasks, split_names, usage))
-    check_at_least(command, steps=1, demonstrations=0, seed=0, workers=1, episode_steps=1, leg=8)
+    check_at_least(command, steps=1, demonstrations=0, seed=0, workers=1, episode_steps=1, checkpoint_steps=8)
     if not command.resume and (held := [task for task in tasks if (command.out / task).exists()]):
-        raise TaskEnvironmentError(f"'{command.out / held[0]}' exists. Go on with --resume, or name another --out.")
+        raise TaskEnvironmentError(f"'{command.out / held[0]}' exists. Continue with --resume, or name another --out.")
     if importlib.util.find_spec("stable_baselines3") is None:
         raise MissingExtra(f"`rlbench-pin train {algorithm}`", "stable_baselines3", "rl")
     if command.plot is not None:
@@ -237,7 +226,7 @@ def train_by_trial(command: ByTrial, algorithm: str) -> int:
     learning = importlib.import_module(MODULE)
     with stopping_gently() as stop:
         for task in tasks:
-            if not _train_by_trial(learning, command, algorithm, task, stop):
+            if not _train_rl(learning, command, algorithm, task, stop):
                 say("The same command with --resume goes on.")
                 return INTERRUPTED
     if command.plot is not None:
@@ -247,21 +236,21 @@ def train_by_trial(command: ByTrial, algorithm: str) -> int:
     return 0
 
 
-def _train_by_trial(learning: Any, command: ByTrial, algorithm: str, task: str, stop: threading.Event) -> bool:
+def _train_rl(learning: Any, command: ReinforcementLearning, algorithm: str, task: str, stop: threading.Event) -> bool:
     """Train one task and return whether it is finished."""
-    from tqdm import tqdm
+    from rlbench_pin.cli.bars import progress_bar
 
     config = learning.ReinforcementConfig(
         algorithm, task, steps=command.steps, shaped=command.shaped, demonstrations=command.demonstrations, seed=command.seed,
         workers=command.workers, device=command.device, episode_steps=command.episode_steps,
-        leg_steps=command.leg,
+        checkpoint_steps=command.checkpoint_steps,
     )  # fmt: skip
-    with tqdm(total=config.legs * config.leg, unit="step", desc=f"{algorithm} {task}", dynamic_ncols=True) as bar:
+    with progress_bar(total=config.segments * config.segment, unit="step", desc=f"{algorithm} {task}") as bar:
         return bool(learning.train_reinforcement(config, command.out, _show_success(bar), stop))
 
 
 def _show_success(bar: tqdm) -> Callable[[Any], None]:
-    """Return what shows the steps, and of the last segment how often it succeeded."""
+    """Return a callback that shows the steps, and the success rate since the last checkpoint."""
 
     def show(progress: Any) -> None:
         point = progress.point

@@ -30,9 +30,9 @@ class Video:
     """Record videos of demonstrations: one video per task, or one video of all tasks in a grid."""
 
     tasks: tyro.conf.Positional[SomeTasks] = ()
-    """Task names, as `rlbench-pin list` prints them, with spaces or commas between them, `all`, or task files."""
+    """Task names, as `rlbench-pin list` prints them, separated by spaces or commas, `all`, or task files."""
     grid: bool = False
-    """All tasks side by side in one video instead of one video each."""
+    """Record all tasks side by side in one video, instead of one video each."""
     variation: int = 0
     """Variation of the tasks."""
     seed: int = 0
@@ -48,16 +48,16 @@ class Video:
     domain_randomization: bool = False
     """Change textures and lights every ten ticks."""
     textures_path: MaybePath = None
-    """Folder of textures for `--domain-randomization`; None is the set that comes with the package."""
+    """Folder of textures for `--domain-randomization`; None is the set of the package."""
     renderer: Literal["cpu", "egl", "auto"] = "cpu"
-    """Renderer: `cpu`, `egl`, or `auto` for EGL where there is one."""
+    """Renderer: `cpu`, `egl`, or `auto` for EGL if it is available."""
     max_attempts: int = 10
-    """Tries for each demonstration."""
+    """Attempts for each demonstration."""
     out: Path = Path("out/video")
     """Folder of the videos."""
 
     def run(self) -> int:
-        """Record, and print where the videos are."""
+        """Record the videos, and print their paths."""
         from rlbench_pin.datasets import VideoWriter
         from rlbench_pin.recording.video import Orbit
 
@@ -73,7 +73,7 @@ class Video:
         return 0
 
     def _checked_tasks(self) -> tuple[type[Task], ...]:
-        """Return the tasks, when everything asked for can be recorded."""
+        """Return the tasks, after all arguments were checked."""
         from rlbench_pin.tasks import find_task
 
         check_at_least(self, variation=0, seed=0, fps=1, max_attempts=1, size=2)
@@ -88,17 +88,17 @@ class Video:
 
     def _record_grid(self, tasks: tuple[type[Task], ...]) -> Path:
         from rlbench_pin.datasets import VideoWriter
-        from rlbench_pin.recording.video import Orbit, Reel, grid_frames, grid_size
+        from rlbench_pin.recording.video import Clip, Orbit, grid_frames, grid_size
 
-        reels = {}
+        clips = {}
         for task in tasks:
-            reel = reels[task.get_name()] = Reel()
+            clip = clips[task.get_name()] = Clip()
             with self._environment() as environment:
                 orbit = Orbit(size=_CELL, step=self.speed / self.smooth)
-                self._play(environment.get_task(task), orbit, reel.add)
+                self._play(environment.get_task(task), orbit, clip.add)
         path = self.out / "grid.mp4"
-        with storing(path), VideoWriter(path, grid_size(len(reels), _CELL), self.fps * self.smooth) as video:
-            for image in grid_frames(reels, _CELL):
+        with storing(path), VideoWriter(path, grid_size(len(clips), _CELL), self.fps * self.smooth) as video:
+            for image in grid_frames(clips, _CELL):
                 video.add(image)
         return path
 
@@ -127,13 +127,13 @@ class Video:
         )
 
     def _play(self, task: TaskEnvironment, orbit: Orbit, add: Callable[[np.ndarray], None]) -> None:
-        """Find a try that succeeds, then play it again before a camera that has all of its end in the image."""
-        from tqdm import tqdm
+        """Find an attempt that succeeds, then replay it with a camera whose image contains the whole end state."""
+        from rlbench_pin.cli.bars import progress_bar
 
         task.set_variation(self.variation)
         attempt = self._successful_attempt(task)
         orbit = orbit.around(task.world)
-        with tqdm(unit="frame", desc=task.get_name(), leave=False) as bar, _each_tick(task, orbit, add, bar, self.smooth):
+        with progress_bar(unit="frame", desc=task.get_name(), leave=False) as bar, _each_tick(task, orbit, add, bar, self.smooth):
             task.try_demo(seed=self.seed, attempt=attempt, record=False)
 
     def _successful_attempt(self, task: TaskEnvironment) -> int:
@@ -151,7 +151,7 @@ class Video:
 def _each_tick(  # type: ignore[no-untyped-def]
     task: TaskEnvironment, orbit: Orbit, add: Callable[[np.ndarray], None], bar: tqdm, smooth: int
 ):
-    """Take `smooth` images of every tick of the block, the last at its end, and hold the last of all for a second."""
+    """Take `smooth` images of every tick of the block, the last at its end, and repeat the very last for a second."""
     world = task.world
     every = round(world.control_dt / world.timestep) // smooth
     frame, steps, tick = 0, 0, -1
@@ -166,7 +166,7 @@ def _each_tick(  # type: ignore[no-untyped-def]
         between.clear()
 
     def look_between() -> None:
-        """Before a physics step; what is seen in ticks without a callback, such as those of settling, is forgotten."""
+        """Called before a physics step; images of ticks without a callback, such as those of settling, are dropped."""
         nonlocal steps, tick
         if world.ticks != tick:
             steps, tick = 0, world.ticks

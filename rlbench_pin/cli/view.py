@@ -1,4 +1,4 @@
-"""`rlbench-pin view TASK`: one image of a task, as the five cameras and the clear view see a demonstration, or a page."""
+"""`rlbench-pin view TASK`: an image of a demonstration from the five cameras and the clear view, or a page."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from rlbench_pin.cli.pages import PageOptions, check_port, live_module, live_pag
 from rlbench_pin.errors import TaskEnvironmentError
 
 FORMATS = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG"}
-"""End of a file name -> how the image is written."""
+"""Suffix of the file name -> format of the image."""
 
 
 @dataclass(frozen=True)
 class View:
-    """Draw a contact sheet: seven cameras at the reset and at four moments of a demonstration. With `--live`, a page instead:
+    """Draw a contact sheet: seven cameras at the reset and at four moments of a demonstration. With `--live`, serve a page:
     episodes of a task, or the stored demonstrations of a dataset.
     """
 
@@ -33,14 +33,14 @@ class View:
     size: int = 256
     """Side of each image [px]."""
     page: tyro.conf.OmitArgPrefixes[PageOptions] = field(default_factory=PageOptions)
-    """A page instead of an image."""
+    """Serve a page instead of drawing an image."""
     task_file: Files = ()
-    """With a dataset, your own files of tasks that are not installed; they are used instead of those that it keeps."""
+    """With a dataset, your own task files for tasks that are not installed; they replace those in the dataset."""
     trust_task_files: bool = False
-    """Run the task files that the dataset keeps, where tasks are not installed. Read them first."""
+    """Run the task files in the dataset, for tasks that are not installed. Read them first."""
 
     def run(self) -> int:
-        """Draw, and print where the image is; or serve a page until Ctrl-C."""
+        """Draw the image and print its path, or serve a page until Ctrl-C."""
         from rlbench_pin.checking.images import demo_sheet
         from rlbench_pin.tasks import find_task
 

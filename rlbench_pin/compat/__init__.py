@@ -1,8 +1,8 @@
-"""Programs written for RLBench: `rlbench` and `pyrep` under their known names, as views on this package.
+"""Compatibility with programs written for RLBench: packages `rlbench` and `pyrep` as views on this package.
 
 `install()` makes the names importable; `python -m rlbench_pin.compat program.py` and `RLBENCH_PIN_COMPAT=1 python program.py`
-do the same for a program that knows nothing of rlbench_pin. It is never done by default, and refused where the real packages
-are installed. The two packages lie in `packages/`, a folder that `install()` appends to the module search path.
+do the same for an unchanged program. It is never done by default, and refused where the real packages
+are installed. The two packages are in `packages/`, a folder that `install()` appends to the module search path.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""`python -m rlbench_pin.compat program.py`: a program runs as with plain python, and finds `rlbench` and `pyrep`."""
+"""`python -m rlbench_pin.compat program.py`: run a program as plain python does, with `rlbench` and `pyrep` available."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ Two other ways, with the same effect:
   RLBENCH_PIN_COMPAT=1 python PROGRAM.py                       where rlbench_pin is installed by pip
   import rlbench_pin.compat; rlbench_pin.compat.install()      in a program or notebook, before `import rlbench`
 
-A program that needs a CoppeliaSim model (.ttm) or a window says so when it comes there, and what to use instead.
+A call that needs a CoppeliaSim model (.ttm) or a window raises an error that names the alternative.
 docs/compatibility.md lists what differs. rlbench_pin itself has a smaller and wider interface: see README.md.
 """
 

@@ -1,4 +1,4 @@
-"""Parts of the action modes that programs know: frames, poses, planned motions, and base classes of arm and gripper modes."""
+"""Parts of RLBench's action modes: frames, poses, planned motions, and base classes of arm and gripper modes."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _WORDS = ("world", "end effector")
 
 
 class RelativeFrame(IntEnum):
-    """Frame that a Cartesian action is expressed in; each equals the word that older programs use for it."""
+    """Frame of a Cartesian action; each equals the string that older programs use for it."""
 
     WORLD = 0
     EE = 1
@@ -43,7 +43,7 @@ class RelativeFrame(IntEnum):
 
 
 def assert_action_shape(action: ArrayLike, expected_shape: tuple[int, ...]) -> None:
-    """Raise InvalidActionError when an action has not the shape that is expected."""
+    """Raise InvalidActionError when an action does not have the expected shape."""
     shape = np.shape(action)
     if shape != tuple(expected_shape):
         raise InvalidActionError(f"The action has shape {shape}; {tuple(expected_shape)} is needed.")
@@ -53,7 +53,7 @@ def calculate_delta_pose(robot: Any, action: Sequence[float] | FloatArray) -> Fl
     """Apply a delta to the tip's pose along world axes: positions are added, the rotation is multiplied from the left.
 
     Args:
-        robot: Whose tip.
+        robot: The robot of the tip.
         action: Delta pose (7,): x, y, z [m], qx, qy, qz, qw.
 
     Returns:
@@ -73,7 +73,7 @@ def tip_pose(robot: Any) -> FloatArray:
 
 
 class UserMode:
-    """A mode whose methods users write; what is not written says so when it is called."""
+    """A mode whose methods users write; calling a missing method raises an error that names it."""
 
     def action(self, scene: SceneLike, action: Action) -> None:
         """Run one action to its end."""
@@ -104,7 +104,7 @@ class UserMode:
 
 
 _SEARCH = {"trials": 100, "max_configs": 10, "max_time_ms": 10, "trials_per_goal": 5}
-"""What arms are asked for besides; the arm of this package has a budget of its own."""
+"""Further planning arguments that arms of programs expect; the arm of this package has its own budget."""
 
 
 def plan_motion(scene: SceneLike, target: FloatArray, ignore_collisions: bool, second_try: bool) -> ConfigurationPath:
@@ -113,11 +113,11 @@ def plan_motion(scene: SceneLike, target: FloatArray, ignore_collisions: bool, s
     Args:
         scene: What moves.
         target: Where to.
-        ignore_collisions: Plan as if nothing could be touched.
-        second_try: Where a plan with checks is refused, plan without.
+        ignore_collisions: Plan without collision checks.
+        second_try: If planning with collision checks fails, plan without them.
 
     Raises:
-        InvalidActionError: There is no motion.
+        InvalidActionError: No motion was found.
     """
     runtime_of(scene).check_target_in_workspace(target[:3])
     arm: Any = Panda() if isinstance(scene, Runtime) else scene.robot.arm
@@ -157,7 +157,7 @@ def run(scene: SceneLike, path: ConfigurationPath, on_step: OnStep | None) -> No
 
 
 def setting(name: str) -> property:
-    """Return a property that reads and sets a setting of one of our modes, for the names that derived classes know."""
+    """Return a property that reads and sets a setting of one of our modes, under the name that derived classes use."""
 
     def read(self: Any) -> Any:
         return getattr(self, name)
@@ -169,7 +169,7 @@ def setting(name: str) -> property:
 
 
 class ScenePart(Mode):
-    """Goes in front of one of our modes in the bases of a class."""
+    """Mixin before one of our modes in the bases of a class."""
 
     def action(self, scene: SceneLike, action: object) -> None:
         """Check one action, then run it to its end: the three parts below, one after the other.

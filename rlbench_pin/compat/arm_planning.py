@@ -1,4 +1,4 @@
-"""What an arm as pyrep shows it asks of our kinematics and planner, over the world as it is now."""
+"""Kinematics and planning for the arms of `pyrep`, in the present world."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ ALGORITHMS: dict[str, Algorithm] = {
     "BKPIECE1": "bkpiece",
     "LBKPIECE1": "lbkpiece",
 }
-"""Known name of an algorithm -> ours; our own RRT-Connect stands for all others."""
+"""PyRep's name of an algorithm -> ours; all other names mean our RRT-Connect."""
 USUAL_JERK = 1000.0
-"""Jerk limit from which on changes of acceleration need no time of their own [rad/s^3]."""
+"""Jerk limit above which changes of acceleration count as instantaneous [rad/s^3]."""
 
 
 @dataclass(frozen=True)
 class Pace:
-    """How fast motions of an arm may be."""
+    """Limits of velocity, acceleration and jerk of an arm."""
 
     velocity: float
     """[rad/s]."""
@@ -59,7 +59,7 @@ def world_pose(
         position: Shape (3,), [m].
         euler: Angles (3,) about x, y, z, each about the turned axis [rad]; this or the quaternion.
         quaternion: x, y, z, w.
-        relative_to: Whose frame they are given in; None is the world.
+        relative_to: Object in whose frame the pose is given; None is the world.
 
     Raises:
         ValueError: Not exactly one of `euler` and `quaternion` is given, or a number is missing or not finite.
@@ -76,14 +76,14 @@ def world_pose(
 def plan_to(
     simulator: Simulator, pose: FloatArray, *, straight: bool | None, ignore_collisions: bool, algorithm: str = ""
 ) -> Plan:
-    """Plan from where the arm is to a tip pose (7,); see `MotionPlanner.plan_to_pose`.
+    """Plan from the present configuration to a tip pose (7,); see `MotionPlanner.plan_to_pose`.
 
     Args:
         simulator: What moves.
         pose: Goal of the tip in the world.
         straight: Only straight lines, none, or straight ones first (None).
-        ignore_collisions: Plan as if nothing could be touched; otherwise what the arm touches already may be touched.
-        algorithm: Known name of a sampling planner.
+        ignore_collisions: Plan without collision checks; otherwise bodies that the arm touches already may be touched.
+        algorithm: PyRep's name of a sampling planner.
     """
     runtime = simulator.runtime
     planner = _planner(runtime, algorithm)
@@ -94,7 +94,7 @@ def plan_to(
 
 
 def may_be_touched(simulator: Simulator) -> tuple[str, ...]:
-    """Return the names of the bodies that plans pass through: what the arm touches already, and what is not collidable."""
+    """Return the names of the bodies that plans ignore: those that the arm touches already, and those that are not collidable."""
     return tuple(sorted({*uncollidable(simulator), *simulator.runtime.touching()}))
 
 
@@ -105,7 +105,7 @@ def uncollidable(simulator: Simulator) -> list[str]:
 
 
 def plan_along(runtime: Runtime, poses: Sequence[FloatArray]) -> Plan:
-    """Plan a motion whose tip passes poses (7,) without stopping, as if nothing could be touched."""
+    """Plan a motion whose tip passes poses (7,) without stopping, without collision checks."""
     runtime.refresh_planner()
     return runtime.planner.plan_curve(runtime.measured_start, list(poses))
 
@@ -123,7 +123,7 @@ def timed(runtime: Runtime, points: FloatArray, pace: Pace) -> Trajectory:
 
 
 def paced(runtime: Runtime, plan: Plan, pace: Pace) -> Trajectory:
-    """Return the trajectory of a plan, timed again when the planner's pace is another."""
+    """Return the trajectory of a plan, retimed if the planner has other limits."""
     config = runtime.planner.config
     usual = Pace(config.max_velocity, config.max_acceleration, max(pace.jerk, USUAL_JERK))
     return plan.trajectory if pace == usual else timed(runtime, plan.path, pace)
@@ -149,9 +149,9 @@ def nearest_configuration(runtime: Runtime, pose: FloatArray) -> FloatArray:
 
 
 def arm_collides(simulator: Simulator, name: str | None) -> bool:
-    """Say whether the arm, or what it holds, overlaps the body called `name`; with None anything collidable, or itself.
+    """Return whether the arm or a grasped body overlaps the body `name`; None: any collidable body, or the arm itself.
 
-    A body that the gripper holds counts as overlapping it while they touch.
+    A grasped body counts as overlapping the gripper while they touch.
     """
     runtime = simulator.runtime
     if name in runtime.gripper.grasped:

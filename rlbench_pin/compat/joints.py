@@ -1,4 +1,4 @@
-"""Joints of objects and of the robot: reading and driving them, and going back to remembered places.
+"""Joints of objects and of the robot: read, drive and restore them.
 
 `ArmMotors` and `FingerMotors` have the same methods. Every vector has one number per joint, in [rad] and [N m] for the arm, in
 [m] and [N] for the fingers.
@@ -22,7 +22,7 @@ Numbers = Sequence[float] | FloatArray
 
 @dataclass
 class Requested:
-    """What a program requested of motors that our world has no word for."""
+    """Motor requests of a program that our world has no equivalent for."""
 
     velocities: FloatArray
     """Target velocities (n,)."""
@@ -39,7 +39,7 @@ def _vector(numbers: Numbers, size: int, what: str) -> FloatArray:
 
 
 class ArmMotors:
-    """Motors of the arm that runs now."""
+    """Motors of the present arm."""
 
     @property
     def _runtime(self) -> Runtime:
@@ -47,7 +47,7 @@ class ArmMotors:
 
     @property
     def _requested(self) -> Requested:
-        """At first no velocity, and all the force that the motors have."""
+        """Initially no velocity, and the full force of the motors."""
         runtime = self._runtime
         return runtime.kept(ArmMotors, lambda: Requested(np.zeros(runtime.model.size), runtime.robot.effort_limits.copy()))
 
@@ -72,7 +72,7 @@ class ArmMotors:
         return self._runtime.robot.velocity_limits.copy()
 
     def teleport(self, positions: Numbers) -> None:
-        """Put the joints at positions, at rest; what the gripper holds comes along."""
+        """Put the joints at positions, at rest; grasped bodies move with the gripper."""
         runtime = self._runtime
         runtime.robot.reset_configuration(np.asarray(positions, dtype=float))
         hand = runtime.robot.link_pose(runtime.description.hand_link)
@@ -80,7 +80,7 @@ class ArmMotors:
             runtime.world.body(held.body).set_pose(compose(hand, held.T_hand_body))
 
     def target_positions(self) -> FloatArray:
-        """Where the joints go; without position control where they are."""
+        """Target positions; without position control the measured ones."""
         control = self._runtime.robot.control
         return control.target.copy() if control.mode == "position" else self.positions()
 
@@ -132,7 +132,7 @@ class ArmMotors:
 
 
 class FingerMotors:
-    """Motors of the gripper that runs now; a gear couples the fingers, so that they get the mean of what is requested."""
+    """Motors of the present gripper; a gear couples the fingers, so that they get the mean of the requested values."""
 
     @property
     def _runtime(self) -> Runtime:
@@ -140,7 +140,7 @@ class FingerMotors:
 
     @property
     def _requested(self) -> Requested:
-        """At first no velocity, and all the force that the motors have."""
+        """Initially no velocity, and the full force of the motors."""
         force = self._runtime.description.gripper_force
         return self._runtime.kept(FingerMotors, lambda: Requested(np.zeros(self._count), np.full(self._count, force)))
 
@@ -165,7 +165,7 @@ class FingerMotors:
         return np.full(self._count, self._runtime.description.finger_speed)
 
     def teleport(self, positions: Numbers) -> None:
-        """Put the fingers at positions, at rest; the arm goes on as it was."""
+        """Put the fingers at positions, at rest; the arm is not changed."""
         runtime = self._runtime
         states, fingers = runtime.robot.joint_states(), slice(runtime.model.size, None)
         states[0, fingers] = np.clip(_vector(positions, self._count, "finger positions"), *self.limits())
@@ -201,7 +201,7 @@ class FingerMotors:
         return True
 
     def set_control_loop(self, enabled: bool) -> None:
-        """Nothing: target velocities move the fingers either way."""
+        """No effect: target velocities move the fingers in both modes."""
 
     def open_to(self, amount: float, speed: float) -> None:
         """Go to an opening, 0 shut to 1 open, at a finger speed [m/s], with the force that was set."""
@@ -247,7 +247,7 @@ class BodyJointDrive:
         self._joint.set_position(float(position))
 
     def target(self) -> float:
-        """Where it is locked, or is."""
+        """Locked position, or the measured one."""
         locked = self._joint.lock_position
         return self.position if locked is None else float(locked)
 
@@ -272,7 +272,7 @@ class BodyJointDrive:
     def set_force(self, force: float) -> None:
         raise UnsupportedCall(
             f"set_joint_force of '{self._joint.name}'",
-            "joints of objects are held by friction and springs.",
+            "joints of objects have friction and springs, not motors.",
             "Set `friction` or `spring` of the joint in the scene file.",
         )
 
@@ -331,7 +331,7 @@ class RobotJointDrive:
         self._motors.set_target_velocities(self._with(self._motors.target_velocities(), velocity))
 
     def set_force(self, force: float) -> None:
-        """Cap the forces of all joints of the component alike: single caps are not kept apart."""
+        """Cap the forces of all joints of the component equally: there are no caps for single joints."""
         self._motors.set_forces(np.full(len(self._motors.positions()), force))
 
     def is_driven(self) -> bool:
@@ -352,7 +352,7 @@ JointDrive = BodyJointDrive | RobotJointDrive
 
 
 def drive_of(table: ObjectTable, element: Element) -> JointDrive:
-    """Return what reads and drives a joint."""
+    """Return the object that reads and drives a joint."""
     if element.kind == "joint":
         joint = table.world.joint(element.name)
         owner, _, name = element.name.partition("/")
@@ -364,7 +364,7 @@ def drive_of(table: ObjectTable, element: Element) -> JointDrive:
 
 @dataclass(frozen=True, eq=False)
 class ConfigurationTree:
-    """Poses and joint values of an object and all that hangs on it, at one instant."""
+    """Poses and joint values of an object and its descendants, at one instant."""
 
     poses: dict[Element, FloatArray]
     """Poses (7,) in the world, parents first."""
@@ -373,14 +373,14 @@ class ConfigurationTree:
 
     @classmethod
     def read(cls, table: ObjectTable, root: Element) -> ConfigurationTree:
-        """Return where an object and all that hangs on it are."""
+        """Return the configuration of an object and its descendants."""
         tree = table.tree(root)
         members = [root, *sorted(tree, key=lambda element: len(table.ancestors(element)))]
         poses = {e: table.scene_object(e).pose for e in members if e.kind in ("root", "body", "frame", "placed")}
         return cls(poses, {e: drive_of(table, e).position for e in members if e.kind in ("joint", "robot_joint")})
 
     def write(self, table: ObjectTable) -> None:
-        """Put everything back, at rest; what does not exist any more is left out."""
+        """Restore all poses and joint values, at rest; objects that no longer exist are left out."""
         for element, pose in self.poses.items():
             if table.exists(element):
                 table.scene_object(element).set_pose(pose, True)

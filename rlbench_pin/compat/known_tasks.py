@@ -1,4 +1,4 @@
-"""Task names and task sets that users of RLBench know, and the classes of our library behind them."""
+"""Task names and task sets of RLBench, and the classes of our library for them."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class MissingTask(RlbenchPinError, NotImplementedError):
     def __init__(self, name: str) -> None:
         self.name = name
         super().__init__(
-            f"The task '{name}' is known by name, but it is not in the library of rlbench_pin yet, which has {len(task_names())} "
+            f"The task '{name}' belongs to RLBench, but is not in the library of rlbench_pin yet, which has {len(task_names())} "
             "tasks. `rlbench-pin list` prints them; os.listdir(rlbench.backend.task.TASKS_PATH) lists their files."
         )
 
@@ -46,5 +46,5 @@ def library_task(name: str) -> type[Task]:
 
 
 def all_tasks() -> tuple[str, ...]:
-    """Return all names that programs may ask for: the public set, PerAct's, and what our library has besides."""
+    """Return all names of tasks that programs may use: the public set, PerAct's, and the further tasks of our library."""
     return tuple(sorted({*KNOWN_TASKS, *PERACT_TASKS, *task_names()}))

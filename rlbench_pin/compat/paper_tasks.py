@@ -1,7 +1,7 @@
 """Tasks written in the paper's style, run as tasks of ours.
 
-A user's class becomes a native class by `adapter_of`. The native task asks the user's object for everything that a task
-file may override; what the user did not override comes back to the native task.
+`adapter_of` makes a native class from a user's class. The native task calls the user's object for all methods that a task
+file may override; methods that the user did not override return to the native task.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ if TYPE_CHECKING:
     from rlbench.backend.task import Task as UserTask
 
 FIXED_ATTRIBUTES = ("pyrep", "robot", "name", "_native")
-"""Attributes of a user's task that are the same throughout its life."""
+"""Attributes of a user's task that never change."""
 
 
 class PaperTask(Task):
-    """A native task that asks an object of a user's class; classes of `adapter_of` come from it.
+    """A native task that calls an object of a user's class; base of the classes of `adapter_of`.
 
     Args:
         world: The world that was built from the scene file of the user's task.
@@ -65,7 +65,7 @@ class PaperTask(Task):
         return cast("UserTask", self._user.owner)
 
     def tie(self, user: UserTask) -> None:
-        """Take the user's task, whose views see this world from now on, and let it look objects up."""
+        """Connect the user's task, whose views refer to this world from now on, and let it find its objects."""
         self._user = Remembered(user, FIXED_ATTRIBUTES)
         with self._draws.lent():
             user.load()
@@ -81,14 +81,14 @@ class PaperTask(Task):
     # Where objects are -------------------------------------------------------------------------------------------------
 
     def get_name(self) -> str:  # type: ignore[override]  # a user may name each object
-        """Return the name that the user's task gives itself; before it is there, that of its class in snake case."""
+        """Return the name of the user's task; before it is connected, that of its class in snake case."""
         return snake_case(self.user_class.__name__) if self._user is None else str(self.user.get_name())
 
     @classmethod
     def scene_file(cls) -> Path:
         """Return the scene file: beside the user's module, called after the task or after the module.
 
-        A class made from one of the library's, or called like one, has the scene of the library where it brings none.
+        A class derived from one of the library, or with the same name, has the scene of the library if it has no own scene file.
 
         Raises:
             SceneNotFound: There is none.
@@ -107,7 +107,7 @@ class PaperTask(Task):
     # What a task file overrides ---------------------------------------------------------------------------------------
 
     def init_task(self) -> None:
-        """Nothing yet: the user's task looks objects up when it is tied to this one."""
+        """No effect: the user's task finds its objects when it is connected to this one."""
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Let the user's task lay out an episode; its draws from the global generators come from `rng`."""
@@ -121,7 +121,7 @@ class PaperTask(Task):
         return list(dict.fromkeys(sentences)) if isinstance(sentences, list | tuple) else sentences
 
     def origin_episode(self, variation: int) -> list[str]:
-        """Lay out an episode as the library's task does that the user's class was made from."""
+        """Set up an episode as the library task does from which the user's class is derived."""
         rng = self._placement
         if rng is None:
             rng = np.random.default_rng(np.random.randint(2**31 - 1))  # noqa: NPY002
@@ -158,11 +158,11 @@ class PaperTask(Task):
         return np.concatenate([np.zeros(0), *(bodies[name].pose if name in bodies else np.zeros(7) for name in self._made)])
 
     def decorate_observation(self, observation: Observation) -> Observation:
-        """Return the observation as the user's task wants it."""
+        """Return the observation as the user's task changes it."""
         return self.user.decorate_observation(observation)
 
     def is_static_workspace(self) -> bool:
-        """Return whether the user's task stays where it is."""
+        """Return whether the user's task has a fixed place."""
         return bool(self.user.is_static_workspace())
 
     def base_rotation_bounds(self) -> RotationBounds:
@@ -176,23 +176,23 @@ class PaperTask(Task):
         return bool(success), bool(terminate)
 
     def should_repeat_waypoints(self) -> bool:
-        """Return whether the user's task asks for its waypoints again."""
+        """Return whether the user's task repeats its waypoints."""
         with self._draws.lent():
             return super().should_repeat_waypoints()
 
     # Registrations ----------------------------------------------------------------------------------------------------
 
     def register_graspable_objects(self, names: Iterable[str]) -> None:
-        """Allow the gripper to hold these bodies; those of before may have been removed since."""
+        """Allow the gripper to grasp these bodies; earlier ones may have been removed since."""
         self._graspable = tuple(name for name in self._graspable if name in self.world.bodies)
         super().register_graspable_objects(names)
 
     def register_waypoint_ability_start(self, index: int, hook: WaypointHook) -> None:
-        """Call `hook(waypoint)` before the leg to a waypoint is planned, with draws of this task."""
+        """Call `hook(waypoint)` before the segment to a waypoint is planned, with the generators of this task."""
         super().register_waypoint_ability_start(index, self._drawing(hook))
 
     def register_waypoint_ability_end(self, index: int, hook: WaypointHook) -> None:
-        """Call `hook(waypoint)` after the leg to a waypoint was run, with draws of this task."""
+        """Call `hook(waypoint)` after the segment to a waypoint was run, with the generators of this task."""
         super().register_waypoint_ability_end(index, self._drawing(hook))
 
     def _drawing(self, hook: WaypointHook) -> WaypointHook:
@@ -213,7 +213,7 @@ class PaperTask(Task):
 
 
 class SceneNotFound(TaskError, FileNotFoundError):
-    """A user's task has no scene file; it would be written in TOML."""
+    """A user's task has no scene file (TOML)."""
 
     def __init__(self, task: str, wanted: list[Path]) -> None:
         self.wanted = tuple(wanted)
@@ -226,10 +226,10 @@ class SceneNotFound(TaskError, FileNotFoundError):
 
 
 def module_file(user: type) -> Path:
-    """Return the file that a class was written in.
+    """Return the file that defines a class.
 
     Raises:
-        TaskError: It was typed in, so that there is no file.
+        TaskError: It was defined interactively, so that there is no file.
     """
     try:
         return Path(inspect.getfile(user)).resolve()
@@ -243,7 +243,7 @@ def module_file(user: type) -> Path:
 
 @cache
 def adapter_of(user: type[UserTask], has_step: bool) -> type[PaperTask]:
-    """Return the native class that asks objects of a user's class; `has_step` says whether also after every tick."""
+    """Return the native class that calls objects of a user's class; with `has_step` also after every tick."""
     origin = user.native_origin()
     bases = (PaperTask,) if origin is Task else (PaperTask, origin)
     namespace = {"user_class": user, "has_step": has_step, "__doc__": user.__doc__, "__module__": user.__module__}

@@ -1,7 +1,7 @@
-"""The simulator that all views look at, and the runtime behind a scene.
+"""The simulator that all views refer to, and the runtime of a scene.
 
-Users of these names expect one simulator per process, and to reach objects by their names. Whatever steps or observes a scene's
-runtime goes through the scene, so that subclasses of the scene are asked.
+Users of these names expect one simulator per process, and find objects by their names. All code that steps or observes a scene's
+runtime goes through the scene, so that subclasses of the scene can override it.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class Simulator:
 
     Attributes:
         model: Analytic model of the arm.
-        runtime: World, task and planner that views look at; another one after every `load`.
+        runtime: World, task and planner that views refer to; another one after every `load`.
         objects: Names, handles and parents of everything in that world.
         planning: Settings of the planners that are built from now on.
     """
@@ -61,12 +61,12 @@ class Simulator:
 
     @classmethod
     def make_current(cls, simulator: Simulator | None) -> None:
-        """Let views look at `simulator` from now on; programs with several environments switch between theirs."""
+        """Let views refer to `simulator` from now on; programs with several environments switch between theirs."""
         Simulator.running = simulator
 
     @property
     def world(self) -> World:
-        """The world that views look at."""
+        """The world that views refer to."""
         return self.runtime.world
 
     def load(
@@ -102,7 +102,7 @@ class Simulator:
 
 
 class SceneMethods(Protocol):
-    """What a runtime asks its scene for."""
+    """Methods of a scene that a runtime calls."""
 
     @property
     def runtime(self) -> Runtime:
@@ -129,7 +129,7 @@ class SceneMethods(Protocol):
 
 
 class SceneRuntime(Runtime):
-    """A runtime that serves one scene. Native code and programs thus run through the same methods of the scene."""
+    """A runtime for one scene. Native code and programs call the same methods of the scene."""
 
     _scene: SceneMethods | None = None
 
@@ -149,7 +149,7 @@ class SceneRuntime(Runtime):
         super().step()
 
     def begin(self, variation: int, planning: np.random.Generator, noise: np.random.Generator) -> None:
-        """Take over what an episode is given, and let the scene prepare it."""
+        """Take over the settings of an episode, and let the scene prepare it."""
         super().begin(variation, planning, noise)
         if self._scene is not None:
             self._scene.prepare()
@@ -181,7 +181,7 @@ class SceneRuntime(Runtime):
 
 
 SceneLike = SceneMethods | Runtime
-"""What action modes are given: a scene, or a runtime itself."""
+"""Argument of action modes: a scene, or a runtime itself."""
 
 
 def runtime_of(scene: SceneLike | None) -> Runtime:

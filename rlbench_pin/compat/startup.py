@@ -1,4 +1,4 @@
-"""The names on the module search path: what `install()` and Python's start with `RLBENCH_PIN_COMPAT=1` share.
+"""The packages on the module search path, for `install()` and for Python's start with `RLBENCH_PIN_COMPAT=1`.
 
 `rlbench_pin_compat.pth` runs this file by its path when Python starts with the variable set. Nothing of rlbench_pin is imported
 here, so that a start stays cheap and a program may still set variables such as `OMP_NUM_THREADS` before numpy is loaded.
@@ -15,11 +15,11 @@ PACKAGES = Path(__file__).resolve().parent / "packages"
 """Folder with the packages `rlbench` and `pyrep`."""
 NAMES = ("rlbench", "pyrep")
 VARIABLE = "RLBENCH_PIN_COMPAT"
-"""Environment variable: any value but nothing and `0` makes Python's start add the names."""
+"""Environment variable: if it is neither empty nor `0`, Python adds the packages when it starts."""
 
 
 def taken_name() -> str | None:
-    """Say which of the names belongs to another package, and where it lies; None when both are free or ours."""
+    """Return a message that names the other package with one of the names, and its path; None when both are free or ours."""
     for name in NAMES:
         found = sys.modules[name].__spec__ if name in sys.modules else importlib.util.find_spec(name)
         if found is None:
@@ -28,7 +28,7 @@ def taken_name() -> str | None:
         places = [Path(found.origin).parent] if found.origin is not None else folders
         if not any(place.resolve().is_relative_to(PACKAGES) for place in places):
             return (
-                f"The real '{name}' is installed at {places[0] if places else 'an unknown place'}, so its name cannot stand "
+                f"The real '{name}' is installed at {places[0] if places else 'an unknown place'}, so its name cannot be used "
                 "for rlbench_pin. Use a virtual environment without it, take the folder off the module search path, or "
                 "import from rlbench_pin."
             )
@@ -42,10 +42,10 @@ def add_packages() -> None:
 
 
 def start() -> None:
-    """Add the names when Python starts; where they are taken, say so on stderr and let Python start without them."""
+    """Add the packages when Python starts; if their names are taken, report that on stderr and start without them."""
     taken = taken_name()
     if taken is not None:
         sys.stderr.write(f"{VARIABLE}: {taken}\n")
-        os.environ[VARIABLE] = "0"  # in a virtual environment Python reads start-up files twice: say it once
+        os.environ[VARIABLE] = "0"  # in a virtual environment Python reads start-up files twice: report it once
         return
     add_packages()

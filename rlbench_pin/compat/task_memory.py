@@ -1,7 +1,7 @@
-"""What the objects of a user's task file remember, taken and given back with the episode.
+"""Save and restore the attributes of the objects of a user's task file, with the state of the episode.
 
-Such a task keeps whatever its author liked: views, lists, records, conditions. Views hold no state of their own, since the
-world has it; everything else is remembered with its contents.
+Such a task may have any attributes: views, lists, records, conditions. Views have no state of their own, since the
+world has it; all other values are saved with their contents.
 """
 
 from __future__ import annotations
@@ -19,24 +19,24 @@ import numpy as np
 from rlbench_pin.tasks.saved.portable_state import FUNCTIONS, PLAIN
 
 Recall = Callable[[], Any]
-"""Gives a value the contents that it had back, and returns it."""
+"""Restores the contents of a value, and returns it."""
 AS_THEY_ARE = ("pyrep.", "rlbench_pin.", "rlbench.")
 """Modules of classes that keep no state of an episode, or whose state the world and the native task save."""
 OPENED = ("rlbench.backend.conditions.", "rlbench.backend.spawn_boundary.", "rlbench.backend.waypoints.")
-"""Modules among them whose objects are remembered like those of a user."""
+"""Modules among them whose objects are saved like those of a user."""
 VIEWS, ROBOTS = ("pyrep.objects.",), ("pyrep.robots.",)
-"""Modules of views, which remember whether their object was removed; and of those that are robots."""
+"""Modules of views, of which is saved whether their object was removed; and modules of robots."""
 
 
 def keep(value: Any, seen: dict[int, Any] | None = None) -> Recall:
-    """Remember a value with its contents.
+    """Save a value with its contents.
 
     Args:
-        value: Anything.
-        seen: Objects that are being remembered already, by id, so that circles end.
+        value: Any value.
+        seen: Objects that are being saved already, by id, for circular references.
 
     Returns:
-        What gives the contents back; the value itself stays the same object.
+        A function that restores the contents; the value itself stays the same object.
     """
     seen = {} if seen is None else seen
     is_view = _is_of(value, VIEWS) and not _is_of(value, ROBOTS)
@@ -68,7 +68,7 @@ def _is_of(value: Any, modules: tuple[str, ...]) -> bool:
 
 
 def _is_foreign(value: Any) -> bool:
-    """Whether a value is of a class that the author of a task did not write: a module, a logger, a lock."""
+    """Whether the class of a value is not from the author of a task: a module, a logger, a lock."""
     package = type(value).__module__.partition(".")[0]
     return (package in sys.stdlib_module_names or package == "numpy") and not isinstance(value, SimpleNamespace)
 
@@ -114,7 +114,7 @@ def _refill(container: Any, fill: Callable[[Iterable[Any]], object], items: list
 
 
 class Remembered:
-    """The attributes of one object as something that native tasks save.
+    """The attributes of one object, in the form that native tasks save.
 
     Args:
         owner: The object.
@@ -125,12 +125,12 @@ class Remembered:
         self.owner, self._without = owner, frozenset(without)
 
     def state(self) -> dict[str, Recall]:
-        """Return what the attributes hold now."""
+        """Return the present values of the attributes."""
         seen: dict[int, Any] = {id(self.owner): self.owner}
         return {name: keep(value, seen) for name, value in vars(self.owner).items() if name not in self._without}
 
     def set_state(self, state: dict[str, Recall]) -> None:
-        """Give the attributes what `state()` returned before."""
+        """Restore the values that `state()` returned."""
         attributes = vars(self.owner)
         for name in [name for name in attributes if name not in self._without and name not in state]:
             del attributes[name]
@@ -139,10 +139,10 @@ class Remembered:
 
 
 class GlobalDraws:
-    """Lends a task the global generators of numpy and Python, in a state of the task's own.
+    """Lets a task use the global generators of numpy and Python in a separate state.
 
-    Task files in the paper's style draw from `np.random`. What they draw repeats with the seed of the episode, and nobody
-    else's draws change.
+    Task files in the paper's style draw from `np.random`. Their draws repeat with the seed of the episode, and the draws of
+    other code do not change.
     """
 
     def __init__(self) -> None:
@@ -150,12 +150,12 @@ class GlobalDraws:
         self.seed(0)
 
     def seed(self, seed: int) -> None:
-        """Begin anew from a seed in 0..2**32 - 1."""
+        """Restart from a seed in 0..2**32 - 1."""
         self._state = (np.random.RandomState(seed).get_state(), random.Random(seed).getstate())
 
     @contextmanager
     def lent(self) -> Iterator[None]:
-        """Let the global generators continue where the task left them, for the duration of a block."""
+        """Let the global generators continue from the state of the task, for the duration of a block."""
         if self._lent:
             yield
             return
@@ -170,11 +170,11 @@ class GlobalDraws:
             _set_global_state(before)
 
     def state(self) -> object:
-        """Return where the task's draws are."""
+        """Return the state of the task's generators."""
         return self._state
 
     def set_state(self, state: Any) -> None:
-        """Continue the draws from what `state()` returned before."""
+        """Restore the state that `state()` returned."""
         self._state = state
 
 

@@ -3,7 +3,7 @@
 A command is safe when all of the way to standstill keeps the floors of all pairs, that is, their minimum distances: the
 command's own tick, then ticks that change each joint's velocity by at most a dt towards zero. A safe command leaves a
 state from which braking is safe, because it is the rest of the way that was checked. So there always is a safe command,
-as long as the world stands still: brake.
+as long as the world is stationary: brake.
 
 Checking the way takes few distances. Bounds on motion (`robot.distances`) clear most pairs at once. The others are
 measured at its end, and since a distance changes by no more than the motion L between two places,
@@ -142,7 +142,7 @@ class Way:
         return Piece(self.q[i], self.start[i], self.end[i], self.dt)
 
 
-def ways_to_standstill(
+def paths_to_standstill(
     bounds: JointBounds, q: FloatArray, v: FloatArray, command: FloatArray, loaded_joints: int
 ) -> Iterator[Way]:
     """Yield the ways that `command` and the braking after it may take, from `q` [rad] moving at `v` [rad/s].
@@ -195,7 +195,7 @@ class BrakingCheck:
         if not keep.any():
             return which[:0]
         pairs, now = Pairs(which, levers, floors[which])[keep], now[keep]
-        for way in ways_to_standstill(self.bounds, q, v, command, model.model.description.loaded_joints):
+        for way in paths_to_standstill(self.bounds, q, v, command, model.model.description.loaded_joints):
             after, broken = self._measured(way.q[-1], pairs)
             if not len(broken):
                 broken = self._between(way, 0, len(way), pairs, pairs.levers @ way.turns.T, now, after)

@@ -1,4 +1,4 @@
-"""What controllers accept: finite vectors of the right length, and poses whose quaternion means a rotation."""
+"""Checks of the arguments of controllers: finite vectors of the right length, and poses with a nonzero quaternion."""
 
 from __future__ import annotations
 

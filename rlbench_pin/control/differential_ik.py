@@ -37,7 +37,7 @@ import placo
 from numpy.typing import ArrayLike
 
 from rlbench_pin.control.checks import as_pose, as_state, as_vector, check_made_of
-from rlbench_pin.control.qp.constraints import HOLDS, HeldQuantity, JointBounds
+from rlbench_pin.control.qp.constraints import HELD_QUANTITIES, HeldQuantity, JointBounds
 from rlbench_pin.control.qp.objectives import Manipulability, PostureObjective, TipApproach, TipObjective, moved
 from rlbench_pin.control.qp.programs import OsqpSolver, QPSolver, QuadraticProgram, empty_rows
 from rlbench_pin.errors import InfeasibleControl, InvalidValue, RobotModelError
@@ -75,7 +75,7 @@ class PlacoArm:
         self._lower, self._upper = (
             memoryview(limit[BASE:]) for limit in (self._pinocchio.lowerPositionLimit, self._pinocchio.upperPositionLimit)
         )
-        """What is written here, PlaCo reads."""
+        """Input of PlaCo."""
         self._write = Struct(f"{self.size}d").pack_into
         self._check(model)
 
@@ -114,7 +114,7 @@ _RULES = ruled(
     (NOT_NEGATIVE, "limit_margin"),
     (record_of(TipObjective), "tip"),
     (record_of(PostureObjective), "posture"),
-    (one_of(*HOLDS), "hold"),
+    (one_of(*HELD_QUANTITIES), "hold"),
 )
 
 
@@ -127,7 +127,7 @@ class DifferentialIKConfig:
     tip: TipObjective = field(default_factory=TipObjective)
     """How the tip approaches its goal."""
     posture: PostureObjective = field(default_factory=PostureObjective)
-    """What the arm does with the freedom that the tip leaves."""
+    """Motion of the arm in the null space of the tip."""
     limit_margin: float = 0.0
     """Distance kept from the joint position limits [rad]."""
     hold: HeldQuantity = "velocity"
@@ -139,7 +139,7 @@ class DifferentialIKConfig:
 
 
 class TipController:
-    """What both formulations share: checks, bounds, and the way from a target to the tip's next placement."""
+    """Common parts of both formulations: checks, bounds, and the tip's next placement on the way to a target."""
 
     def __init__(
         self,

@@ -28,7 +28,7 @@ from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_number, as_record
 
-MOST_TICKS = 10_000_000
+MAX_TICKS = 10_000_000
 
 
 class TrajectoryTracker(Iterator[FloatArray]):
@@ -43,7 +43,7 @@ class TrajectoryTracker(Iterator[FloatArray]):
         as_record(trajectory, Trajectory, "trajectory")
         dt = as_number(dt, "the control tick dt [s]", above=0.0)
         least_speed = as_number(least_speed, "least_speed", least=0.0)
-        if trajectory.duration > MOST_TICKS * dt:
+        if trajectory.duration > MAX_TICKS * dt:
             raise InvalidValue("the control tick dt [s]", dt, f"makes too many commands of {trajectory.duration:.4g} s")
         self.trajectory, self.dt = trajectory, dt
         self._times = _even_times(trajectory, dt) if least_speed <= 0.0 else _brisk_times(trajectory, dt, least_speed)

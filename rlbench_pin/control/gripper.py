@@ -40,9 +40,9 @@ class GripperConfig:
     tolerance: float = 1e-3
     """Nearness that counts as reached [m]."""
     stall_time: float = 0.15
-    """How long the width has to stand still to count as held up [s]."""
+    """Time without a change of width after which the fingers count as blocked [s]."""
     stall_speed: float = 2e-3
-    """Slower than this is standing still [m/s]."""
+    """Speed below which the fingers count as stationary [m/s]."""
     slip: float = 2e-3
     """Change of width while holding that counts as slipping [m]."""
 
@@ -58,14 +58,14 @@ class GripperConfig:
 
 @dataclass(frozen=True, slots=True)
 class GripperCommand:
-    """What to do during the next tick."""
+    """Command of the next tick."""
 
     width: float
     """Distance between the pads to drive to [m]."""
     force: float
     """Largest force of a finger [N]."""
     state: GripperState
-    """What the gripper does now."""
+    """Current state of the gripper."""
 
     def fingers(self) -> tuple[float, float]:
         """Return the two finger positions [m] that make the width."""
@@ -104,7 +104,7 @@ class GripperController:
 
     @property
     def done(self) -> bool:
-        """Whether the gripper has come to rest, for whatever reason."""
+        """Whether the gripper has come to rest."""
         return self.state != "moving"
 
     @property
@@ -136,7 +136,7 @@ class GripperController:
         return GripperCommand(self._next_width(width), self.force, self.state)
 
     def _note_motion(self, width: float) -> None:
-        """Add up how long the width has stood still."""
+        """Add up the time without a change of width."""
         slow = self._last is not None and abs(width - self._last) < self.config.stall_speed * self.config.dt
         self._still = self._still + self.config.dt if slow else 0.0
         self._last = width

@@ -74,7 +74,7 @@ class TorqueCommand:
     torque: FloatArray
     """Shape (n,), [N m], within the effort limits."""
     acceleration: FloatArray
-    """What they should produce (n,), [rad/s^2]."""
+    """Joint accelerations that they should produce (n,), [rad/s^2]."""
     stopped: bool
     """Whether this is the safe stop, because no torque met all constraints."""
 

@@ -14,7 +14,7 @@ the box, and no QP is solved.
 (1) is linear in a short motion and leaves out braking, so the result is checked: the tick of u and the hardest
 braking after it, at true distances and in all pairs (`braking`), and within the motors' torques. If that way
 is not clear, commands between u and braking are tried, and last braking itself, which was checked one tick ago. Therefore,
-in a world that stands still, limits hold and distances stay above the minimum at all times, also when the QP is
+in a stationary world, limits hold and distances stay above the minimum at all times, also when the QP is
 infeasible: braking is the safe stop.
 
 A state that breaks a rule already is led back: joints beyond their limits brake, then return; pairs nearer than the
@@ -31,7 +31,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rlbench_pin.control.braking import BrakingCheck, MotorCheck
 from rlbench_pin.control.checks import as_state, as_vector, check_made_of
-from rlbench_pin.control.qp.constraints import HOLDS, HeldQuantity, JointBounds
+from rlbench_pin.control.qp.constraints import HELD_QUANTITIES, HeldQuantity, JointBounds
 from rlbench_pin.control.qp.programs import OsqpSolver, QPSolver, QuadraticProgram
 from rlbench_pin.errors import InfeasibleControl, InvalidValue
 from rlbench_pin.robot.distances import DistanceModel, IndexArray
@@ -46,7 +46,7 @@ motors have; the QP had no solution."""
 _RULES = ruled(
     (POSITIVE, "dt gain"),
     (NOT_NEGATIVE, "margin self_margin buffer influence recovery_speed limit_margin"),
-    (one_of(*HOLDS), "hold"),
+    (one_of(*HELD_QUANTITIES), "hold"),
 )
 
 
@@ -93,7 +93,7 @@ class SafetyConfig:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class SafeCommand:
-    """What the filter passes on, and why."""
+    """Command of the filter, and the reasons of a change."""
 
     velocity: FloatArray
     """Joint velocity of the next tick (n,), [rad/s]."""
@@ -102,7 +102,7 @@ class SafeCommand:
     reasons: tuple[Reason, ...]
     """Empty when the wanted velocity passed unchanged."""
     pairs: tuple[tuple[str, str], ...]
-    """What came too near, as names."""
+    """Names of the pairs that came too near."""
     stopped: bool
     """Whether the command is the hardest braking, because nothing better was found."""
 
@@ -119,7 +119,7 @@ class SafeCommand:
 
 @dataclass
 class FilterCounts:
-    """What a filter did so far."""
+    """Counts of the interventions of a filter."""
 
     ticks: int = 0
     """Commands in all."""
@@ -133,7 +133,7 @@ class FilterCounts:
     """Reason -> number of commands that were changed for it."""
 
     def __post_init__(self) -> None:
-        """Raise InvalidValue for a count that is no whole number, or a reason that there is not (also a ValueError)."""
+        """Raise InvalidValue for a count that is not a whole number, or a reason that there is not (also a ValueError)."""
         check_settings(self, _COUNT_RULES)
 
     def add(self, command: SafeCommand) -> None:
@@ -196,7 +196,7 @@ class Dampers:
             floors[which] = np.minimum(floors[which], model.measure(which) - SLACK)
         return floors
 
-    def nothing_near(self, turns: FloatArray) -> bool:
+    def is_clear(self, turns: FloatArray) -> bool:
         """Whether all pairs are farther apart than where dampers begin and what joint turns (n,) [rad] can take at most now."""
         model = self.distances
         self.floors()
@@ -305,7 +305,7 @@ class SafetyFilter:
             return False
         gain = self.config.gain
         turns = [max(abs(u) / gain, way / left) for u, way in zip(command.tolist(), travel)]
-        return self._dampers.nothing_near(np.array(turns))
+        return self._dampers.is_clear(np.array(turns))
 
     # Proposing ----------------------------------------------------------------------------------------------------
 

@@ -1,9 +1,10 @@
-"""Demonstrations on disk: one HDF5 file per episode, a manifest per task, films of what happened."""
+"""Demonstrations on disk: one HDF5 file per episode, a manifest per task, videos."""
 
 from __future__ import annotations
 
 from rlbench_pin.datasets.episode import Episode
-from rlbench_pin.datasets.key_frames import key_frames
+from rlbench_pin.datasets.frames import FrameDataset
+from rlbench_pin.datasets.key_frames import key_frame_actions, key_frames
 from rlbench_pin.datasets.layout import (
     EPISODE_SUFFIX,
     checked_task_name,
@@ -21,9 +22,9 @@ from rlbench_pin.datasets.reader import (
     counted_demo,
     counted_files,
     read_demo,
-    read_picture,
+    read_image,
     stored_demos,
-    stored_pictures,
+    stored_images,
     task_info,
 )
 from rlbench_pin.datasets.storage import hold, remove_leftovers, write_whole
@@ -39,6 +40,7 @@ __all__ = [
     "DatasetWriter",
     "Episode",
     "EpisodeEntry",
+    "FrameDataset",
     "Inspector",
     "KeptTask",
     "Move",
@@ -58,15 +60,16 @@ __all__ = [
     "hold",
     "keep_files",
     "kept_task",
+    "key_frame_actions",
     "key_frames",
     "merge_datasets",
     "plan_merge",
     "read_demo",
+    "read_image",
     "read_manifest",
-    "read_picture",
     "remove_leftovers",
     "stored_demos",
-    "stored_pictures",
+    "stored_images",
     "stored_tasks",
     "stored_variations",
     "task_faults",

@@ -20,13 +20,13 @@ _MEMORY = 6 << 30
 """So much memory may be asked for, beside 64 times the size of the file [bytes]."""
 _BLOCK = 1 << 24
 """So much of an array is read at once [bytes]."""
-_MOST, _SMALL = 1100, 1 << 20
+_MAX_INFLATION, _SMALL = 1100, 1 << 20
 """No compression makes an array smaller than by this factor; small arrays may be of any size [bytes]."""
 
 
 def is_oversized(dataset: Any) -> bool:
     """Whether an array claims more bytes than what is stored of it can hold."""
-    return bool(dataset.nbytes > _MOST * dataset.id.get_storage_size() + _SMALL)
+    return bool(dataset.nbytes > _MAX_INFLATION * dataset.id.get_storage_size() + _SMALL)
 
 
 def read_all(path: str) -> None:
@@ -36,11 +36,11 @@ def read_all(path: str) -> None:
         file.visititems(_read)
 
 
-def _read(name: str, thing: Any) -> None:
-    _read_attributes(thing)
-    if not isinstance(thing, h5py.Dataset) or thing.external or thing.is_virtual:
+def _read(name: str, item: Any) -> None:
+    _read_attributes(item)
+    if not isinstance(item, h5py.Dataset) or item.external or item.is_virtual:
         return
-    _try(_read_rows, thing)
+    _try(_read_rows, item)
 
 
 def _read_rows(dataset: Any) -> None:
@@ -55,9 +55,9 @@ def _read_rows(dataset: Any) -> None:
         _try(dataset.__getitem__, slice(first, first + rows))
 
 
-def _read_attributes(thing: Any) -> None:
-    for name in list(thing.attrs):
-        _try(thing.attrs.__getitem__, name)
+def _read_attributes(item: Any) -> None:
+    for name in list(item.attrs):
+        _try(item.attrs.__getitem__, name)
 
 
 def _try(read: Any, *args: Any) -> None:
@@ -72,7 +72,7 @@ def main() -> None:
     """Answer every line until there are no more."""
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    os.dup2(2, 1)  # what libraries print is no answer
+    os.dup2(2, 1)  # what libraries print is not an answer
     for line in sys.stdin:
         path, seconds = json.loads(line)
         signal.alarm(seconds)  # ends this process also where it hangs and its parent is gone

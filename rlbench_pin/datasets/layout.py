@@ -13,7 +13,7 @@ from rlbench_pin.values import as_flag, as_names, as_path, as_whole
 EPISODE_SUFFIX = ".h5"
 MANIFEST = "manifest.json"
 ALL_VARIATIONS = -1
-"""The variation that stands for all of them, or for one drawn for each episode."""
+"""Number that means all variations, or one drawn for each episode."""
 
 _EPISODE = re.compile(r"episode(0|[1-9][0-9]*)\.h5")
 _VARIATION = re.compile(r"variation(0|[1-9][0-9]*)")
@@ -21,7 +21,7 @@ _TASK = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,127}")
 
 
 def checked_task_name(task: str) -> str:
-    """Return a name that can be a folder of its own, wherever it came from.
+    """Return the name of a task when it can name a folder.
 
     Raises:
         DatasetError: It has a slash, dots or anything else that leads out of the dataset.

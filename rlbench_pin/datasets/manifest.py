@@ -1,7 +1,7 @@
-"""The manifest of a task: what every episode is, and the SHA-256 that says it is still the same.
+"""The manifest of a task: seed, variation, versions and SHA-256 of every episode.
 
 `manifest.json` lists the episodes. While many are being written, each new entry becomes one line of `.manifest.journal` beside
-it, so that the hundred-thousandth episode costs no more than the first; whoever reads the manifest reads the journal too.
+it, so that the hundred-thousandth episode costs no more than the first; readers of the manifest read the journal as well.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, NoReturn
 
-from rlbench_pin.datasets.layout import check_inside, episode_file, manifest_path
+from rlbench_pin.datasets.layout import check_inside, episode_file, manifest_path, stored_variations
 from rlbench_pin.datasets.storage import storing, write_whole
 from rlbench_pin.errors import EpisodeFileError
 
@@ -32,7 +32,7 @@ def parse_json(text: str | bytes) -> Any:
     """Return what a JSON text says.
 
     Raises:
-        ValueError: It is no JSON, is nested too deeply, or holds NaN or infinity.
+        ValueError: It is not JSON, is nested too deeply, or holds NaN or infinity.
     """
     try:
         return json.loads(text, parse_constant=_refuse)
@@ -65,14 +65,14 @@ def short(value: object) -> str:
 
 
 def _refuse(constant: str) -> NoReturn:
-    raise ValueError(f"it holds {constant}, which is no number")
+    raise ValueError(f"it holds {constant}, which is not a number")
 
 
 VERSION = 1
 _BLOCK = 1 << 20
 _JOURNAL = ".manifest.journal"
 _SHA256 = re.compile("[0-9a-f]{64}")
-_MOST_EPISODES = 2**31 - 1
+_MAX_EPISODES = 2**31 - 1
 
 Entries = dict[tuple[int, int], "EpisodeEntry"]
 
@@ -113,8 +113,8 @@ class EpisodeEntry:
 
 _FIELDS: dict[str, Callable[[object], bool]] = {
     "file": lambda value: isinstance(value, str),
-    "variation": lambda value: is_whole(value, 0, _MOST_EPISODES),
-    "episode": lambda value: is_whole(value, 0, _MOST_EPISODES),
+    "variation": lambda value: is_whole(value, 0, _MAX_EPISODES),
+    "episode": lambda value: is_whole(value, 0, _MAX_EPISODES),
     "frames": lambda value: is_whole(value, 1, MAX_FRAMES),
     "random_seed": lambda value: value is None or is_whole(value),
     "attempt": is_whole,
@@ -124,7 +124,7 @@ _FIELDS: dict[str, Callable[[object], bool]] = {
     "versions": is_text_map,
     "failures": is_texts,
 }
-"""What each field of an entry may be."""
+"""Check of each field of an entry."""
 
 
 def digest(data: bytes) -> str:
@@ -142,11 +142,18 @@ def file_digest(path: Path) -> str:
 
 
 def read_manifest(root: Path, task: str) -> tuple[EpisodeEntry, ...]:
-    """Return what the manifest of a task lists, by variation and episode; nothing when there is none.
+    """Return the entries in the manifest of a task, by variation and episode; none where its episodes have no manifest.
 
     Raises:
-        DatasetError: The manifest is damaged, of another version or task, or points out of its folder.
+        DatasetError: The folder is no dataset, holds no episodes of the task, or the manifest is damaged, of another version or
+            task, or points out of its folder.
     """
+    if not has_manifest(root, task) and not stored_variations(root, task):
+        raise EpisodeFileError(
+            manifest_path(root, task),
+            f"'{root}' is no dataset with episodes of '{task}': it has neither a manifest nor variations of it. "
+            f"`rlbench-pin record {task} --out {root}` records some.",
+        )
     entries = _read(manifest_path(root, task), task)
     return tuple(entries[key] for key in sorted(entries))
 
@@ -259,7 +266,7 @@ def _read_journal(manifest: Path) -> list[EpisodeEntry]:
         return [EpisodeEntry(**line) for line in lines]
     except (OSError, ValueError, TypeError) as error:
         raise EpisodeFileError(
-            path, f"The journal '{path}' cannot be read: {error}. Delete it and go on with `--resume`."
+            path, f"The journal '{path}' cannot be read: {error}. Delete it and continue with `--resume`."
         ) from error
 
 

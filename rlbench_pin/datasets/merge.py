@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rlbench_pin.datasets.layout import check_inside, episode_file, manifest_path, stored_tasks
-from rlbench_pin.datasets.manifest import EpisodeEntry, digest, fold_journal, journal_path, read_manifest
-from rlbench_pin.datasets.reader import stored_pictures
+from rlbench_pin.datasets.manifest import EpisodeEntry, digest, fold_journal, has_manifest, journal_path, read_manifest
+from rlbench_pin.datasets.reader import stored_images
 from rlbench_pin.datasets.storage import hold, remove_leftovers
 from rlbench_pin.datasets.task_copy import check_alike, copy_kept
 from rlbench_pin.datasets.writer import DatasetWriter
@@ -82,9 +82,10 @@ def plan_merge(roots: Sequence[Path], out: Path) -> tuple[Move, ...]:
 def _plan_task(roots: Sequence[Path], out: Path, task: str) -> list[Move]:
     moves: list[Move] = []
     known: dict[tuple[int, int | None], tuple[EpisodeEntry, Path]] = {}
-    pictures: tuple[dict[str, tuple[int, ...]], Path] | None = None
-    check_alike([root for root in (out, *roots) if read_manifest(root, task)], task)
-    for root in (out, *roots):
+    images: tuple[dict[str, tuple[int, ...]], Path] | None = None
+    stored = [root for root in (out, *roots) if has_manifest(root, task)]
+    check_alike([root for root in stored if read_manifest(root, task)], task)
+    for root in stored:
         entries = read_manifest(root, task)
         for entry in entries:
             source = manifest_path(root, task).parent / entry.file
@@ -97,7 +98,7 @@ def _plan_task(roots: Sequence[Path], out: Path, task: str) -> list[Move]:
                 known[(entry.variation, entry.random_seed)] = (entry, source)
                 moves.append(Move(task, source, entry, root))
         if entries:
-            pictures = _same_pictures(pictures, manifest_path(root, task).parent / entries[0].file)
+            images = _same_images(images, manifest_path(root, task).parent / entries[0].file)
     return moves
 
 
@@ -113,11 +114,11 @@ def _is_known(known: dict[tuple[int, int | None], tuple[EpisodeEntry, Path]], en
     )
 
 
-def _same_pictures(before: tuple[dict[str, tuple[int, ...]], Path] | None, path: Path) -> tuple[dict[str, tuple[int, ...]], Path]:
-    shapes = stored_pictures(path)
+def _same_images(before: tuple[dict[str, tuple[int, ...]], Path] | None, path: Path) -> tuple[dict[str, tuple[int, ...]], Path]:
+    shapes = stored_images(path)
     if before is not None and before[0] != shapes:
         raise DatasetConflict(
-            f"'{path}' holds the pictures {shapes}, '{before[1]}' holds {before[0]}. "
+            f"'{path}' has images of {shapes}, '{before[1]}' of {before[0]}. "
             "Make them alike with `rlbench-pin dataset rerender` first."
         )
     return shapes, path

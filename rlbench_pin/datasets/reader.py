@@ -17,7 +17,7 @@ from rlbench_pin.errors import DatasetError, EpisodeFileError
 from rlbench_pin.observation import CAMERAS, PRODUCTS, Demo
 from rlbench_pin.values import as_flag, as_path, as_record, as_text, as_whole
 
-PICTURES = tuple(f"{camera}_{product}" for camera in CAMERAS for product in PRODUCTS)
+IMAGE_FIELDS = tuple(f"{camera}_{product}" for camera in CAMERAS for product in PRODUCTS)
 
 
 def read_demo(
@@ -34,7 +34,7 @@ def read_demo(
         path: An episode file.
         fields: Names of `Observation` fields to read; None reads all. `misc` always comes along.
         sha256: What the bytes of the file must add up to; None looks it up in the manifest of the dataset that the file lies in.
-        image_paths: Put into image fields a text that `read_picture` turns into the image, and leave the images unread.
+        image_paths: Put into image fields a text that `read_image` turns into the image, and leave the images unread.
         inspector: Reads the file first when no manifest lists it; a process of its own does when None.
 
     Raises:
@@ -44,15 +44,15 @@ def read_demo(
         if not as_flag(image_paths, "image_paths"):
             return episode.demo(fields)
         wanted = [name for name in episode.fields if fields is None or name in fields]
-        pictures = [name for name in wanted if name in PICTURES]
-        demo = episode.demo([name for name in wanted if name not in PICTURES])
+        images = [name for name in wanted if name in IMAGE_FIELDS]
+        demo = episode.demo([name for name in wanted if name not in IMAGE_FIELDS])
     for index, observation in enumerate(demo):
-        for name in pictures:
+        for name in images:
             setattr(observation, name, f"{path}#{name}/{index}")
     return demo
 
 
-def read_picture(reference: str) -> np.ndarray:
+def read_image(reference: str) -> np.ndarray:
     """Return the image that a text from `image_paths=True` stands for, as it was recorded.
 
     Raises:
@@ -60,13 +60,15 @@ def read_picture(reference: str) -> np.ndarray:
     """
     path, _, inside = as_text(reference, "reference").rpartition("#")
     name, _, frame = inside.partition("/")
-    if not path or name not in PICTURES or not frame.isdigit():
-        raise DatasetError(f"{reference!r} stands for no picture; expected '<file>#<field>/<frame>', as image_paths=True gives.")
+    if not path or name not in IMAGE_FIELDS or not frame.isdigit():
+        raise DatasetError(
+            f"{reference!r} is not a reference to an image; expected '<file>#<field>/<frame>', as image_paths=True gives."
+        )
     with Episode(as_path(path, "path")) as episode:
         if name not in episode.fields or int(frame) >= len(episode):
             raise DatasetError(f"'{path}' holds no {name} of frame {frame}; it has {len(episode)} frames of {episode.fields}.")
-        picture = episode.series(name, range(int(frame), int(frame) + 1))[0]
-    return np.asarray(picture)
+        image = episode.series(name, range(int(frame), int(frame) + 1))[0]
+    return np.asarray(image)
 
 
 def stored_demos(
@@ -90,7 +92,7 @@ def stored_demos(
         task: Snake-case task name.
         amount: How many, or -1 for all.
         variation: Variation, or -1 for all.
-        image_paths: Leave images unread and put texts for `read_picture` in their place.
+        image_paths: Leave images unread and put texts for `read_image` in their place.
         random_selection: Pick at random, without repeats; otherwise in natural order.
         from_episode_number: First episode when taken in order, counted from 0 through all that there are, also over variations.
         rng: Draws the random selection; needed when there is one.
@@ -218,7 +220,7 @@ class TaskInfo:
     """Episodes that needed more than one try."""
     causes: dict[str, int]
     """Kind of failure -> tries that failed so."""
-    pictures: dict[str, tuple[int, ...]]
+    images: dict[str, tuple[int, ...]]
     """Image field -> its shape, in the first episode."""
     versions: dict[str, tuple[str, ...]]
     """Library -> its versions."""
@@ -245,12 +247,12 @@ def task_info(root: Path, task: str) -> TaskInfo:
         num_bytes=sum(e.num_bytes for e in entries),
         retried=sum(bool(e.failures) or e.attempt > 0 for e in entries),
         causes=dict(Counter(f.split(":")[0] for e in entries for f in e.failures)),
-        pictures=stored_pictures(manifest_path(root, task).parent / entries[0].file),
+        images=stored_images(manifest_path(root, task).parent / entries[0].file),
         versions=_versions(entries),
     )
 
 
-def stored_pictures(path: Path) -> dict[str, tuple[int, ...]]:
+def stored_images(path: Path) -> dict[str, tuple[int, ...]]:
     """Return the image fields of an episode file and their shapes."""
     with Episode(path) as episode:
         wanted = [f"{camera}_{product}" for camera in CAMERAS for product in PRODUCTS]

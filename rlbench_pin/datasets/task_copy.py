@@ -1,6 +1,6 @@
 """The files of a task that is not in the library, kept beside its episodes: `<root>/<task>/task_file/`, each with its SHA-256.
 
-They are code. Nothing here runs them, and nobody else does unless the user says so.
+They are code. They run only when the user allows it.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class KeptTask:
         path = self.folder / name
         if not path.is_file() or not path.resolve().is_relative_to(self.folder.resolve()):
             raise EpisodeFileError(
-                path, f"'{path}' is listed in '{self.folder / _INDEX}' but is no file of that folder. Restore it."
+                path, f"'{path}' is listed in '{self.folder / _INDEX}' but is not a file of that folder. Restore it."
             )
         data = path.read_bytes()
         if digest(data) != self.files[name]:

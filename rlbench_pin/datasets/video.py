@@ -14,7 +14,7 @@ import numpy as np
 
 from rlbench_pin.datasets.storage import storing
 from rlbench_pin.errors import DatasetError
-from rlbench_pin.values import as_path, as_picture_size, as_whole
+from rlbench_pin.values import as_image_size, as_path, as_whole
 
 _CODECS: tuple[tuple[str, dict[str, str]], ...] = (
     ("libx264", {"crf": "20", "preset": "medium"}),
@@ -36,7 +36,7 @@ class VideoWriter:
     def __init__(
         self, path: Path, size: tuple[int, int], fps: int = 20, *, key_frames: int | None = None, quality: int = 20
     ) -> None:
-        size = as_picture_size(size, "size of a video")
+        size = as_image_size(size, "size of a video")
         fps, quality = as_whole(fps, "fps", least=1, most=1000), as_whole(quality, "quality", least=0, most=51)
         if key_frames is not None:
             key_frames = as_whole(key_frames, "key_frames", least=1, most=100_000)
@@ -44,7 +44,7 @@ class VideoWriter:
             raise DatasetError(f"A video of {size[0]} x {size[1]} px cannot be encoded; choose an even width and height.")
         self.path, self.size, self.frames = as_path(path, "path"), size, 0
         if not self.path.name:
-            raise DatasetError(f"A film cannot be called '{path}'. Name a file, such as 'out/film.mp4'.")
+            raise DatasetError(f"A video cannot be called '{path}'. Name a file, such as 'out/video.mp4'.")
         with storing(self.path):
             self.path.parent.mkdir(parents=True, exist_ok=True)
         self._temporary = self.path.with_name(f".{self.path.stem}.{os.getpid()}.part.mp4")
@@ -63,14 +63,14 @@ class VideoWriter:
         self._stream.codec_context.time_base = Fraction(1, fps)
         self._stream.codec_context.thread_count = 1
 
-    def add(self, picture: np.ndarray) -> None:
+    def add(self, image: np.ndarray) -> None:
         """Append one image, uint8 (h, w, 3)."""
         width, height = self.size
-        shape = getattr(picture, "shape", None)
-        if shape != (height, width, 3) or picture.dtype.kind not in "ui":
-            kind = getattr(picture, "dtype", type(picture).__name__)
-            raise DatasetError(f"A picture of shape {shape} and type {kind} does not fit a video of {width} x {height} px.")
-        frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(picture, dtype=np.uint8), format="rgb24")
+        shape = getattr(image, "shape", None)
+        if shape != (height, width, 3) or image.dtype.kind not in "ui":
+            kind = getattr(image, "dtype", type(image).__name__)
+            raise DatasetError(f"An image of shape {shape} and type {kind} does not fit a video of {width} x {height} px.")
+        frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(image, dtype=np.uint8), format="rgb24")
         frame.pts = self.frames
         self.frames += 1
         for packet in self._stream.encode(frame):
@@ -84,7 +84,7 @@ class VideoWriter:
         """Finish the file and return its path."""
         if self.frames == 0:
             self.discard()
-            raise DatasetError(f"The video '{self.path}' has no pictures.")
+            raise DatasetError(f"The video '{self.path}' has no images.")
         try:
             for packet in self._stream.encode(None):
                 self._mux(packet)

@@ -141,7 +141,7 @@ class DatasetWriter:
     """`gzip` is small, `lzf` is fast."""
 
     def __post_init__(self) -> None:
-        """Raise InvalidValue or UnknownName for what is no folder and no compression."""
+        """Raise InvalidValue or UnknownName for an invalid folder or compression."""
         object.__setattr__(self, "root", as_path(self.root, "DatasetWriter.root"))
         as_choice(self.compression, "compression", get_args(Compression))
 

@@ -34,7 +34,7 @@ MAX_ROUNDS = 40
 
 @dataclass(frozen=True, kw_only=True)
 class Omission:
-    """What a demonstration leaves out, to show that it fails without."""
+    """Part that a demonstration leaves out, to show that it fails without."""
 
     waypoints: tuple[int, ...] = ()
     """Numbers of waypoints that are not visited."""
@@ -267,7 +267,7 @@ def play_demo(
     record_gripper: bool,
     on_frame: Callable[[Observation], None] | None,
 ) -> DemoOutcome:
-    """Play the demonstration of the episode that has just started, whatever comes of it.
+    """Play the demonstration of the episode that has just started, with or without success.
 
     Args:
         runtime: The runtime, at the start of the episode.
@@ -349,7 +349,7 @@ def check_start(demo: Demo, task_name: str) -> int:
 
 
 def _seed_from(state: RandomState) -> int:
-    """Return a seed that stands for the state of a generator: a hash of it."""
+    """Return a seed derived from the state of a generator: a hash of it."""
     parts = b"".join(part.tobytes() if isinstance(part, np.ndarray) else repr(part).encode() for part in state)
     return int.from_bytes(hashlib.sha256(parts).digest()[:6], "big")
 

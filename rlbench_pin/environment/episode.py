@@ -17,7 +17,7 @@ from rlbench_pin.values import as_seed, as_whole
 
 EVALUATION_SEEDS = 2**53
 """Seeds of evaluations begin here. Resets without a seed draw theirs below 2^31, recordings make theirs below 2^53."""
-MOST_DEMOS = 10_000_000
+MAX_DEMOS = 10_000_000
 """Live demonstrations of one call at most."""
 
 
@@ -28,7 +28,7 @@ class EpisodeRandom:
     variation: np.random.Generator
     """Variation of the task, where none is set."""
     placement: np.random.Generator
-    """Where objects stand, and what else a task draws."""
+    """Poses of objects, and all else that a task draws."""
     planning: np.random.Generator
     """Starts of inverse kinematics and samples of the planner."""
     noise: np.random.Generator
@@ -45,7 +45,7 @@ class EpisodeRandom:
 
 @dataclass(frozen=True)
 class EpisodeOrigin:
-    """Where an episode came from."""
+    """Origin of an episode."""
 
     seed: int
     attempt: int
@@ -53,7 +53,7 @@ class EpisodeOrigin:
     reset_attempts: int
     """Placements that the reset needed."""
     instructions: tuple[str, ...]
-    """What is asked for, in sentences that mean the same."""
+    """Instructions of the episode; all mean the same."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ class EnvironmentState:
     runtime: RuntimeState
     episode: EpisodeOrigin
     randomization: RandomizationSample | None = None
-    """What domain randomization has changed in the world."""
+    """Changes of domain randomization in the world."""
 
     def unpickled_variation(self, task: str) -> int | None:
         """Return the variation of a state that was pickled, None of one that was not.
@@ -86,7 +86,7 @@ def checked_seed(seed: object) -> int:
     """Return `seed` as an int.
 
     Raises:
-        InvalidArgument: It is no whole number, or not between 0 and 2^63 - 1 (also a TaskEnvironmentError and a ValueError).
+        InvalidArgument: It is not a whole number, or not between 0 and 2^63 - 1 (also a TaskEnvironmentError and a ValueError).
     """
     return as_seed(seed, "A seed", InvalidArgument)
 
@@ -95,9 +95,9 @@ def demo_seeds(amount: int, seed: int | None, rng: np.random.Generator) -> list[
     """Return the seeds of `amount` live demonstrations: counted from `seed`, or drawn when it is None.
 
     Raises:
-        InvalidArgument: `amount` is less than 1, or the seed is no whole number >= 0, or one of the others would be too large.
+        InvalidArgument: `amount` is less than 1, or the seed is not a whole number >= 0, or one of the others would be too large.
     """
-    amount = as_whole(amount, "The amount of live demonstrations", InvalidArgument, least=1, most=MOST_DEMOS)
+    amount = as_whole(amount, "The amount of live demonstrations", InvalidArgument, least=1, most=MAX_DEMOS)
     if seed is None:
         return [int(s) for s in rng.integers(2**31, size=amount)]
     first = checked_seed(seed)

@@ -18,7 +18,7 @@ from rlbench_pin.values import as_names
 
 
 def low_dim_config() -> ObservationConfig:
-    """All joint, gripper and task data; no pictures.
+    """All joint, gripper and task data; no images.
 
     Poses of joints are left out: `RobotModel.joint_poses` has them from the joint positions.
     """

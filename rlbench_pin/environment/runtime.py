@@ -15,7 +15,7 @@ from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.observations.observe import CameraPlaces, Cameras, Observer
 from rlbench_pin.errors import InvalidActionError, NoShapedReward
 from rlbench_pin.observation import Observation
-from rlbench_pin.planning.kinematics import FORGIVEN
+from rlbench_pin.planning.kinematics import JOINT_LIMIT_TOLERANCE
 from rlbench_pin.planning.plan import ListenerList, Plan, PlanningListener
 from rlbench_pin.planning.planner import MotionPlanner, PlannerConfig
 from rlbench_pin.robot.description import RobotDescription
@@ -62,6 +62,25 @@ class Listeners(ListenerList[Listener]):
             listener.on_segment(waypoint, plan)
 
 
+@dataclass(frozen=True)
+class RefusedOpening:
+    """Why `SafeArm` kept the fingers as they were: fully opened, a pair would be nearer than its minimum distance."""
+
+    pair: tuple[str, str]
+    """Names of the two that would be too near."""
+    distance: float
+    """Smallest distance that the opening could lead to [m]; 0 or below is contact."""
+    minimum: float
+    """Smallest distance allowed [m]."""
+
+    def __str__(self) -> str:
+        """Say it in a sentence, with the next step."""
+        return (
+            f"The fingers did not open: {self.pair[0]} could come {1e3 * self.distance:.1f} mm near to {self.pair[1]}; "
+            f"at least {1e3 * self.minimum:.1f} mm are kept. Move the gripper away first."
+        )
+
+
 class ActionResult:
     """Success and end of the episode during one action; the first tick that ends the episode counts.
 
@@ -71,11 +90,13 @@ class ActionResult:
     Attributes:
         success: Whether the goal was reached.
         over: Whether the episode has ended, by success or by the fail list.
+        refused_opening: Why the fingers did not open as the action asked; None otherwise.
     """
 
     def __init__(self, task: Task) -> None:
         self._task, self.evaluated = task, False
         self.success = self.over = False
+        self.refused_opening: RefusedOpening | None = None
 
     def evaluate(self) -> None:
         """Evaluate all conditions of the task at the end of a tick; once the episode is over nothing changes."""
@@ -113,12 +134,12 @@ class RuntimeState:
 
 
 class Runtime:
-    """What action modes and demonstrations work on.
+    """World, task, model and planner, which action modes and demonstrations work on.
 
     Attributes:
         world: The simulated world.
         robot: Arm and fingers of the world.
-        gripper: Hand of the world.
+        gripper: Gripper of the world.
         instructions: Sentences that say what to do in the present episode.
         task: The task that is running.
         model: Analytic model of the arm.
@@ -180,7 +201,7 @@ class Runtime:
         Positions farther outside than `OVERSHOOT`, where only a reset can put the arm, stay as they are: planners refuse them.
         """
         q, limits = self.robot.joint_positions, self.model.limits
-        if limits.contains(q, FORGIVEN) or not limits.contains(q, OVERSHOOT):
+        if limits.contains(q, JOINT_LIMIT_TOLERANCE) or not limits.contains(q, OVERSHOOT):
             return q
         return np.clip(q, limits.lower, limits.upper)
 
@@ -258,6 +279,11 @@ class Runtime:
         finally:
             self._result = before
             self.after_tick.remove(result.evaluate)
+
+    def refuse_opening(self, refused: RefusedOpening) -> None:
+        """Note for the result of the present action that the fingers stay as they are."""
+        if self._result is not None:
+            self._result.refused_opening = refused
 
     def drive_to(self, target: FloatArray) -> None:
         """Move the arm towards joint positions `target` [rad] for one tick, then hold where it is."""
@@ -357,7 +383,7 @@ def build_runtime(
         config: What observations contain.
         planning: Settings of the planner.
         attach_grasped_objects: As in `Runtime`.
-        renderer: Who draws pictures.
+        renderer: Renderer of images.
         camera_places: Where cameras stand that were put elsewhere; shared with other runtimes.
         kind: `Runtime`, or a subclass of it.
     """
@@ -373,7 +399,7 @@ def build_runtime(
         raise
 
 
-LEAST_SPEED = 0.13
+MIN_SPEED = 0.13
 """Joint speed in the first and in the last tick of a motion [rad/s]: a moving arm is never taken for a resting one, whose speed
 by the rule of key frames is below 0.1."""
 REST_SPEED = 0.05
@@ -384,8 +410,8 @@ _GRIPPER_TICKS = 60
 """Control ticks that the fingers move at most."""
 _SETTLE_TICKS_AFTER_OPENING = 10
 """Control ticks for what was let go to come to rest."""
-_LASTING = 1.0
-"""For how long a success has to last to be a lasting one [s]."""
+_STABLE_SECONDS = 1.0
+"""Time after which a stable success still holds [s]."""
 
 
 def follow(
@@ -404,7 +430,7 @@ def follow(
         whole: Go on when the episode is over.
     """
     target = runtime.robot.joint_positions
-    for target in TrajectoryTracker(trajectory, runtime.world.control_dt, LEAST_SPEED):
+    for target in TrajectoryTracker(trajectory, runtime.world.control_dt, MIN_SPEED):
         runtime.drive_to(target)
         on_tick(target)
         if runtime.over and not whole:
@@ -467,8 +493,8 @@ def hold_or_release(runtime: Runtime, *, release: bool, attach: bool) -> None:
             runtime.gripper.grasp(name)
 
 
-def success_lasts(runtime: Runtime) -> bool:
-    """Whether the goal is reached now and still is 1 s later, the arm stationary, the gripper as it is.
+def success_is_stable(runtime: Runtime) -> bool:
+    """Return whether success holds now and still holds after 1 s with arm and gripper stationary.
 
     Afterwards everything is as it was (measured torques from the next tick on); observers and callbacks notice nothing.
     """
@@ -477,7 +503,7 @@ def success_lasts(runtime: Runtime) -> bool:
     if reached:
         runtime.hold()
         runtime.gripper.hold()
-        for _ in range(round(_LASTING / runtime.world.control_dt)):
+        for _ in range(round(_STABLE_SECONDS / runtime.world.control_dt)):
             runtime.world.step()
             task.step()
         reached = bool(task.success()[0])

@@ -35,7 +35,7 @@ class StoredSelection:
     """First episode when not picked at random: an index of the stored ones in natural order."""
 
     def __post_init__(self) -> None:
-        """Raise InvalidArgument for what is no whole number, or no switch; ranges depend on what is stored."""
+        """Raise InvalidArgument for an invalid number or switch; ranges depend on what is stored."""
         for name in ("amount", "variation", "from_episode_number"):
             as_whole(getattr(self, name), name, InvalidArgument)
         for name in ("image_paths", "random_selection"):
@@ -116,7 +116,7 @@ def wanted_fields(config: ObservationConfig) -> list[str]:
 def fit(observation: Observation, config: ObservationConfig) -> None:
     """Bring the images of one stored observation to what a config asks for, in place.
 
-    Pictures are scaled by taking the nearest pixel, so that depth and ids stay true, and the intrinsics in `misc` follow.
+    Images are scaled by taking the nearest pixel, so that depth and ids stay true, and the intrinsics in `misc` follow.
     """
     for name in CAMERAS:
         _fit_camera(observation, name, config.camera(name))

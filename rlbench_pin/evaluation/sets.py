@@ -45,7 +45,7 @@ class TaskSet:
     name: str
     """`FS10_V1`, or `FS10_V1:train` for a part of it."""
     about: str
-    """What it is, one sentence."""
+    """Description, one sentence."""
     tasks: tuple[str, ...]
     """All its tasks, in the order of the public lists; those to train on come first."""
     parts: Mapping[str, tuple[str, ...]]
@@ -65,7 +65,7 @@ class TaskSet:
 
 
 def task_sets() -> tuple[str, ...]:
-    """Return the names of all sets; `:train` and `:test` behind those with two parts stand for these."""
+    """Return the names of all sets; `:train` and `:test` select a part of those with two parts."""
     return tuple(set_contents())
 
 
@@ -141,7 +141,7 @@ class TaskSelection:
 
 
 def resolve_tasks(words: Sequence[str], available_only: bool = False) -> tuple[str, ...]:
-    """Return the tasks that words stand for, each once, in order.
+    """Return the tasks that words name, each once, in order.
 
     Args:
         words: Names of tasks (`reach_target`, `ReachTarget`), files (`mine/slide_bolt.py`), sets (`FS10_V1`, `MT15_V1`, `tier1`),
@@ -160,7 +160,7 @@ def resolve_tasks(words: Sequence[str], available_only: bool = False) -> tuple[s
 
 
 def select_tasks(words: Sequence[str]) -> TaskSelection:
-    """Return the tasks that words stand for, those that are not built yet apart from the others.
+    """Return the tasks that words name, those that are not built yet apart from the others.
 
     Raises:
         UnknownName: A word is neither a task nor a set; proposes the nearest name.
@@ -174,7 +174,7 @@ def select_tasks(words: Sequence[str]) -> TaskSelection:
 
 
 def _named(word: str) -> Iterator[str]:
-    """Yield what one word stands for."""
+    """Yield the tasks of one word."""
     if word == ALL:
         yield from usable_task_names()
     elif word.partition(":")[0] in set_contents():

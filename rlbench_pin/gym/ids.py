@@ -11,7 +11,7 @@ import gymnasium
 from rlbench_pin.values import as_choice, as_text
 
 MODES = ("state", "vision")
-"""What an environment observes: numbers, or images as well."""
+"""Observations of an environment: numbers, or images as well."""
 MAX_EPISODE_STEPS = 1000
 """Steps after which an episode is cut off; nearly twice the longest demonstration of the library in ticks."""
 

@@ -67,7 +67,7 @@ class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
         image_size: Width and height of images [px]; those that the policy was trained on.
         render_mode: `rgb_array` or `human`.
         action_mode: What actions mean; None is as above.
-        renderer: Who draws: `cpu`, `egl` or `auto`.
+        renderer: Renderer of images: `cpu`, `egl` or `auto`.
         like: Observation and action space, when known; then the world is built when it is first used. Otherwise at once.
 
     Attributes:
@@ -183,7 +183,7 @@ def make_env(
     Raises:
         UnknownName: No task has this name.
         TaskError: A task file cannot be loaded.
-        InvalidArgument: `n_envs` is no whole number, or less than 1 (also a TaskEnvironmentError); another argument is wrong.
+        InvalidArgument: `n_envs` is not a whole number, or less than 1 (also a TaskEnvironmentError); another argument is wrong.
     """
     as_flag(use_async_envs, "use_async_envs", InvalidArgument)
     n_envs = as_whole(n_envs, "n_envs", InvalidArgument, least=1, most=10_000)

@@ -29,7 +29,7 @@ def register_task(task: type[Task] | str | PathLike[str], namespace: str = "rlbe
         namespace: What stands before the slash.
 
     Raises:
-        TaskEnvironmentError: An id stands for another task already.
+        TaskEnvironmentError: An id belongs to another task already.
         UnknownName: No task has this name.
         TaskError: The file cannot be loaded.
     """
@@ -44,7 +44,7 @@ def register_task(task: type[Task] | str | PathLike[str], namespace: str = "rlbe
         taken = gymnasium.registry.get(name)
         if taken is not None and taken.kwargs != settings:
             raise TaskEnvironmentError(
-                f"The id '{name}' stands for another task already ({taken.kwargs.get('task')}). Pass another `namespace`."
+                f"The id '{name}' belongs to another task already ({taken.kwargs.get('task')}). Pass another `namespace`."
             )
         register(name, settings)
     return ids

@@ -115,7 +115,7 @@ class _Shape:
 
 
 class ArmShapes:
-    """What is known of an arm's own shapes in any world; the fingers may move.
+    """Shapes of the arm itself, the same in any world; the fingers may move.
 
     Args:
         model: The arm.
@@ -342,11 +342,11 @@ def advances(poses: Poses, piece: IndexArray, pair: IndexArray, normal: FloatArr
 
 WIDEST = 0.08
 """How far anything can move to either side of the middle of a first piece, at most [m]."""
-LEAST = 3e-4
+MIN_CLOSING = 3e-4
 """Pairs that close in by less than this, and still are not settled, are in doubt [m]."""
-_PARTS, _MOST_PARTS = 2.0, 16
-SURE = 1e-5
-"""What distances have to be larger than asked for, because Coal's are not exact [m]."""
+_PARTS, _MAX_PARTS = 2.0, 16
+DISTANCE_TOLERANCE = 1e-5
+"""Distances have to exceed the margin by this, because Coal's are not exact [m]."""
 
 
 @dataclass(frozen=True)
@@ -354,7 +354,7 @@ class Certificate:
     """Result of the continuous check of a path."""
 
     doubt: float | None
-    """Where on the path (0..1) the check is in doubt; None when all of it is free."""
+    """First place on the path (0..1) that could not be certified; None when all of it is free."""
     checks: int
     """Configurations in which distances were measured."""
 
@@ -382,7 +382,7 @@ class ContinuousCheck:
             checks: Budget of configurations in which distances are measured.
         """
         counts, floors = self._collision.least_distances()
-        floors, pieces, spent = floors + SURE, self._begin(path), 0
+        floors, pieces, spent = floors + DISTANCE_TOLERANCE, self._begin(path), 0
         poses = Poses(self._shapes, pieces)
         piece, pair = poses.close(np.flatnonzero(counts), floors)
         while len(pair):
@@ -394,7 +394,7 @@ class ContinuousCheck:
             closing = np.minimum(moves, advances(poses, piece, pair, normal))
             left = np.flatnonzero(room < closing)
             piece, pair, room, closing = piece[left], pair[left], room[left], closing[left]
-            hopeless = (room <= 0.0) | (closing < LEAST)
+            hopeless = (room <= 0.0) | (closing < MIN_CLOSING)
             if hopeless.any() or (len(left) and spent > checks):
                 return Certificate(float(pieces.low[piece[hopeless] if hopeless.any() else piece].min()), spent)
             if len(left):
@@ -437,7 +437,7 @@ def _cut(pieces: Pieces, piece: IndexArray, pair: IndexArray, shares: FloatArray
         shares: How much larger than the room there is, is what may be lost of it on the piece (e,).
     """
     chosen, first = np.unique(piece, return_index=True)
-    counts = np.clip(np.ceil(_PARTS * np.maximum.reduceat(shares, first)), 2, _MOST_PARTS).astype(np.intp)
+    counts = np.clip(np.ceil(_PARTS * np.maximum.reduceat(shares, first)), 2, _MAX_PARTS).astype(np.intp)
     parts = pieces.cut(chosen, counts)
     pairs = np.split(pair, first[1:])
     owner = np.repeat(np.arange(len(chosen)), counts)

@@ -32,9 +32,9 @@ LIMIT_MARGIN = 0.05
 """Configurations nearer than this to a joint limit come last [rad]."""
 SAME = 0.1
 """Solutions nearer than this to each other count once [rad]."""
-MOST_STARTS = 100_000
+MAX_STARTS = 100_000
 """More descents than this are a mistake."""
-FORGIVEN = 1e-3
+JOINT_LIMIT_TOLERANCE = 1e-3
 """How far beyond its limits a joint may be at the ends of a motion, which then begins or ends at the limit [rad]."""
 _ITERATIONS = 40
 _LARGEST_STEP = 0.6
@@ -51,14 +51,16 @@ def as_configuration(model: RobotModel, q: ArrayLike, what: str) -> FloatArray:
 
     Raises:
         InvalidRequest: NaN, a wrong shape, or no numbers.
-        OutsideJointLimits: A joint is beyond its limits by more than `FORGIVEN`; names the farthest.
+        OutsideJointLimits: A joint is beyond its limits by more than `JOINT_LIMIT_TOLERANCE`; names the farthest.
     """
     as_record(model, RobotModel, "model", InvalidRequest)
     vector, limits = as_vector(q, model.size, f"The {what}", InvalidRequest), model.limits
-    if not limits.contains(vector, FORGIVEN):
+    if not limits.contains(vector, JOINT_LIMIT_TOLERANCE):
         worst = int(np.argmax(np.maximum(limits.lower - vector, vector - limits.upper)))
         limit = limits.lower[worst] if vector[worst] < limits.lower[worst] else limits.upper[worst]
-        raise OutsideJointLimits(what, model.description.arm_joints[worst], float(vector[worst]), float(limit), FORGIVEN)
+        raise OutsideJointLimits(
+            what, model.description.arm_joints[worst], float(vector[worst]), float(limit), JOINT_LIMIT_TOLERANCE
+        )
     return vector
 
 
@@ -111,7 +113,7 @@ def check_options(rng: object, allowed: Collection[str], free: object) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Descent:
-    """Where one descent ended."""
+    """Result of one descent."""
 
     q: FloatArray
     """Configuration (n,), [rad]."""
@@ -192,7 +194,7 @@ def solve_ik(
     target, seed_q = pose_to_se3(as_goal_pose(pose)), as_vector(seed_q, model.size, "seed_q", InvalidRequest)
     check_generator(rng)
     counts = ((starts, "starts"), (max_solutions, "max_solutions"))
-    starts, max_solutions = (as_whole(count, what, InvalidRequest, least=1, most=MOST_STARTS) for count, what in counts)
+    starts, max_solutions = (as_whole(count, what, InvalidRequest, least=1, most=MAX_STARTS) for count, what in counts)
     if collision is not None:
         as_record(collision, CollisionModel, "collision", InvalidRequest)
     found, colliding, failed = _descents(model, target, seed_q, rng, starts, max_solutions, collision)

@@ -21,7 +21,7 @@ from rlbench_pin.values import as_record
 IsFree = Callable[[FloatArray], bool]
 """Says whether a configuration (n,) is free of collisions."""
 
-_TO_A_PIECE = 8
+_SAMPLES_PER_SEGMENT = 8
 """Samples of a cubic piece by which distances along the path are measured."""
 
 
@@ -61,7 +61,9 @@ class JointPath:
     def _measured(self) -> tuple[FloatArray, FloatArray]:
         """Parameters, eight to a piece, and the joint distances travelled until there, both (m,), the latter [rad]."""
         knots = self.knots
-        s = np.append((knots[:-1, None] + np.diff(knots)[:, None] * (np.arange(_TO_A_PIECE) / _TO_A_PIECE)).ravel(), 1.0)
+        s = np.append(
+            (knots[:-1, None] + np.diff(knots)[:, None] * (np.arange(_SAMPLES_PER_SEGMENT) / _SAMPLES_PER_SEGMENT)).ravel(), 1.0
+        )
         return s, np.concatenate([[0.0], np.cumsum(np.abs(np.diff(self(s), axis=0)).max(axis=1))])
 
     def spread(self, step: float) -> tuple[FloatArray, FloatArray]:
@@ -250,7 +252,7 @@ STEP_POSITION = 0.02
 """Distance of the tip between two solved configurations [m]."""
 STEP_ROTATION = 0.1
 """Angle of the tip between two solved configurations [rad]."""
-MOST_STEPS = 5000
+MAX_STEPS = 5000
 """Longer lines and curves, 100 m or 80 turns, are beyond any arm."""
 LARGEST_JUMP = 0.4
 """More joint motion than this in one step means that the arm would flip [rad]."""
@@ -315,7 +317,7 @@ def _size(a: pin.SE3, b: pin.SE3) -> float:
 
 
 def _checked_size(steps: float) -> float:
-    if not steps <= MOST_STEPS:
+    if not steps <= MAX_STEPS:
         raise NotStraight(0.0, f"it is {steps * STEP_POSITION:.4g} m long, or turns as much, and the arm ends before")
     return steps
 

@@ -44,7 +44,7 @@ _RULES = ruled(
 
 @dataclass(frozen=True, kw_only=True)
 class PlannerConfig:
-    """How motions are searched and how fast they may be."""
+    """Settings of the search for motions and of their timing."""
 
     max_velocity: float = 1.0
     """Largest norm of the joint velocity, so that no joint is faster either [rad/s]."""
@@ -57,7 +57,8 @@ class PlannerConfig:
     margin: float = 0.003
     """Clearance to the world, except where start or goal have less [m]."""
     algorithm: Algorithm = "rrt_connect"
-    """Sampling planner."""
+    """Planner that searches paths around obstacles; straight and direct motions do not use it. Edges that fail the fine check
+    are always replaced by RRT-Connect."""
     checks: int = 50_000
     """Budget of state checks of the sampling planner."""
     simplify_checks: int = 1000
@@ -79,7 +80,8 @@ class PlannerConfig:
     certify_checks: int = 6000
     """Budget of state checks of one continuous check."""
     clearance: float = 0.0
-    """Clearance that paths around obstacles keep if they can, at most tried before `margin` [m]."""
+    """Clearance to the world that a path around obstacles keeps, less only near start and goals [m]. Without such a path, and for
+    straight and direct motions, `margin` counts. A value up to `margin` has no effect."""
     measure_clearance: bool = False
     """Report the clearance of every plan; costs some milliseconds."""
     own_margin: float = 0.001
@@ -100,7 +102,7 @@ class PlannerConfig:
 
 @dataclass(frozen=True, kw_only=True)
 class PlanReport:
-    """How a plan came about."""
+    """Method, cost and checks of a plan."""
 
     method: Method
     """straight: a line of the tip; direct: a line in joint space; sampled: around obstacles; curve: through given poses."""
@@ -115,7 +117,7 @@ class PlanReport:
     clearance: float | None = None
     """Smallest distance to anything that counts [m]; None when it was not measured."""
     certified: bool = False
-    """Proven free of collisions as a continuum."""
+    """Certified free of collisions also between its samples."""
     doubts: int = 0
     """Paths that were dropped because they could not be certified."""
 
@@ -129,7 +131,7 @@ class Plan:
     path: FloatArray
     """Configurations along the way (m, n), [rad]."""
     report: PlanReport
-    """How it came about."""
+    """Its report."""
 
 
 @dataclass(eq=False)
@@ -141,7 +143,7 @@ class Stages:
     checks: int = 0
     """Collision checks that the model had counted before."""
     plan: Plan | None = None
-    """What came of it; None while planning, and when it fails."""
+    """The plan; None while planning, and when it fails."""
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
@@ -155,12 +157,12 @@ class Stages:
 
 @dataclass(frozen=True, eq=False)
 class PlanRequest:
-    """What a planner was asked for; its arrays are the caller's, so a listener that keeps one copies it."""
+    """Arguments of a planning call. Its arrays belong to the caller, so a listener that keeps one copies it."""
 
     kind: Literal["pose", "configuration", "curve"]
     """Which call: `plan_to_pose`, `plan_to_configuration` or `plan_curve`."""
     q_start: FloatArray
-    """Where the arm is (n,), [rad]."""
+    """Start configuration (n,), [rad]."""
     goal: PoseLike | Sequence[PoseLike] | PoseRegion
     """Tip poses (7,), one or several, or a region of them; for `configuration` joint positions (n,), [rad]."""
     ignore_collisions: bool

@@ -177,7 +177,7 @@ class MotionPlanner:
         return self._within(q, what)
 
     def _within(self, q: FloatArray, what: str) -> FloatArray:
-        """Return the nearest configuration (n,) within the joint limits, at most `FORGIVEN` away."""
+        """Return the nearest configuration (n,) within the joint limits, at most `JOINT_LIMIT_TOLERANCE` away."""
         return np.clip(as_configuration(self.model, q, what), self.limits.lower, self.limits.upper)
 
     def _rules(self, stages: Stages, q: FloatArray, allowed: Collection[str], ignore_collisions: bool) -> Rules:

@@ -32,7 +32,7 @@ class PlanningProblem:
     """From where the arm stands to where it should be, among obstacles."""
 
     name: str
-    """What it is called in reports."""
+    """Name in reports."""
     world: WorldSnapshot
     """Obstacles, the start configuration, and what is held."""
     goal: FloatArray | None = None
@@ -44,7 +44,7 @@ class PlanningProblem:
     robot: str = DEFAULT_ROBOT
     """Catalogue name of the arm."""
     base_pose: tuple[float, ...] | None = None
-    """Where the arm stands; None as in its description."""
+    """Pose of the arm's base; None as in its description."""
 
     @property
     def start(self) -> FloatArray:

@@ -24,7 +24,7 @@ from ompl import util as ou
 from rlbench_pin.errors import NoPath
 from rlbench_pin.planning.continuous_collision import Rules
 from rlbench_pin.planning.path import IsFree, JointPath, coarse_to_fine, edge_is_free, round_off
-from rlbench_pin.planning.plan import ALGORITHMS, Algorithm, PlannerConfig, Stages
+from rlbench_pin.planning.plan import ALGORITHMS, Algorithm, Stages
 from rlbench_pin.robot.model import JointLimits
 from rlbench_pin.spatial import FloatArray
 
@@ -393,20 +393,19 @@ def repair(path: FloatArray, rules: Rules, limits: JointLimits, rng: np.random.G
         if not blocked:
             return path
         for i in reversed(blocked):
-            detour = _detour(path[i], path[i + 1], rules.config, rules, limits, rng)
+            detour = _detour(path[i], path[i + 1], rules, limits, rng)
             if detour is None:
                 return None
             path = np.concatenate([path[:i], detour, path[i + 2 :]])
     return None
 
 
-def _detour(
-    a: FloatArray, b: FloatArray, config: PlannerConfig, rules: Rules, limits: JointLimits, rng: np.random.Generator
-) -> FloatArray | None:
+def _detour(a: FloatArray, b: FloatArray, rules: Rules, limits: JointLimits, rng: np.random.Generator) -> FloatArray | None:
+    config = rules.config
     try:
         way = sample_path(
-            a, [b], rules.is_free, limits,
-            seed=int(rng.integers(1, 2**31 - 1)), checks=config.checks // 4, step=config.check_step, range_=0.5,
+            a, [b], rules.is_free, limits, seed=int(rng.integers(1, 2**31 - 1)), algorithm=config.algorithm,
+            checks=config.checks // 4, step=config.check_step, range_=0.5,
         )  # fmt: skip
     except NoPath:
         return None

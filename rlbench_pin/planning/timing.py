@@ -63,11 +63,11 @@ class ArcLimits:
 
 DENSE = 1e-3
 """Time between two evaluations of the torques of a finished trajectory [s]."""
-_LOOK = 0.05
+_SAMPLE_STEP = 0.05
 """Time [s] and joint distance [rad] between the samples of the quick bound, at most."""
-_GLANCE, _EASILY = 0.2, 0.88
-"""The same of a first look, which is enough where torques stay below that share of the limits: on 100 motions the largest between
-such samples was 0.5 % of a limit above the largest at them."""
+_COARSE_STEP, _COARSE_SHARE = 0.2, 0.88
+"""The same of a coarse check, which is enough where torques stay below that share of the limits: on 100 motions the largest
+between such samples was 0.5 % of a limit above the largest at them."""
 _TORQUE_RESERVE = 0.97
 _ROUNDS = 12
 
@@ -116,7 +116,7 @@ class TorqueLimits:
         acceleration = as_vector(acceleration, self._last, "acceleration")
         return any(
             self._within(trajectory, acceleration, look, share * self.limit)
-            for look, share in ((_GLANCE, _EASILY), (_LOOK, _TORQUE_RESERVE))
+            for look, share in ((_COARSE_STEP, _COARSE_SHARE), (_SAMPLE_STEP, _TORQUE_RESERVE))
         )
 
     def _within(self, trajectory: Trajectory, acceleration: FloatArray, look: float, limit: FloatArray) -> bool:

@@ -1,4 +1,4 @@
-"""Demonstrations by the thousand: recorded, rendered again, converted, replayed and filmed. `RayEngine` needs the extra `ray`."""
+"""Record, rerender, convert and replay demonstrations, and make videos of them. `RayEngine` needs the extra `ray`."""
 
 import importlib
 from typing import TYPE_CHECKING
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 else:
 
     def __getattr__(name):
-        """Import `RayEngine` when it is used first."""
+        """Import `RayEngine` at its first use."""
         if name != "RayEngine":
             raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
         return importlib.import_module("rlbench_pin.processes.ray_engine").RayEngine

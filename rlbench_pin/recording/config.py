@@ -1,4 +1,4 @@
-"""Which demonstrations to record, the work items, and `recording.json`, which keeps the settings of a dataset."""
+"""Settings of a recording, its work items, and `recording.json`, which stores the settings of a dataset."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ from rlbench_pin.errors import EpisodeFileError, InvalidArgument, InvalidCamera,
 from rlbench_pin.observation import CAMERAS, PRODUCTS
 from rlbench_pin.sim import RENDERERS, RendererName
 from rlbench_pin.tasks import Task, find_task, task_digest
-from rlbench_pin.values import as_choice, as_flag, as_names, as_number, as_path, as_picture_size, as_record, as_seed, as_whole
+from rlbench_pin.values import as_choice, as_flag, as_image_size, as_names, as_number, as_path, as_record, as_seed, as_whole
 
 MOST = 10_000_000
-"""Episodes, tries and variations of one recording at most."""
+"""Maximum number of episodes, attempts and variations of one recording."""
 _SEED_BITS = 53  # so that JSON readers of every language keep the number; evaluations have theirs beyond
 RECORDING = "recording.json"
 VERSION = 1
@@ -32,12 +32,12 @@ VERSION = 1
 
 @dataclass(frozen=True, kw_only=True)
 class ImageConfig:
-    """Which images an episode contains, how it is stored, and how fast the arm may move."""
+    """The images of recorded episodes: cameras, products, size, renderer and compression."""
 
     cameras: tuple[str, ...] = CAMERAS
     """Cameras whose images are stored."""
     products: tuple[str, ...] = ("rgb", "depth", "mask")
-    """What each camera delivers, of rgb, depth, mask and point_cloud; none for episodes without images."""
+    """Images of each camera: rgb, depth, mask, point_cloud; none for episodes without images."""
     image_size: tuple[int, int] = (128, 128)
     """Width and height of the images [px]."""
     renderer: RendererName = "cpu"
@@ -45,11 +45,11 @@ class ImageConfig:
     render_mode: RenderMode = "opengl3"
     """`opengl3` draws shadows, `opengl` is faster without."""
     compression: Compression = "gzip"
-    """`gzip` is small, `lzf` is fast."""
+    """Compression: `gzip` gives smaller files, `lzf` is faster."""
 
     def __post_init__(self) -> None:
-        """Raise UnknownName or InvalidCamera for what cannot be stored."""
-        object.__setattr__(self, "image_size", as_picture_size(self.image_size, "ImageConfig.image_size", InvalidCamera))
+        """Raise UnknownName or InvalidCamera for images that cannot be stored."""
+        object.__setattr__(self, "image_size", as_image_size(self.image_size, "ImageConfig.image_size", InvalidCamera))
         _check_names("camera", self.cameras, CAMERAS)
         _check_names("product", self.products, PRODUCTS)
         as_choice(self.renderer, "renderer", RENDERERS)
@@ -74,7 +74,7 @@ class ImageConfig:
         return {f"{camera}_{product}": shapes[product] for camera in self.cameras for product in self.products}
 
     def environment(self, max_velocity: float = 1.0, max_acceleration: float = 4.0) -> Environment:
-        """Return an environment that delivers these images; its actions are those that demonstrations record.
+        """Return an environment with these images and with the actions that demonstrations record.
 
         Args:
             max_velocity: Cap on the speed of motions along the joint-space path [rad/s].
@@ -85,7 +85,7 @@ class ImageConfig:
 
 @dataclass(frozen=True, kw_only=True)
 class RecordConfig:
-    """Which demonstrations to record. The same settings give the same files, however many workers there are."""
+    """Settings of a recording. The same settings give the same files for any number of workers."""
 
     tasks: tuple[str, ...]
     """Task names, or paths of task files."""
@@ -94,19 +94,19 @@ class RecordConfig:
     per_variation: bool = False
     """Count episodes for each variation."""
     variations: int = ALL_VARIATIONS
-    """Most variations of a task; -1 is all."""
+    """Maximum number of variations of a task; -1 is all."""
     draw_variations: bool = True
-    """Draw which variations, without repeats, always the same; otherwise take the first."""
+    """Draw the variations without repeats, always the same ones; otherwise take the first ones."""
     seed: int = 0
-    """Seed of the recording; every episode draws its own from it, its task, its variation and its number."""
+    """Seed of the recording; the seed of each episode follows from it, the task, the variation and the number."""
     max_attempts: int = 10
-    """Tries for each episode."""
+    """Attempts for each episode."""
     max_velocity: float = 1.0
     """Cap on the speed of motions along the joint-space path [rad/s]."""
     max_acceleration: float = 4.0
     """Cap on how fast that speed changes [rad/s^2]."""
-    pictures: ImageConfig = field(default_factory=ImageConfig)
-    """Which images the episodes contain."""
+    images: ImageConfig = field(default_factory=ImageConfig)
+    """Images of the episodes."""
 
     def __post_init__(self) -> None:
         """Raise InvalidArgument for a number that records nothing (also a TaskEnvironmentError)."""
@@ -117,7 +117,7 @@ class RecordConfig:
             raise InvalidArgument("variations", 0, "records nothing", "Write -1 for all variations.")
         for name in ("max_velocity", "max_acceleration"):
             as_number(getattr(self, name), name, InvalidArgument, above=0.0)
-        as_record(self.pictures, ImageConfig, "pictures", InvalidArgument)
+        as_record(self.images, ImageConfig, "images", InvalidArgument)
         for name in ("per_variation", "draw_variations"):
             as_flag(getattr(self, name), name, InvalidArgument)
         if not as_names(self.tasks, "tasks", InvalidArgument):
@@ -139,26 +139,26 @@ class WorkItem:
     seed: int
     """Seed of the episode."""
     attempts: tuple[int, ...]
-    """Tries of the seed to make, until one succeeds."""
+    """Maximum number of attempts of the seed, until one succeeds."""
     source: str = ""
-    """An episode file of which the new one must show the same motion; none when empty."""
+    """An episode file with the same motion as the new one must have; none when empty."""
     sha256: str = ""
-    """What the bytes of that file must add up to."""
+    """SHA-256 of that file."""
     max_velocity: float = 1.0
     """Cap on the speed of motions along the joint-space path [rad/s]."""
     max_acceleration: float = 4.0
     """Cap on how fast that speed changes [rad/s^2]."""
     task_digest: str = ""
-    """What the files of the task must add up to; not compared when empty."""
+    """SHA-256 of the files of the task; not compared when empty."""
 
     @property
     def speed(self) -> tuple[float, float]:
-        """How fast the arm may be: velocity and acceleration."""
+        """Limits of velocity and acceleration."""
         return self.max_velocity, self.max_acceleration
 
     @property
     def key(self) -> tuple[str, int, int]:
-        """Where the episode will lie."""
+        """Task, variation and number of the episode in the dataset."""
         return self.name, self.variation, self.index
 
 
@@ -166,8 +166,8 @@ def plan_items(config: RecordConfig, tasks: Mapping[str, type[Task]] | None = No
     """Return the episodes of a recording, task by task, variations in turn.
 
     Args:
-        config: Which demonstrations.
-        tasks: The tasks in the place of those that `config` names: how workers find them -> class.
+        config: Settings of the recording.
+        tasks: The tasks in place of those that `config` names: name or path for the workers -> class.
 
     Raises:
         UnknownName: A task does not exist.
@@ -204,7 +204,7 @@ def _item(config: RecordConfig, task: str, name: str, variation: int, index: int
 
 
 def item_seed(seed: int, task: str, variation: int, index: int) -> int:
-    """Return the seed of one episode, 0 <= seed < 2^53: a hash of all that names the episode and of nothing else."""
+    """Return the seed of one episode, 0 <= seed < 2^53: a hash of recording seed, task, variation and number."""
     name = f"{seed}/{task}/{variation}/{index}".encode()
     return int.from_bytes(hashlib.sha256(name).digest()[:8], "big") >> (64 - _SEED_BITS)
 
@@ -232,27 +232,27 @@ def read_recording(root: Path | str) -> RecordConfig:
             raise ValueError("it is no table")
         if (version := content.pop("version", None)) != VERSION:
             raise ValueError(f"it has version {short(version)}, this package reads version {VERSION}")
-        if not isinstance(content.get("pictures"), dict):
-            raise ValueError("it has no table 'pictures'")
-        pictures = ImageConfig(**_with_tuples(content.pop("pictures")))
-        config = RecordConfig(**_with_tuples(content), pictures=pictures)
+        images = content.pop("images" if "images" in content else "pictures", None)  # earlier versions wrote `pictures`
+        if not isinstance(images, dict):
+            raise ValueError("it has no table 'images'")
+        config = RecordConfig(**_with_tuples(content), images=ImageConfig(**_with_tuples(images)))
         return replace(config, tasks=tuple(map(_stored_name, config.tasks)))
     except (OSError, ValueError, TypeError, RlbenchPinError) as error:
         raise EpisodeFileError(
             path,
             f"'{path}' does not describe a recording: {error}. Delete it, and record with `--resume` again, naming the "
-            "tasks and settings: the episodes beside it are found.",
+            "tasks and settings: the stored episodes are found.",
         ) from error
 
 
 def write_recording(root: Path, config: RecordConfig) -> None:
-    """Write the settings, so that `--resume` needs nothing more than the folder."""
+    """Write the settings, so that `--resume` needs only the folder."""
     content = {"version": VERSION, **asdict(config)}
     write_whole(root / RECORDING, (json.dumps(content, indent=1) + "\n").encode())
 
 
 def _stored_name(task: str) -> str:
-    """Return the name of a task in a recording; a path to code, as older ones have it, is not followed."""
+    """Return the name of a task in a recording; a path to code, as in older files, is not opened."""
     name = Path(task).stem
     if not name.isidentifier():
         raise ValueError(f"{task!r} names no task")

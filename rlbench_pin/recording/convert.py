@@ -1,4 +1,4 @@
-"""A demonstration in another action mode, and whether its actions still reach the goal.
+"""Convert a demonstration to another action mode, and verify that its actions still reach the goal.
 
 `convert_demo` needs only the demonstration and follows the motion of the arm model. Actions relative to measured velocities, and
 torques, drift away from such a motion; `convert_by_playing` finds them by playing the demonstration again in the other mode. It
@@ -140,7 +140,7 @@ def _arm_action(mode: object, m: _Moment, model: RobotModel, dt: float) -> Float
     """Return the action of an arm mode that brings the arm from a moment to its target.
 
     Raises:
-        InvalidActionError: A demonstration cannot be written in this mode, or not from a single moment.
+        InvalidActionError: The mode cannot express a demonstration, or not from a single moment.
     """
     if isinstance(mode, JointPosition):
         return m.target if mode.absolute_mode else m.target - m.q
@@ -206,7 +206,7 @@ def verify(task: TaskEnvironment, demo: Demo, actions: Sequence[FloatArray]) -> 
     Args:
         task: The environment of the demonstration's task, whose action mode the actions are for.
         demo: Gives the start.
-        actions: As from `convert_demo`.
+        actions: Actions, such as those of `convert_demo`.
     """
     as_record(task, TaskEnvironment, "task")
     task.reset_to_demo(demo)

@@ -17,8 +17,8 @@ class ProblemRecorder(Listener):
     """Keeps every motion that is planned to a tip pose among obstacles as a planning problem.
 
     Attributes:
-        problems: What was planned so far.
-        left_out: Why motions that were planned are no problems -> how many.
+        problems: The problems so far.
+        left_out: Reason why a planned motion is not a problem -> number of such motions.
     """
 
     def __init__(self) -> None:
@@ -36,7 +36,7 @@ class ProblemRecorder(Listener):
         self._world = snapshot
 
     def on_plan(self, request: PlanRequest, outcome: Plan | PlanningError, seconds: float) -> None:
-        """Keep what was asked for, and where the plan ends as the goal."""
+        """Keep the request, with the end of the plan as the goal."""
         if isinstance(outcome, PlanningError) or request.kind == "configuration" or self._world is None:
             return
         if request.kind == "curve" or request.ignore_collisions:

@@ -1,4 +1,4 @@
-"""Recording demonstrations by the thousand.
+"""Recording of demonstrations by several workers.
 
 Workers write nothing. The process that calls `record` stores every episode completely before it lists it, so that the dataset is
 consistent whenever that process is killed, and `resume` continues where it ended.
@@ -29,7 +29,8 @@ from rlbench_pin.datasets import (
     stored_tasks,
 )
 from rlbench_pin.datasets.layout import episode_path
-from rlbench_pin.datasets.reader import stored_pictures
+from rlbench_pin.datasets.manifest import has_manifest
+from rlbench_pin.datasets.reader import stored_images
 from rlbench_pin.datasets.storage import hold, remove_leftovers
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.task_environment import TaskEnvironment
@@ -51,7 +52,7 @@ from rlbench_pin.tasks import Task, chosen_tasks_of, find_task, is_task_file, ke
 from rlbench_pin.values import as_flag, as_function, as_path, as_record
 
 _FREE_EVERY = 5_000_000
-"""Bytes of episodes after which memory is given back."""
+"""Bytes of episodes after which memory is freed."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +72,7 @@ class Recorder:
     """Makes episodes, one after the other, in one environment.
 
     Args:
-        config: Which images they contain.
+        config: Images of the episodes.
     """
 
     def __init__(self, config: ImageConfig) -> None:
@@ -83,7 +84,7 @@ class Recorder:
         self._made = 0
 
     def make(self, item: WorkItem) -> ItemResult:
-        """Make one episode; the result says what goes wrong in a try."""
+        """Make one episode; the result contains the causes of failed attempts."""
         failures: list[str] = []
         for attempt in item.attempts:
             try:
@@ -110,9 +111,9 @@ class Recorder:
         self._environment, self._task, self._loaded = None, None, ""
 
     def _free_memory(self, made: int, *, after_failures: bool) -> None:
-        """Give memory back after an episode with images, whose raw frames take tens of megabytes, or after many without.
+        """Free memory after an episode with images, whose raw frames take tens of megabytes, or after many without.
 
-        Only what failed leaves frames in cycles, by its traceback; to look for them everywhere takes 70 ms.
+        Only failed attempts leave frames in reference cycles, by their tracebacks; a full collection takes 70 ms.
         """
         self._made += made
         if self._made > _FREE_EVERY:
@@ -167,15 +168,15 @@ class RecordReport:
     wanted: int
     """Episodes asked for."""
     found: int
-    """Of these, stored before."""
+    """Episodes stored before."""
     recorded: int = 0
-    """Of these, stored now."""
+    """Episodes stored now."""
     failed: tuple[ItemResult, ...] = ()
-    """Episodes of which every try failed."""
+    """Episodes whose attempts all failed."""
     deaths: tuple[WorkerDeath[WorkItem], ...] = ()
     """Workers that died and were replaced."""
     causes: dict[str, int] = field(default_factory=dict)
-    """Kind of failure -> tries that failed so."""
+    """Kind of failure -> number of attempts."""
     frames: int = 0
     """Frames stored now."""
     num_bytes: int = 0
@@ -213,21 +214,21 @@ def record(
     stop: threading.Event | None = None,
     trust_task_files: bool = False,
 ) -> RecordReport:
-    """Record demonstrations into a dataset folder, which keeps a copy of the files of tasks that are not in the library.
+    """Record demonstrations into a dataset folder, with a copy of the files of tasks that are not in the library.
 
     Args:
         config: Which demonstrations.
         root: Folder of the dataset, created when missing.
-        engine: Who does the work; one process when None.
-        resume: Go on with what the folder holds; otherwise it must not hold these tasks yet.
+        engine: The engine; one process when None.
+        resume: Continue the recording in the folder; otherwise it must not contain these tasks yet.
         on_progress: Called with the report so far, first before anything was made.
-        stop: When set, nothing more is begun; what is under way is finished and stored.
-        trust_task_files: Whether task files that the folder keeps may be run, for tasks that are named and not installed.
+        stop: When set, no further episode is begun; running episodes are finished and stored.
+        trust_task_files: Whether task files in the folder may be run, for tasks that are named and not installed.
 
     Raises:
-        DatasetConflict: The folder holds these tasks, or another recording, or a task file changed, or it is being written to.
-        UntrustedTaskFile: A task is code that came with the folder, and nobody said that it may be run.
-        StorageError: The disk is full or cannot be written. Every episode stored before is whole.
+        DatasetConflict: The folder contains these tasks or another recording, a task file changed, or it is in use.
+        UntrustedTaskFile: A task is code in the folder, and `trust_task_files` is not set.
+        StorageError: The disk is full or cannot be written. Every episode stored before is complete.
         UnknownName: A task does not exist.
     """
     root, config = as_path(root, "root"), as_record(config, RecordConfig, "config")
@@ -239,7 +240,7 @@ def record(
     names = tuple(task.get_name() if is_task_file(task) else word for word, task in tasks.items())
     with hold(root):
         _prepare(root, replace(config, tasks=names), items, tasks.values(), resume)
-        return run_items(config.pictures, items, root, engine=engine, on_progress=on_progress, stop=stop)
+        return run_items(config.images, items, root, engine=engine, on_progress=on_progress, stop=stop)
 
 
 def check_work(engine: Engine | None, on_progress: OnProgress | None, stop: threading.Event | None, trust: bool) -> None:
@@ -253,7 +254,7 @@ def check_work(engine: Engine | None, on_progress: OnProgress | None, stop: thre
 
 
 def run_items(
-    pictures: ImageConfig,
+    images: ImageConfig,
     items: Sequence[WorkItem],
     root: Path,
     *,
@@ -265,7 +266,7 @@ def run_items(
     watch = on_progress or (lambda report: None)
     began = time.perf_counter()
     pending = _pending(root, items)
-    _check_pictures(root, items, {item.key for item in pending}, pictures)
+    _check_images(root, items, {item.key for item in pending}, images)
     report = RecordReport(len(items), len(items) - len(pending))
     watch(report)
     writer = DatasetWriter(root)
@@ -275,7 +276,7 @@ def run_items(
             writer.put(result.item.name, result.data, result.entry)
 
     try:
-        for event in run_jobs(pending, partial(Recorder, pictures), store=store, lost=_lost, engine=engine, stop=stop):
+        for event in run_jobs(pending, partial(Recorder, images), store=store, lost=_lost, engine=engine, stop=stop):
             if isinstance(event, WorkerDeath):
                 report = replace(report, deaths=(*report.deaths, event))
             else:
@@ -293,14 +294,14 @@ def _lost(given_up: GivenUp[WorkItem]) -> ItemResult:
 
 def _prepare(root: Path, config: RecordConfig, items: Sequence[WorkItem], tasks: Collection[type[Task]], resume: bool) -> None:
     names = {item.name for item in items}
-    held = sorted(names & set(stored_tasks(root)))
-    if held and not resume:
-        raise DatasetConflict(f"'{root}' holds episodes of {held} already. Go on with `--resume`, or choose another folder.")
+    stored = sorted(names & set(stored_tasks(root)))
+    if stored and not resume:
+        raise DatasetConflict(f"'{root}' contains episodes of {stored} already. Use `--resume`, or choose another folder.")
     if (root / RECORDING).exists():
         before = read_recording(root)
-        for name in ("seed", "max_attempts", "pictures"):
+        for name in ("seed", "max_attempts", "images"):
             then, now = getattr(before, name), getattr(config, name)
-            if held and then != now:
+            if stored and then != now:
                 raise DatasetConflict(
                     f"'{root}' was recorded with {name}={then}, this is {name}={now}. Use the same, or choose another folder."
                 )
@@ -311,13 +312,13 @@ def _prepare(root: Path, config: RecordConfig, items: Sequence[WorkItem], tasks:
 
 
 def _pending(root: Path, items: Sequence[WorkItem]) -> list[WorkItem]:
-    """Return what is not stored yet.
+    """Return the items that are not stored yet.
 
     Raises:
-        DatasetConflict: Another episode lies where one belongs.
+        DatasetConflict: Another episode is stored in place of an item.
     """
     listed: dict[tuple[str, int, int], EpisodeEntry] = {}
-    for task in {item.name for item in items}:
+    for task in {item.name for item in items if has_manifest(root, item.name)}:
         listed.update({(task, e.variation, e.episode): e for e in read_manifest(root, task)})
     return [item for item in items if not _is_stored(root, item, listed.get(item.key))]
 
@@ -331,13 +332,13 @@ def _is_stored(root: Path, item: WorkItem, entry: EpisodeEntry | None) -> bool:
     return path.is_file() and path.stat().st_size == entry.num_bytes
 
 
-def _check_pictures(root: Path, items: Sequence[WorkItem], pending: set[tuple[str, int, int]], pictures: ImageConfig) -> None:
+def _check_images(root: Path, items: Sequence[WorkItem], pending: set[tuple[str, int, int]], images: ImageConfig) -> None:
     """Raise DatasetConflict when a stored episode of a task contains other images than the new ones would."""
     stored = {item.name: episode_path(root, *item.key) for item in items if item.key not in pending}
     for path in stored.values():
         with suppress(EpisodeFileError):  # damaged: `verify` finds it
-            if (found := stored_pictures(path)) != pictures.fields():
-                asked = pictures.fields()
+            if (found := stored_images(path)) != images.fields():
+                asked = images.fields()
                 raise DatasetConflict(
                     f"'{path}' contains the images {found}, asked for are {asked}. Choose the same, or another folder."
                 )

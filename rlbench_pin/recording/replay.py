@@ -20,7 +20,7 @@ from rlbench_pin.tasks import OwnTasks, stored_task
 from rlbench_pin.values import as_flag, as_path, as_record, as_several
 
 JOINT_TOLERANCE = 1e-3
-"""How far a joint may be from where it was recorded, in replay [rad]."""
+"""Tolerance of a joint position in replay [rad]."""
 
 
 def replay_demo(task: TaskEnvironment, stored: Demo) -> Demo:
@@ -40,9 +40,7 @@ def replay_demo(task: TaskEnvironment, stored: Demo) -> Demo:
     for index, recorded in enumerate(stored[1:], start=1):
         action = recorded.misc.get("joint_position_action")
         if action is None:
-            raise DemoError(
-                "The stored demonstration holds no `joint_position_action`, so it cannot be replayed. Record it again."
-            )
+            raise DemoError("The stored demonstration has no `joint_position_action`, so it cannot be replayed. Record it again.")
         observation, _, _ = task.step(action)
         observation.misc["joint_position_action"] = np.array(action)
         _keep_flag(observation, recorded)
@@ -68,7 +66,7 @@ def _keep_flag(observation: Observation, recorded: Observation) -> None:
 
 def _compare(now: np.ndarray | None, then: np.ndarray | None, index: int, stored: Demo) -> None:
     if now is None or then is None:
-        raise DemoError("The stored demonstration holds no joint positions, so its replay cannot be checked. Record it again.")
+        raise DemoError("The stored demonstration has no joint positions, so its replay cannot be checked. Record it again.")
     error = float(np.max(np.abs(now - then)))
     if error > JOINT_TOLERANCE:
         made = ", ".join(f"{name} {version}" for name, version in stored.versions.items())
@@ -80,7 +78,7 @@ def _compare(now: np.ndarray | None, then: np.ndarray | None, index: int, stored
 
 @dataclass(frozen=True)
 class ReplayResult:
-    """What became of one stored episode."""
+    """Result of the replay of one stored episode."""
 
     path: Path
     """The episode file."""
@@ -91,17 +89,17 @@ class ReplayResult:
 def replay_stored(
     paths: Sequence[Path], *, own: OwnTasks | None = None, trust_task_files: bool = False
 ) -> Iterator[ReplayResult]:
-    """Restore the start of stored episodes, repeat their joint-position actions, and yield what became of each.
+    """Restore the start of stored episodes, repeat their joint-position actions, and yield the result of each.
 
     Args:
-        paths: Episode files, or folders of datasets, of which those episodes count that the manifests list.
-        own: Tasks that the user named files of, by task name; they go before all others.
-        trust_task_files: Whether task files that a dataset keeps may be run.
+        paths: Episode files, or folders of datasets; of a dataset, the episodes in the manifests.
+        own: Tasks whose files the user named, by task name; they take precedence.
+        trust_task_files: Whether task files in a dataset may be run.
 
     Raises:
-        UntrustedTaskFile: A task is code that came with the episodes, and nobody said that it may be run.
-        DatasetError: A file cannot be read, or a folder holds no demonstrations.
-        DemoError: An episode holds no joint-position actions.
+        UntrustedTaskFile: A task is code in a dataset, and `trust_task_files` is not set.
+        DatasetError: A file cannot be read, or a folder contains no demonstrations.
+        DemoError: An episode has no joint-position actions.
     """
     chosen = [as_path(path, "an entry of paths") for path in as_several(paths, "paths")]
     tasks = {} if own is None else as_record(own, Mapping, "own")  # type: ignore[type-abstract]
@@ -121,12 +119,12 @@ def _replayed(paths: Sequence[Path], own: OwnTasks, trust_task_files: bool) -> I
 
 
 def _root_of(episode: Path) -> Path:
-    """Return the folder of the dataset that an episode file lies in: `<root>/<task>/variation<k>/episodes/<file>`."""
+    """Return the folder of the dataset of an episode file: `<root>/<task>/variation<k>/episodes/<file>`."""
     return episode.absolute().parents[3] if len(episode.absolute().parents) > 3 else episode.absolute().parent
 
 
 def _episodes(paths: Sequence[Path]) -> Iterator[tuple[Path, Demo]]:
-    """Yield episodes and where they lie, each read when its turn comes."""
+    """Yield episodes and their paths, each read when it is needed."""
     with Inspector() as inspector:
         for path in paths:
             if not path.is_dir():

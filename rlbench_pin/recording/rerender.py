@@ -1,4 +1,4 @@
-"""Stored demonstrations rendered by other cameras. A demonstration follows from its seed, so a list of seeds is a dataset."""
+"""Rerender stored demonstrations with other cameras. A demonstration follows from its seed, so a list of seeds is a dataset."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ VERSION = 1
 
 @dataclass(frozen=True)
 class EpisodeSeed:
-    """All that one demonstration follows from, with the task and the versions of the libraries."""
+    """The data that determine one demonstration, together with the task and the versions of the libraries."""
 
     task: str
     """Task name."""
@@ -36,14 +36,14 @@ class EpisodeSeed:
     seed: int
     """Seed of the episode."""
     attempt: int
-    """Which try of the seed."""
+    """Number of the attempt of the seed."""
 
     def check(self) -> None:
-        """Raise DatasetError or ValueError unless the name is one and the numbers are counts: they become paths."""
+        """Raise DatasetError or ValueError unless the task name and the numbers are valid, because paths are made of them."""
         checked_task_name(self.task)
         for name in ("variation", "episode", "seed", "attempt"):
             if not is_whole(value := getattr(self, name)):
-                raise ValueError(f"{name}={short(value)} of '{self.task}' is no number from 0 on")
+                raise ValueError(f"{name}={short(value)} of '{self.task}' is not a number from 0 on")
 
 
 def seeds_of(root: Path, tasks: Sequence[str] = ()) -> list[EpisodeSeed]:
@@ -51,7 +51,7 @@ def seeds_of(root: Path, tasks: Sequence[str] = ()) -> list[EpisodeSeed]:
 
     Args:
         root: Its folder; the manifests are enough.
-        tasks: Only these; all when none is named.
+        tasks: Only these tasks; all by default.
 
     Raises:
         DatasetError: A task is not stored, or an episode has no seed.
@@ -60,7 +60,7 @@ def seeds_of(root: Path, tasks: Sequence[str] = ()) -> list[EpisodeSeed]:
 
 
 def write_seeds(path: Path, seeds: Sequence[EpisodeSeed]) -> Path:
-    """Write a list of seeds, some forty bytes an episode instead of megabytes."""
+    """Write a list of seeds: about forty bytes an episode instead of megabytes."""
     seeds = [as_record(seed, EpisodeSeed, "an entry of seeds") for seed in as_several(seeds, "seeds")]
     content = {"format": SEEDS_FORMAT, "version": VERSION, "episodes": [asdict(seed) for seed in seeds]}
     return write_whole(as_path(path, "path"), (json.dumps(content, indent=1) + "\n").encode())
@@ -70,7 +70,7 @@ def read_seeds(path: Path) -> list[EpisodeSeed]:
     """Read a list of seeds.
 
     Raises:
-        EpisodeFileError: The file holds none.
+        EpisodeFileError: The file contains no list of seeds.
     """
     try:
         content = parse_json(as_path(path, "path").read_text(encoding="utf-8"))
@@ -82,7 +82,7 @@ def read_seeds(path: Path) -> list[EpisodeSeed]:
             seed.check()
     except (OSError, ValueError, KeyError, TypeError, DatasetError) as error:
         raise EpisodeFileError(
-            path, f"'{path}' holds no list of seeds: {error}. `rlbench-pin dataset seeds ROOT FILE` writes one."
+            path, f"'{path}' is not a list of seeds: {error}. `rlbench-pin dataset seeds ROOT FILE` writes one."
         ) from error
     return seeds
 
@@ -90,7 +90,7 @@ def read_seeds(path: Path) -> list[EpisodeSeed]:
 def rerender(
     source: Path,
     out: Path,
-    pictures: ImageConfig,
+    images: ImageConfig,
     *,
     tasks: Sequence[str] = (),
     engine: Engine | None = None,
@@ -99,26 +99,26 @@ def rerender(
     own: OwnTasks | None = None,
     trust_task_files: bool = False,
 ) -> RecordReport:
-    """Record the demonstrations of a dataset again, with other images; go on with what `out` holds. Each is made again
-    from its seed. Where the old file is there, the joints must move as they did, bit for bit; otherwise its start is restored and
+    """Record the demonstrations of a dataset again, with other images; an interrupted run is continued. Each is made again
+    from its seed. If the old file exists, the joints must move identically, bit for bit; otherwise its start is restored and
     its actions repeated, and the joints must stay within 1 mrad of the old ones.
 
     Args:
         source: Folder of the dataset (its manifests are enough), or a file with a list of seeds.
         out: Folder of the new dataset.
-        pictures: Which images they contain.
-        tasks: Only these; all when none is named.
-        engine: Who does the work; one process when None.
-        on_progress: As for `record`.
-        stop: As for `record`.
-        own: Tasks that the user named files of, by name; they go before all others.
-        trust_task_files: Whether task files that the dataset keeps may be run.
+        images: Images of the new episodes.
+        tasks: Only these tasks; all by default.
+        engine: The engine; one process when None.
+        on_progress: Same as for `record`.
+        stop: Same as for `record`.
+        own: Tasks whose files the user named, by name; they take precedence.
+        trust_task_files: Whether task files in the dataset may be run.
 
     Raises:
-        UntrustedTaskFile: A task is code that came with the dataset, and nobody said that it may be run.
+        UntrustedTaskFile: A task is code in the dataset, and `trust_task_files` is not set.
         DatasetError: The source cannot be used, or is `out`.
     """
-    source, out, _ = as_path(source, "source"), as_path(out, "out"), as_record(pictures, ImageConfig, "pictures")
+    source, out, _ = as_path(source, "source"), as_path(out, "out"), as_record(images, ImageConfig, "images")
     check_work(engine, on_progress, stop, trust_task_files)
     _check_apart(source, out)
     items = _items(source, tasks)
@@ -126,7 +126,7 @@ def rerender(
     with hold(out):
         remove_leftovers(out)
         keep_tasks(out, classes.values())
-        return run_items(pictures, _with_tasks(items, classes), out, engine=engine, on_progress=on_progress, stop=stop)
+        return run_items(images, _with_tasks(items, classes), out, engine=engine, on_progress=on_progress, stop=stop)
 
 
 def _check_apart(source: Path, out: Path) -> None:
@@ -135,7 +135,7 @@ def _check_apart(source: Path, out: Path) -> None:
 
 
 def _classes(source: Path, names: Sequence[str], own: OwnTasks | None, trust_task_files: bool) -> dict[str, type[Task]]:
-    """Return the tasks that are the user's own, kept by the dataset, or of other packages; workers find the others by name."""
+    """Return the tasks of the user, of the dataset and of other packages; workers find all others by name."""
     own = {} if own is None else as_record(own, Mapping, "own")  # type: ignore[type-abstract]
     found = {name: own[name] for name in names if name in own}
     for name in names:
@@ -147,7 +147,7 @@ def _classes(source: Path, names: Sequence[str], own: OwnTasks | None, trust_tas
 
 
 def _with_tasks(items: Sequence[WorkItem], classes: Mapping[str, type[Task]]) -> list[WorkItem]:
-    """Return the items with what their workers find these tasks by, and with what their files add up to."""
+    """Return the items with the name or path of their tasks for the workers, and the SHA-256 of the task files."""
     found_by = {name: (task_reference(task), task_digest(task)) for name, task in classes.items()}
     return [replace(i, task=found_by[i.name][0], task_digest=found_by[i.name][1]) if i.name in found_by else i for i in items]
 

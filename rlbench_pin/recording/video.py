@@ -1,4 +1,4 @@
-"""Videos of episodes: cameras that frame the task or circle around it, one video of many, and recording while an episode runs."""
+"""Videos of episodes: cameras that show the whole task or circle around it, grids of videos, recording of a running episode."""
 
 from __future__ import annotations
 
@@ -22,31 +22,31 @@ from rlbench_pin.values import as_path, as_record
 VIDEO_SIZE = (640, 480)
 """Width and height [px]."""
 EYE = (-0.05, 1.62, 1.80)
-"""Where videos are taken from: the robot's left [m]."""
+"""Position of the camera of videos: to the left of the robot [m]."""
 NEAR, FAR = 0.05, 6.0
 _ARM = np.array([(x, y, above_table(z)) for x in (-0.45, 0.15) for y in (-0.2, 0.2) for z in (0.0, 1.0)])
-"""Corners of a box around the arm as it moves most of the time [m]."""
+"""Corners of a box around the usual positions of the arm [m]."""
 _MARGIN = 1.06
 _NARROWEST, _WIDEST = 0.45, 1.6
 """Fields of view [rad]."""
 _GAP, _TEXT, _PADDING = 4, 14, 6
-"""Of a grid of videos: between cells, height of captions, and around them [px]."""
+"""Sizes in a grid of videos: gap between cells, height of captions, margin of captions [px]."""
 
 
 def points_to_show(world: World) -> FloatArray:
-    """Return points (n, 3) around the arm and all that the task brings [m]."""
+    """Return points (n, 3) around the arm and all objects of the task [m]."""
     boxes = [box_corners(body.bounds(), body.pose) for body in world.bodies.values()]
     return np.concatenate([_ARM, world.robot.tip_pose()[None, :3], *boxes])
 
 
 def field_of_view(view: CameraView, points: FloatArray) -> float:
-    """Return the field of view of the longer side that has points (n, 3) in the image of a camera [rad]."""
+    """Return the field of view of the longer side at which points (n, 3) are in the image of a camera [rad]."""
     across = np.abs(_slopes(view, points)).max(axis=0) * max(view.size) / np.array(view.size)
     return float(np.clip(2.0 * np.arctan(_MARGIN * across.max()), _NARROWEST, _WIDEST))
 
 
 def framed(eye: Sequence[float], points: FloatArray, size: tuple[int, int]) -> CameraView:
-    """Return the camera at a place that has points (n, 3) in its image, as large as they can be."""
+    """Return the camera at a place whose image contains points (n, 3), as large as possible."""
     middle = (points.min(axis=0) + points.max(axis=0)) / 2.0
     view = CameraView(pose=look_at(eye, middle), fov=_WIDEST, size=size, near=NEAR, far=FAR)
     for _ in range(4):
@@ -58,7 +58,7 @@ def framed(eye: Sequence[float], points: FloatArray, size: tuple[int, int]) -> C
 
 
 def _slopes(view: CameraView, points: FloatArray) -> FloatArray:
-    """Where points (n, 3) lie in the image, as slopes (n, 2) to the left and up from its middle; none behind the camera."""
+    """Return points (n, 3) in the image as slopes (n, 2) to the left and up from its middle; none may be behind the camera."""
     local = (points - view.pose[:3]) @ view.extrinsics()[:3, :3]
     return local[:, :2] / np.maximum(local[:, 2:], NEAR)
 
@@ -74,7 +74,7 @@ class Orbit:
     start: float = 1.0
     """First angle, from straight ahead of the robot towards its left [rad]."""
     center: tuple[float, float, float] = (0.12, 0.0, 1.22)
-    """What it looks at [m]."""
+    """Target of the camera [m]."""
     radius: float = 1.6
     """Distance from the centre, seen from above [m]."""
     height: float = 1.75
@@ -90,7 +90,7 @@ class Orbit:
         return CameraView(pose=look_at(eye, self.center), fov=self.fov, size=self.size, near=NEAR, far=FAR)
 
     def around(self, world: World) -> Orbit:
-        """Return the orbit that has the arm and the whole task of a world in its image, for the first 1.5 rad."""
+        """Return the orbit whose image contains the arm and the whole task of a world, for the first 1.5 rad."""
         points = points_to_show(world)
         low, high = points.min(axis=0), points.max(axis=0)
         x, y, z = ((low + high) / 2.0).tolist()
@@ -99,11 +99,11 @@ class Orbit:
         return replace(orbit, fov=max(field_of_view(each.view(0), points) for each in turned))
 
     def image(self, world: World, frame: int) -> np.ndarray:
-        """Image number `frame` of what happens now, uint8 (h, w, 3)."""
+        """Return image number `frame` of the present world, uint8 (h, w, 3)."""
         return world.renderer.image(self.view(frame))
 
 
-class Reel:
+class Clip:
     """Images of one video, compressed in memory."""
 
     def __init__(self) -> None:
@@ -119,33 +119,33 @@ class Reel:
         self._frames.append(stream.getvalue())
 
     def frame(self, number: int) -> Image.Image:
-        """Return an image; the last one stands still after the end."""
+        """Return an image; after the end, the last one."""
         return Image.open(io.BytesIO(self._frames[min(number, len(self) - 1)]))
 
 
 def grid_shape(count: int) -> tuple[int, int]:
-    """Columns and rows for `count` cells, nearly as many of both."""
+    """Return columns and rows for `count` cells, as nearly equal as possible."""
     columns = int(np.ceil(np.sqrt(count)))
     return columns, -(-count // columns)
 
 
 def grid_size(count: int, cell: tuple[int, int]) -> tuple[int, int]:
-    """Width and height of a grid of cells [px], both even."""
+    """Return width and height of a grid of cells [px], both even."""
     columns, rows = grid_shape(count)
     width, height = columns * (cell[0] + _GAP) - _GAP, rows * (cell[1] + _GAP) - _GAP
     return width + width % 2, height + height % 2
 
 
-def grid_frames(reels: Mapping[str, Reel], cell: tuple[int, int]) -> Iterator[np.ndarray]:
-    """Yield the images of all reels side by side, with captions, until the longest has ended."""
-    columns, _ = grid_shape(len(reels))
-    fonts = {name: _font(name, cell[0] - 2 * _PADDING) for name in reels}
-    for number in range(max(len(reel) for reel in reels.values())):
-        sheet = Image.new("RGB", grid_size(len(reels), cell), (20, 20, 20))
+def grid_frames(clips: Mapping[str, Clip], cell: tuple[int, int]) -> Iterator[np.ndarray]:
+    """Yield the images of all videos side by side, with captions, until the longest has ended."""
+    columns, _ = grid_shape(len(clips))
+    fonts = {name: _font(name, cell[0] - 2 * _PADDING) for name in clips}
+    for number in range(max(len(clip) for clip in clips.values())):
+        sheet = Image.new("RGB", grid_size(len(clips), cell), (20, 20, 20))
         draw = ImageDraw.Draw(sheet)
-        for i, (name, reel) in enumerate(reels.items()):
+        for i, (name, clip) in enumerate(clips.items()):
             corner = (i % columns) * (cell[0] + _GAP), (i // columns) * (cell[1] + _GAP)
-            sheet.paste(reel.frame(number), corner)
+            sheet.paste(clip.frame(number), corner)
             place = corner[0] + _PADDING, corner[1] + 4
             draw.text(place, _caption(name), fill=(30, 30, 30), font=fonts[name], stroke_width=1, stroke_fill=(245, 245, 245))
         yield np.asarray(sheet)
@@ -162,12 +162,12 @@ def _font(name: str, width: float) -> ImageFont.ImageFont | ImageFont.FreeTypeFo
 
 
 def side_view(world: World) -> CameraView:
-    """Return the camera from the robot's left that has the arm and the whole task in its image, where they are now."""
+    """Return the camera to the left of the robot whose image contains the arm and the whole task in their present poses."""
     return framed(EYE, points_to_show(world), VIDEO_SIZE)
 
 
 class VideoRecorder:
-    """Records a video of every tick between `with` and its end; `keep` moves it to a path, otherwise it is deleted.
+    """Records a video of every tick in a `with` block; `keep` moves it to a path, otherwise it is deleted.
 
     Args:
         task: The environment to record.

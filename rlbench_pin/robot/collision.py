@@ -201,7 +201,7 @@ SLACK = 2e-3
 """How much deeper a contact of the start may become [m]."""
 DEEPEST = 1e-2
 """A start that penetrates the room, or the arm itself, by more than this is refused [m]."""
-SURE = 2e-4
+MIN_MARGIN = 2e-4
 """Margins of at least this can be distinguished from contact [m]."""
 GOAL_TOLERANCE = 5e-4
 """Penetration accepted in a goal configuration [m]; a held body, which may be set down, gets `SLACK`."""
@@ -294,7 +294,7 @@ class CollisionModel:
         more = as_number(more, "more [m]", least=0.0)
         ends = [as_vector(q, self.model.size, "an entry of ends") for q in as_several(ends, "ends")]
         before, self._margins = self._margins, np.where(
-            self._geometry.crosses & (self._margins >= SURE), self._margins + more, self._margins
+            self._geometry.crosses & (self._margins >= MIN_MARGIN), self._margins + more, self._margins
         )  # fmt: skip
         self._apply()
         try:
@@ -393,7 +393,7 @@ class CollisionModel:
         """Say whether configuration `q` is at least `distance` [m] away from every forbidden contact.
 
         Pairs that begin or end in contact, or nearer to it
-        than `SURE`, count from `SLACK / 2` deeper than their margin. Asking with the same distance again is cheapest.
+        than `MIN_MARGIN`, count from `SLACK / 2` deeper than their margin. Asking with the same distance again is cheapest.
         """
         self.checks += 1
         if distance is not self._level and as_number(distance, "distance [m]") != self._level:
@@ -413,7 +413,7 @@ class CollisionModel:
 
     def _floors(self) -> FloatArray:
         """Return the distance that no motion goes below, for each pair of shapes (m, m), [m]."""
-        sure = (self._margins >= SURE) | (self._margins == 0.0)
+        sure = (self._margins >= MIN_MARGIN) | (self._margins == 0.0)
         return np.where(sure, 0.0, self._margins - 0.5 * SLACK)
 
     def goal_in_collision(self, q: FloatArray) -> bool:

@@ -1,4 +1,4 @@
-"""What an arm is, as data: files, names in a fixed order, home, and the numbers that its URDF does not say.
+"""Descriptions of arms as data: files, names in a fixed order, home, and the numbers that are not in their URDF.
 
 Everything that is true of one arm only stands here: another arm is another record.
 """
@@ -16,7 +16,7 @@ from rlbench_pin.spatial import TABLE_HEIGHT
 
 @dataclass(frozen=True, kw_only=True)
 class RobotDescription:
-    """One arm with its gripper. Joint names stand in the order of every public joint vector."""
+    """One arm with its gripper. Joint names are in the order of every public joint vector."""
 
     name: str
     """Catalogue name, lower case."""

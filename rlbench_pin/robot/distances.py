@@ -36,7 +36,7 @@ from rlbench_pin.values import as_names, as_record, as_vector, as_whole
 
 IndexArray = NDArray[np.intp]
 _NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])
-_NOTHING = np.zeros(())
+_ZERO = np.zeros(())
 
 
 class MotionBounds:
@@ -91,7 +91,7 @@ class MotionBounds:
         self._joints: list[int] = joints.tolist()
 
     def _index_boxes(self, shapes: Sequence[pin.GeometryObject], moving: IndexArray) -> None:
-        """Put a box along world axes around each shape that stands still; a moving one gets its ball's centre at each `place`."""
+        """Put a box along world axes around each stationary shape; a moving one gets its ball's centre at each `place`."""
         self._moving = moving
         self._middle, self._half = np.zeros((3, len(shapes))), np.zeros((3, 1, len(shapes)))  # numpy is fast along the last axis
         self._other_radius = np.zeros(len(shapes))
@@ -102,7 +102,7 @@ class MotionBounds:
         self.place_fixed(shapes)
 
     def place_fixed(self, shapes: Sequence[pin.GeometryObject]) -> None:
-        """Take over where the shapes are that stand still; the same shapes as at the beginning."""
+        """Update the placements of stationary shapes; the shapes stay the same."""
         for i in self._fixed.tolist():
             box, placement = shapes[i].geometry.aabb_local, shapes[i].placement
             self._middle[:, i] = placement.act(np.asarray(box.center()))
@@ -128,7 +128,7 @@ class MotionBounds:
         gap = self._middle[:, None] - balls[:, :, None]
         np.abs(gap, out=gap)
         gap -= self._half
-        np.maximum(gap, _NOTHING, out=gap)
+        np.maximum(gap, _ZERO, out=gap)
         gap *= gap
         bounds = (gap[0] + gap[1] + gap[2]).take(self._cell)
         np.sqrt(bounds, out=bounds)
@@ -287,6 +287,12 @@ class DistanceModel:
         """Return the names of pair `k`: a link of the arm or a held body, and what it is near to."""
         a, b = self._geometry.owners_of(k)
         return a.label, b.label
+
+    def pairs_of(self, links: Collection[str]) -> IndexArray:
+        """Return the pairs that count and that one of the arm's `links` is part of."""
+        ours = [owner.kind in ("arm", "gripper") and owner.link in links for owner in self._geometry.owners]
+        pairs = enumerate(self._geometry.pairs)
+        return np.array([k for k, (i, j) in pairs if self.counts[k] and (ours[i] or ours[j])], dtype=np.intp)
 
     def nearest(self, q: FloatArray, count: int = 1) -> list[Distance]:
         """Return the `count` smallest distances of pairs that count, at `q` (n,) [rad], nearest first."""

@@ -288,7 +288,7 @@ def mesh_surface(mesh: Path, scale: float = 1.0) -> Surface:
 
     Raises:
         AssetNotFound: There is no such file.
-        AssetInvalid: It is no mesh.
+        AssetInvalid: It is not a mesh.
     """
     if not mesh.is_file():
         raise AssetNotFound(mesh, "a shape")
@@ -306,7 +306,7 @@ def shape_surface(shape: UrdfShape, scale: float = 1.0) -> Surface:
         return _moved(scale * np.array(shape.size) * corners, to_placement(shape.origin, scale)), triangles
     build = {"box": coal.Box, "sphere": coal.Sphere, "cylinder": coal.Cylinder, "capsule": coal.Capsule}.get(shape.kind)
     if build is None:
-        raise AssetInvalid(Path(f"<{shape.kind}>"), "it is no box, sphere, cylinder, capsule or mesh")
+        raise AssetInvalid(Path(f"<{shape.kind}>"), "it is not a box, sphere, cylinder, capsule or mesh")
     return part_surface((build(*(scale * number for number in shape.size)), to_placement(shape.origin, scale)))
 
 
@@ -324,7 +324,7 @@ def part_volume(part: Part) -> float:
 
 
 def _corners(solid: coal.CollisionGeometry) -> FloatArray:
-    """Return corners (n, 3) whose hull stands for a primitive."""
+    """Return corners (n, 3) whose hull approximates a primitive."""
     if isinstance(solid, coal.Box):
         return np.array(list(product((-1.0, 1.0), repeat=3))) * solid.halfSide
     around = 2.0 * np.pi * np.arange(_SIDES) / _SIDES

@@ -142,7 +142,7 @@ class RobotModel:
 
         Args:
             description: The arm.
-            base_pose: Where its base stands in the world (7,); None takes the description's.
+            base_pose: Pose of its base in the world (7,); None takes the description's.
 
         Raises:
             RobotModelError: Description and URDF disagree, or home is outside the joint limits.
@@ -298,7 +298,7 @@ def _as_inertia(inertia: ArrayLike) -> FloatArray:
 
 
 def _load(description: RobotDescription, base: pin.SE3) -> pin.Model:
-    """Read the URDF and put its base where it stands in the world."""
+    """Read the URDF and place its base in the world."""
     model = pin.buildModelFromUrdf(str(description.urdf))
     for joint in range(1, model.njoints):
         if model.parents[joint] == 0:

@@ -1,4 +1,4 @@
-"""What a scene file says: frozen records, reader, writer, snapshot. No physics."""
+"""Scene files: frozen records, reader, writer, snapshot. No physics."""
 
 from __future__ import annotations
 

@@ -212,9 +212,9 @@ POSED_TABLES = (*ARRAY_TABLES, "waypoint")
 """Tables whose entries have a pose."""
 SHORT_KEYS = {
     "rpy": "`[roll, pitch, yaw]` of a pose `[x, y, z]`: turns about the fixed x, then y, then z axis.",
-    "poses": "Instead of `pose`: one thing for each pose; the numbers of their names count on from that of `name`.",
+    "poses": "Instead of `pose`: one element for each pose; the numbers of their names count on from that of `name`.",
 }
-"""Keys that stand for others, and what they mean."""
+"""Keys that replace others, and their meanings."""
 _NUMBERED = re.compile(r"(.*\D)(0|[1-9][0-9]{0,8})")
 _QUATERNION_DIGITS = 7
 _HEIGHT_DIGITS = 12
@@ -241,11 +241,11 @@ def short_keys(table: str) -> frozenset[str]:
 
 
 def write_out(table: str, entry: Entry) -> list[Entry]:
-    """Return what one entry of a table stands for, one entry per object, with plain poses.
+    """Expand one entry of a table to one entry per object, with plain poses.
 
     Args:
         table: Name of the table, such as `body`.
-        entry: Its keys as they stand in the file.
+        entry: Its keys as in the file.
 
     Raises:
         ShortFormError: `rpy` or `poses` is not what it should be.
@@ -276,7 +276,7 @@ def _array(entry: Entry) -> list[Entry]:
     if "pose" in entry:
         raise ShortFormError("poses", "it stands instead of 'pose', not beside it.", "Leave one of them out.")
     if not isinstance(poses, list) or not poses or not all(isinstance(pose, list) for pose in poses):
-        raise ShortFormError("poses", "it is a list of poses, one for each thing.", "Write poses = [[x, y, z], ...].")
+        raise ShortFormError("poses", "it is a list of poses, one for each element.", "Write poses = [[x, y, z], ...].")
     numbered = _NUMBERED.fullmatch(name) if isinstance(name, str) else None
     if numbered is None:
         raise ShortFormError("name", f"an array begins with a numbered name, not {name!r}.", "Call the first one 'piece0'.")
@@ -334,14 +334,14 @@ def read_scene_text(text: str, path: Path | str) -> SceneSpec:
 
 
 def raw_scene(text: str, path: Path | str) -> Raw:
-    """Return the tables of a scene file as they stand in its text; nothing but the TOML is checked.
+    """Return the tables of a scene file as in its text; only the TOML syntax is checked.
 
     Raises:
         SceneFileError: It is not valid TOML.
     """
     try:
         return tomllib.loads(as_text(text, "text"))
-    except (ValueError, RecursionError) as error:  # what is no TOML, no UTF-8, too deep, or a number of too many digits
+    except (ValueError, RecursionError) as error:  # invalid TOML or UTF-8, too deep, or a number of too many digits
         raise SceneFileError(as_path(path, "path"), "file", f"it is not valid TOML: {error}.") from error
 
 

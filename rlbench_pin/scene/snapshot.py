@@ -53,7 +53,7 @@ class BodySnapshot:
 
     @property
     def layout(self) -> tuple[object, ...]:
-        """What decides about the shapes, wherever they are: equal for bodies that differ in poses only."""
+        """Key of the shapes without their poses: equal for bodies that differ in poses only."""
         return self.name, self.urdf, self.scale, self.link_names, self.shapes, self.in_room
 
 

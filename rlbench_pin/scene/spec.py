@@ -42,9 +42,9 @@ class Finding:
     location: tuple[int | str, ...]
     """Keys and numbers that lead to it."""
     value: object
-    """What was given."""
+    """The given value."""
     problem: str
-    """What is wrong, as a sentence."""
+    """The problem, as a sentence."""
 
 
 def first_finding(error: ValidationError) -> Finding:
@@ -93,19 +93,19 @@ FARTHEST = 100.0
 """Coordinates and sizes are at most so large [m]."""
 TURN = 2.0 * np.pi + 1e-6
 """Angles are at most one turn [rad]."""
-MOST_THINGS = 1000
+MAX_ELEMENTS = 1000
 """Entries of a table, and points of a curve, at most."""
-MOST_WAYPOINTS = 200
+MAX_WAYPOINTS = 200
 """Waypoints of a scene at most."""
 NAME_PATTERN = r"^[a-z][a-z0-9_]*$"
 
 
 @dataclass(frozen=True)
 class Kind:
-    """What a reader of the reference page is told about a kind of value; the reader of scene files ignores it."""
+    """Text about a kind of value for the reference page; the reader of scene files ignores it."""
 
     text: str
-    """What it is, such as `number`."""
+    """Type, such as `number`."""
     unit: str = ""
     """Unit, empty where there is none."""
     bounds: str = ""
@@ -178,7 +178,7 @@ Stiffness = Annotated[Number, Kind("number", "N m/rad or N/m")]
 Damping = Annotated[Number, Kind("number", "N m s/rad or N s/m")]
 Name = Annotated[str, Field(pattern=NAME_PATTERN, max_length=100), Kind("name", bounds="small letters, digits, `_`; at most 100")]
 Words = Annotated[str, Strict(), Field(min_length=1, max_length=500), Kind("text", bounds="1 to 500 characters")]
-"""What people read."""
+"""Text for people."""
 Direction = Annotated[tuple[Length, Length, Length], Kind("3 numbers", bounds="not all 0")]
 """A vector whose length does not matter."""
 Pose7 = tuple[Length, Length, Length, Number, Number, Number, Number]
@@ -332,7 +332,7 @@ class WaypointSpec(PosedSpec):
     """Plan without looking at collisions, for contact; curves are always planned so."""
     gripper: Literal["open", "close"] | Annotated[Number, Kind("number", bounds="0 to 1")] | None = None
     """After arriving: open fully, close fully, or drive to a fraction of the opening; left alone when left out."""
-    points: tuple[Pose, ...] = Field(default=(), max_length=MOST_THINGS)
+    points: tuple[Pose, ...] = Field(default=(), max_length=MAX_ELEMENTS)
     """For `curve`: the poses to pass, in the waypoint's frame, ending at the last."""
     arc: ArcSpec | None = None
     """For `curve`: a circular sweep instead of points."""
@@ -349,7 +349,7 @@ class WaypointSpec(PosedSpec):
 
 
 class PlacementSpec(Spec):
-    """Where the task root stands and how it may be placed at random."""
+    """Pose of the task root, and bounds of its random placement."""
 
     pose: Pose = (0.25, 0.0, TABLE_HEIGHT, 0.0, 0.0, 0.0, 1.0)
     """Nominal pose of the root in the world; used as it is with static positions. In a file of format 2, z counts from the
@@ -385,15 +385,15 @@ class SceneSpec(Spec):
     format: Literal[1, 2]
     """Format of the file."""
     placement: PlacementSpec = PlacementSpec()
-    body: tuple[BodySpec, ...] = Field(default=(), max_length=MOST_THINGS)
-    joint: tuple[JointSpec, ...] = Field(default=(), max_length=MOST_THINGS)
-    frame: tuple[FrameSpec, ...] = Field(default=(), max_length=MOST_THINGS)
-    region: tuple[RegionSpec, ...] = Field(default=(), max_length=MOST_THINGS)
-    sensor: tuple[SensorSpec, ...] = Field(default=(), max_length=MOST_THINGS)
-    waypoint: tuple[WaypointSpec, ...] = Field(default=(), max_length=MOST_WAYPOINTS)
-    deviation: tuple[DeviationSpec, ...] = Field(default=(), max_length=MOST_THINGS)
+    body: tuple[BodySpec, ...] = Field(default=(), max_length=MAX_ELEMENTS)
+    joint: tuple[JointSpec, ...] = Field(default=(), max_length=MAX_ELEMENTS)
+    frame: tuple[FrameSpec, ...] = Field(default=(), max_length=MAX_ELEMENTS)
+    region: tuple[RegionSpec, ...] = Field(default=(), max_length=MAX_ELEMENTS)
+    sensor: tuple[SensorSpec, ...] = Field(default=(), max_length=MAX_ELEMENTS)
+    waypoint: tuple[WaypointSpec, ...] = Field(default=(), max_length=MAX_WAYPOINTS)
+    deviation: tuple[DeviationSpec, ...] = Field(default=(), max_length=MAX_ELEMENTS)
     file: str = Field(default="", exclude=True)
-    """Where the scene was read from; not part of the file."""
+    """File that the scene was read from; not part of the file."""
 
     def posed(self) -> tuple[PosedSpec, ...]:
         """Return everything that has a name and a place."""

@@ -47,7 +47,7 @@ _TABLE_OF = {model: table for table, model in TABLES.items()}
 _POSES = frozenset({"pose", "points"})
 _DIGITS = 9
 _HEADING = re.compile(r"^(?!#)(.+)\n(\[{1,2}[a-z_]+\]{1,2} *(?:#.*)?)$", re.MULTILINE)
-"""A line that is no comment, and right below it the heading of a table."""
+"""A line that is not a comment, and right below it the heading of a table."""
 
 
 def write_scene(spec: SceneSpec, path: Path | str) -> None:
@@ -63,7 +63,7 @@ def write_scene(spec: SceneSpec, path: Path | str) -> None:
 
     Raises:
         InvalidValue: `path` names no file.
-        SceneFileError: There is a file that is no TOML; it is left as it is.
+        SceneFileError: There is a file that is not TOML; it is left as it is.
         StorageError: The file cannot be written, or the one that is there cannot be read. Nothing is left behind.
     """
     path, spec = as_path(path, "path"), as_record(spec, SceneSpec, "spec")
@@ -147,12 +147,12 @@ def _keep_arrays(present: AoT, model: type[Spec], wanted: Mapping[str, Any]) -> 
     for index in reversed(range(len(present))):
         if "poses" not in present[index]:
             continue
-        things = {thing.name: thing for thing in _parsed(present[index], model)}
-        if things and all(name in wanted and _alike(thing, wanted[name]) for name, thing in things.items()):
-            kept |= things.keys()
+        items = {item.name: item for item in _parsed(present[index], model)}
+        if items and all(name in wanted and _alike(item, wanted[name]) for name, item in items.items()):
+            kept |= items.keys()
             continue
         del present[index]
-        for k, name in enumerate(name for name in things if name in wanted):
+        for k, name in enumerate(name for name in items if name in wanted):
             entry = tomlkit.table()
             entry["name"] = name
             present.insert(index + k, entry)
@@ -189,7 +189,7 @@ def _update(entry: Any, spec: Spec) -> None:
 
 
 def _parsed(entry: Any, model: type[Any]) -> list[Any]:
-    """Return what one table of the file stands for; nothing when it is new or not valid."""
+    """Return the elements of one table of the file; none when it is new or not valid."""
     try:
         return [model.model_validate(plain) for plain in write_out(_TABLE_OF.get(model, "placement"), entry.unwrap())]
     except (ValidationError, ShortFormError):

@@ -240,7 +240,7 @@ class ObjectJoint:
         """Hold the joint at a value [m] or [rad], or let it move.
 
         Raises:
-            InvalidNumbers: It is no finite number (also a ValueError).
+            InvalidNumbers: It is not a finite number (also a ValueError).
         """
         if position is not None:
             position = as_number(position, f"The value of joint '{self.name}'", InvalidNumbers)
@@ -453,7 +453,7 @@ class Body:
             link: Name of the link; None colours them all.
 
         Raises:
-            InvalidNumbers: It is no colour (also a ValueError).
+            InvalidNumbers: It is not a colour (also a ValueError).
             UnknownName: The body has no such link.
         """
         red, green, blue, alpha = color_values(color)
@@ -474,7 +474,7 @@ class Body:
             self.model.client.change(bullet.changeVisualShape, self.model.uid, index, shapeIndex=shape, rgbaColor=color)
 
     def repaint(self) -> None:
-        """Show the colours that the body has, whatever was painted over it."""
+        """Restore the colours of the body."""
         for index in self._visuals:
             if index in self._colors:
                 color = self._colors.pop(index)
@@ -546,7 +546,7 @@ class Body:
 
 
 def carried(pose: PoseLike, old: PoseLike, new: PoseLike) -> FloatArray:
-    """Where an object at `pose` goes when its parent moves from `old` to `new`."""
+    """Return the new pose of an object at `pose` when its parent moves from `old` to `new`."""
     return compose(new, relative(pose, old))
 
 

@@ -83,7 +83,7 @@ class Journal:
             change.repeat()
 
 
-_BEGINNING, _LEAST = b"BULLET", 64
+_BEGINNING, _MIN_BYTES = b"BULLET", 64
 _MEMORY = "/dev/shm"
 """Files there are on no disk, and six times as fast; where it is missing, the system's folder for temporary files is used."""
 
@@ -102,7 +102,7 @@ def restore_bytes(client: PhysicsClient, physics: bytes) -> None:
         RlbenchPinError: The bytes are damaged, or hold other bodies.
     """
     problem = "The array 'physics' does not fit this world; it holds other bodies or is damaged."
-    if not physics.startswith(_BEGINNING) or len(physics) < _LEAST:
+    if not physics.startswith(_BEGINNING) or len(physics) < _MIN_BYTES:
         raise RlbenchPinError(problem)
     with _temporary_file() as file:
         file.write_bytes(physics)
@@ -166,7 +166,7 @@ def _check_joints(urdf: Urdf, links: tuple[str, ...]) -> None:
         parents[joint.child] = joint.parent
     roots = [link for link in links if link not in parents]
     if len(roots) != 1:
-        raise AssetInvalid(urdf.path, f"it needs one link that is no joint's child, but has {', '.join(roots) or 'none'}")
+        raise AssetInvalid(urdf.path, f"it needs one link that is not a joint's child, but has {', '.join(roots) or 'none'}")
     for link in links:
         if not _reaches(link, roots[0], parents):
             raise AssetInvalid(urdf.path, f"the link '{link}' is not connected to '{roots[0]}'")

@@ -86,7 +86,7 @@ class Contents:
     def _load(self, spec: BodySpec, robot: LoadedModel) -> Body:
         body = load_body(self.client, spec, self.spec.file, self.places.carry)
         if body.joints:
-            share_island(robot, body)
+            join_island(robot, body)
         self.bodies[spec.name] = body
         self.places.add_body(spec)
         self._register(body.name, body.model)
@@ -187,7 +187,7 @@ class Contents:
 
         Raises:
             RlbenchPinError: The name is in use.
-            InvalidValue: The name is no text, or the spec none.
+            InvalidValue: The name is not a text, or the spec is not a spec.
         """
         as_record(name, str, "the name of a new body")
         as_record(spec, BodySpec, "spec")
@@ -287,7 +287,7 @@ def load_body(client: PhysicsClient, spec: BodySpec, scene_file: str, on_move: O
     return body
 
 
-def share_island(robot: LoadedModel, body: Body) -> None:
+def join_island(robot: LoadedModel, body: Body) -> None:
     """Have a body with joints solved in one go with the arm: a constraint without force ties the two together.
 
     PyBullet sorts the constraints of joints, and the contacts between the same two links of several convex parts, by islands, in

@@ -167,7 +167,7 @@ class Sensor(Frame):
     Args:
         shape: Kind of volume.
         size: box: x, y, z; cylinder: diameter, length along z; sphere: diameter [m].
-        find: Appearance a body up by name.
+        find: Looks up a body by name.
     """
 
     def __init__(
@@ -228,7 +228,7 @@ class PlaceTree:
 
     Args:
         spec: Names, parents and local poses.
-        find: Appearance a body up by name.
+        find: Looks up a body by name.
     """
 
     def __init__(self, spec: SceneSpec, find: Callable[[str], Body]) -> None:
@@ -355,5 +355,5 @@ class PlaceTree:
         return tuple(ancestors)
 
     def _parent(self, name: str) -> str | None:
-        things: Mapping[str, Frame | BodySpec] = self.frames if name in self.frames else self._bodies
-        return things[name].parent.partition("/")[0] if name in things else None
+        elements: Mapping[str, Frame | BodySpec] = self.frames if name in self.frames else self._bodies
+        return elements[name].parent.partition("/")[0] if name in elements else None

@@ -1,4 +1,4 @@
-"""What C libraries print, caught without touching the file descriptors of the process.
+"""Catches the output of C libraries without touching the file descriptors of the process.
 
 PyBullet writes with `printf` to the C library's variables `stdout` and `stderr`. While its output is caught these two stand for
 a file in memory; descriptors 1 and 2, and with them Python's own output, stay as they are in every thread.
@@ -18,7 +18,7 @@ _APPEND = b"a"
 
 @dataclass
 class Captured:
-    """What the C library printed."""
+    """Output of the C library."""
 
     text: str = ""
 

@@ -15,8 +15,8 @@ from rlbench_pin.sim.render.texture import Texture
 from rlbench_pin.sim.room import RoomBody
 from rlbench_pin.urdf import read_urdf
 
-_HELD = {"mass": 0.0, "localInertiaDiagonal": [0.0, 0.0, 0.0]}
-"""What keeps a body at its place; PyBullet moves nothing that has no mass and is at rest."""
+_MASSLESS = {"mass": 0.0, "localInertiaDiagonal": [0.0, 0.0, 0.0]}
+"""Dynamics that keep a body in place; PyBullet moves nothing that has no mass and is at rest."""
 
 
 class DynamicsOverrides:
@@ -121,7 +121,7 @@ class DynamicsOverrides:
         self._apply(model.uid, link, self._changed[model.uid, link])
 
     def _apply(self, uid: int, link: int, values: dict[str, Any]) -> None:
-        held = _HELD if link == BASE and uid in self._held else {}
+        held = _MASSLESS if link == BASE and uid in self._held else {}
         client = self._robot.model.client
         client.changes += 1
         bullet.changeDynamics(uid, link, physicsClientId=client.id, **{**values, **held})

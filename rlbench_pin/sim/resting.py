@@ -1,8 +1,8 @@
-"""Bodies that rest are put to sleep, so that they cost no time until something comes near them or changes the world.
+"""Puts resting bodies to sleep, so that they cost no time until something comes near them or changes the world.
 
 PyBullet's solver leaves out what sleeps as long as every body whose box overlaps theirs sleeps too, and simulates it again in the
-very physics step in which the box of something awake overlaps. When that has gone without moving them they sleep on. Who sleeps
-is decided here, by how many ticks in a row a body was at rest, because the states that PyBullet saves do not say it.
+very physics step in which the box of something awake overlaps. When that has gone without moving them they sleep on. This
+module decides which bodies sleep, by how many ticks in a row they were at rest; the states that PyBullet saves do not contain it.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _WAKING = 4e-4
 """Squares of speed and speed of turning, added, at which PyBullet wakes a body for the rest of a tick [m^2/s^2]."""
 _SLEEP = bullet.ACTIVATION_STATE_ENABLE_SLEEPING | bullet.ACTIVATION_STATE_SLEEP
 _WAKE = bullet.ACTIVATION_STATE_DISABLE_SLEEPING | bullet.ACTIVATION_STATE_WAKE_UP
-_STILL = (0.0, 0.0, 0.0)
+_ZERO = (0.0, 0.0, 0.0)
 
 
 @dataclass
@@ -35,7 +35,7 @@ class _Loose:
 
 
 class Resting:
-    """Knows who sleeps. Every change of the world but that of a colour wakes all bodies.
+    """Sleeping bodies. Every change of the world but that of a colour wakes all bodies.
 
     A body that slept begins to move one physics step late, except where something awake comes near. Bodies that are fixed sleep
     from the end of the first tick on, so that PyBullet does not look for contacts between them and what sleeps.
@@ -70,7 +70,7 @@ class Resting:
         self._client.step()
 
     def end_tick(self) -> None:
-        """Find out who is at rest."""
+        """Find the bodies at rest."""
         if self._thrown:
             self._throw_again()
         if not self._fixed_sleep and self._loose:
@@ -80,7 +80,7 @@ class Resting:
         for body in self._loose.values():
             linear, angular = bullet.getBaseVelocity(body.uid, physicsClientId=identifier)
             slept = body.ticks == QUIET_TICKS
-            if slept and linear == _STILL and angular == _STILL:
+            if slept and linear == _ZERO and angular == _ZERO:
                 continue
             if math.hypot(*linear) < QUIET_SPEED and math.hypot(*angular) < QUIET_TURN:
                 body.ticks = min(body.ticks + 1, QUIET_TICKS)
@@ -98,7 +98,7 @@ class Resting:
         present = {body.model.uid for body in now}
         slept = [b.uid for b in self._loose.values() if b.ticks == QUIET_TICKS and b.uid in present]
         velocities = {uid: bullet.getBaseVelocity(uid, physicsClientId=self._client.id) for uid in slept}
-        self._thrown = {uid: velocity for uid, velocity in velocities.items() if velocity != (_STILL, _STILL)}
+        self._thrown = {uid: velocity for uid, velocity in velocities.items() if velocity != (_ZERO, _ZERO)}
         self._tell(slept, _WAKE)
         if self._fixed_sleep:
             self._tell([uid for uid in self._fixed if uid in present], _WAKE)
@@ -110,7 +110,7 @@ class Resting:
     def _throw_again(self) -> None:
         """Give velocities back that were set while a body slept: in the step in which it wakes PyBullet makes them zero."""
         for uid, velocity in self._thrown.items():
-            if bullet.getBaseVelocity(uid, physicsClientId=self._client.id) == (_STILL, _STILL):
+            if bullet.getBaseVelocity(uid, physicsClientId=self._client.id) == (_ZERO, _ZERO):
                 bullet.resetBaseVelocity(uid, *velocity, physicsClientId=self._client.id)
         self._thrown.clear()
 

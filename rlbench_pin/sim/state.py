@@ -57,7 +57,7 @@ class LogicalState:
     quiet: tuple[tuple[str, int], ...] = ()
     """Bodies that were at rest, and at the end of how many ticks in a row; enough of them and a body sleeps."""
     kept: tuple[object, ...] | None = None
-    """What each of `World.keepers` gave; None leaves them as they are."""
+    """State of each of `World.keepers`; None leaves them as they are."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -282,7 +282,7 @@ def match_spawned(world: Contents, wanted: dict[str, BodySpec]) -> None:
 
 
 _FORMAT = 1
-_MOST_BYTES = 1 << 28
+_MAX_BYTES = 1 << 28
 """More than any state of a physics server."""
 _KEYS = {"meta", "frame_poses", "arm_control", "finger_control", "finger_limits", "attachment_poses"}
 _MEASURED = {"body_poses", "body_velocities", "joint_states", "robot_joints"}
@@ -389,7 +389,7 @@ def _continue_from(world: Contents, arrays: Mapping[str, np.ndarray]) -> None:
         return
     try:
         reader = zlib.decompressobj()
-        physics = reader.decompress(np.asarray(arrays["physics"], dtype=np.uint8).tobytes(), _MOST_BYTES)
+        physics = reader.decompress(np.asarray(arrays["physics"], dtype=np.uint8).tobytes(), _MAX_BYTES)
     except zlib.error as error:
         raise RlbenchPinError(f"The array 'physics' is damaged: {error}.") from error
     if not reader.eof:

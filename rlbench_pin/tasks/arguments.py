@@ -17,7 +17,7 @@ from rlbench_pin.values import as_several, as_vector
 ObjectT = TypeVar("ObjectT")
 Rotation = tuple[float, float, float]
 """Roll, pitch, yaw [rad]."""
-MOST_TURN = 1e3
+MAX_TURN = 1e3
 """Rotations are at most so large [rad]."""
 _BODY = "a body, such as `self.world.body(name)`"
 
@@ -26,9 +26,9 @@ class ObjectKind(NamedTuple):
     """A kind of object of a world."""
 
     words: str
-    """What it is, and where a task finds one."""
+    """Its kind, and where a task finds one."""
     attributes: tuple[str, ...]
-    """What is used of it."""
+    """Its used attributes."""
 
 
 BODY_OR_FRAME = ObjectKind("a body or a frame", ("name", "position"))
@@ -68,7 +68,7 @@ def as_rotations(low: ArrayLike, high: ArrayLike, lowest: str, highest: str) -> 
         lowest: What the former are called.
         highest: What the latter are called.
     """
-    first, last = as_vector(low, 3, lowest, most=MOST_TURN), as_vector(high, 3, highest, most=MOST_TURN)
+    first, last = as_vector(low, 3, lowest, most=MAX_TURN), as_vector(high, 3, highest, most=MAX_TURN)
     if (first > last).any():
         raise InvalidValue(highest, high, f"has to be nowhere below {lowest}, {first.tolist()}")
     return first, last

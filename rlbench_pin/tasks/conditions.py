@@ -152,47 +152,49 @@ class InOrder(_Combined):
         super().set_state(tuple(members))
 
 
-def is_detected(thing: Body | Frame, sensor: Sensor) -> bool:
+def is_detected(element: Body | Frame, sensor: Sensor) -> bool:
     """Return whether any part of a body touches the volume, or whether the origin of a frame lies in it."""
-    return sensor.detects(thing.name) if has_extent(thing) else sensor.contains(thing.position)
+    return sensor.detects(element.name) if has_extent(element) else sensor.contains(element.position)
 
 
 class Detected(Condition):
     """Holds while any part of a body touches the volume of a sensor; for a frame its origin must be inside.
 
     Args:
-        thing: A body or a frame.
+        element: A body or a frame.
         sensor: The volume.
         negated: Invert the answer.
     """
 
-    def __init__(self, thing: Body | Frame, sensor: Sensor, negated: bool = False) -> None:
-        self.thing, self.sensor = as_object(thing, BODY_OR_FRAME, "thing"), as_object(sensor, SENSOR, "sensor")
+    def __init__(self, element: Body | Frame, sensor: Sensor, negated: bool = False) -> None:
+        self.element, self.sensor = as_object(element, BODY_OR_FRAME, "element"), as_object(sensor, SENSOR, "sensor")
         self.negated = as_flag(negated, "negated")
 
     def met(self) -> bool:
         """Return whether the object is detected now, or is not when negated."""
-        return is_detected(self.thing, self.sensor) != self.negated
+        return is_detected(self.element, self.sensor) != self.negated
 
 
 class DetectedSeveral(Condition):
     """Holds while at least `count` of the objects are detected; which ones does not matter.
 
     Args:
-        things: Bodies and frames.
+        elements: Bodies and frames.
         sensor: The volume.
         count: How many, from 1 to all.
     """
 
-    def __init__(self, things: Sequence[Body | Frame], sensor: Sensor, count: int) -> None:
-        self.things, self.sensor = as_objects(things, BODY_OR_FRAME, "things"), as_object(sensor, SENSOR, "sensor")
+    def __init__(self, elements: Sequence[Body | Frame], sensor: Sensor, count: int) -> None:
+        self.elements, self.sensor = as_objects(elements, BODY_OR_FRAME, "elements"), as_object(sensor, SENSOR, "sensor")
         self.count = as_whole(count, "count")
-        if not 0 < self.count <= len(self.things):
-            raise TaskError(f"DetectedSeveral asks for {count} of {len(self.things)} things; choose 1 to {len(self.things)}.")
+        if not 0 < self.count <= len(self.elements):
+            raise TaskError(
+                f"DetectedSeveral asks for {count} of {len(self.elements)} elements; choose 1 to {len(self.elements)}."
+            )
 
     def met(self) -> bool:
         """Return whether at least `count` objects are detected now."""
-        return sum(is_detected(thing, self.sensor) for thing in self.things) >= self.count
+        return sum(is_detected(element, self.sensor) for element in self.elements) >= self.count
 
 
 class TipInside(Condition):

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from rlbench_pin.sim import Body, World
 
 SIDES = (0.0, -1.0, 1.0)
-"""Where a body may be between the fingers: in the middle, or nearly at one of them."""
+"""Places of a body between the fingers: in the middle, or nearly at one of them."""
 OPEN, FINGER = 0.028, 0.053
 """How far the middle of the gripper may be from a side of a body, and from the middle of an open finger [m]."""
 PAD = np.array([0.014, 0.016])
@@ -71,7 +71,7 @@ class Tray:
     """Half size (2,) of its inside [m]."""
 
     def __post_init__(self) -> None:
-        """Keep arrays, or raise InvalidValue for what is no pose and no size."""
+        """Keep arrays, or raise InvalidValue for an invalid pose or size."""
         as_pose(self.pose, "Tray.pose")
         object.__setattr__(self, "pose", as_vector(self.pose, 7, "Tray.pose"))
         object.__setattr__(self, "half", as_vector(self.half, 2, "Tray.half"))
@@ -89,7 +89,7 @@ def easiest_top_grasp(wanted: Sequence[Body], bodies: Sequence[Body], tray: Tray
 
     Raises:
         BoundaryError: Nothing is wanted.
-        InvalidValue: Something is no body or tray, or a wanted body is not among the bodies.
+        InvalidValue: Something is not a body or tray, or a wanted body is not among the bodies.
     """
     wanted, bodies = as_objects(wanted, BODY_WITH_EXTENT, "wanted"), as_objects(bodies, BODY_WITH_EXTENT, "bodies")
     as_record(tray, Tray, "tray")
@@ -121,7 +121,7 @@ def free_direction(
         The direction [rad], or None when every lane is taken.
 
     Raises:
-        InvalidValue: Something is no place, direction or length.
+        InvalidValue: Something is not a place, direction or length.
     """
     place = as_vector(place, 2, "place", most=FARTHEST)
     half_width, length = as_number(half_width, "half_width", least=0.0), as_number(length, "length", least=0.0)
@@ -155,7 +155,7 @@ def _best_grasp(
     Args:
         body: What is gripped.
         side: One of `SIDES`.
-        angles: Turns of the gripper to judge (n,) [rad].
+        angles: Yaws of the gripper to score (n,) [rad].
         turns: The same as rotations (n, 2, 2).
         boxes: Box around each body in the axes of each turned gripper (n, 2, 2) [m].
         tray: Where they lie.

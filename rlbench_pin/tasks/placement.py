@@ -32,7 +32,7 @@ class SpawnBoundary:
         regions: Rectangles (height 0) or boxes.
 
     Raises:
-        InvalidValue: Something is no region.
+        InvalidValue: Something is not a region.
         TaskError: There is none.
     """
 
@@ -58,7 +58,7 @@ class SpawnBoundary:
 
     def sample(
         self,
-        thing: Body | Frame,
+        element: Body | Frame,
         rng: np.random.Generator,
         *,
         min_rotation: Rotation = ANY_YAW[0],
@@ -73,29 +73,29 @@ class SpawnBoundary:
         bounding box fits. A rectangle leaves the height as it is.
 
         Args:
-            thing: What to place.
+            element: Body or frame to place.
             rng: Random generator.
             min_rotation: Lowest roll, pitch, yaw in the axes of the region [rad].
             max_rotation: Highest roll, pitch, yaw [rad].
             min_distance: Least distance between origins of objects placed by this boundary [m].
             apart: Larger distances from some of them, by name [m].
-            ignore_collisions: Do not look at what this boundary has placed already.
+            ignore_collisions: Ignore all that this boundary has placed already.
 
         Raises:
             BoundaryError: No place was found in `MAX_SAMPLES` tries.
-            InvalidValue: Something is no body, generator, rotation or distance.
+            InvalidValue: Something is not a body, generator, rotation or distance.
         """
-        as_object(thing, MOVABLE, "thing")
+        as_object(element, MOVABLE, "element")
         as_record(rng, np.random.Generator, "rng")
         rotations = as_rotations(min_rotation, max_rotation, "min_rotation", "max_rotation")
         min_distance = as_number(min_distance, "min_distance", least=0.0)
         apart = as_record({} if apart is None else apart, Mapping, "apart")  # type: ignore[type-abstract]
         gaps = {name: as_number(gap, f"apart[{name!r}]", least=0.0) for name, gap in apart.items()}
-        self._place(thing, rng, rotations, min_distance, gaps, as_flag(ignore_collisions, "ignore_collisions"))
+        self._place(element, rng, rotations, min_distance, gaps, as_flag(ignore_collisions, "ignore_collisions"))
 
     def _place(
         self,
-        thing: Body | Frame,
+        element: Body | Frame,
         rng: np.random.Generator,
         rotations: tuple[FloatArray, FloatArray],
         min_distance: float,
@@ -103,7 +103,7 @@ class SpawnBoundary:
         ignore_collisions: bool = False,
     ) -> None:
         """Do what `sample` does, when all has been checked."""
-        start, bounds, too_big = np.array(thing.pose), _bounds(thing), 0
+        start, bounds, too_big = np.array(element.pose), _bounds(element), 0
         for _ in range(MAX_SAMPLES):
             pose = _draw_pose(self._draw_region(rng), bounds, start, rng.uniform(*rotations), rng)
             if pose is None:
@@ -111,14 +111,14 @@ class SpawnBoundary:
                 continue
             box = OrientedBox.of(bounds, pose)
             if ignore_collisions or self._is_free(box, pose[:3], min_distance, apart):
-                thing.set_pose(pose)
-                self._placed.append((thing.name, box, pose[:3]))
+                element.set_pose(pose)
+                self._placed.append((element.name, box, pose[:3]))
                 return
-        raise BoundaryError(self._failure(thing, too_big, min_distance))
+        raise BoundaryError(self._failure(element, too_big, min_distance))
 
     def scatter(
         self,
-        things: Sequence[Body | Frame],
+        elements: Sequence[Body | Frame],
         rng: np.random.Generator,
         *,
         min_distance: float = 0.01,
@@ -127,27 +127,27 @@ class SpawnBoundary:
         """Forget what was placed and place objects one after another, anew until the layout is accepted.
 
         Args:
-            things: What to place, each turned by any yaw.
+            elements: Bodies and frames to place, each at any yaw.
             rng: Random generator.
             min_distance: Least distance between their origins [m].
             accept: Asked after each layout whether it will do; None takes the first.
 
         Raises:
             BoundaryError: An object found no place, or none of `MAX_LAYOUTS` layouts was accepted.
-            InvalidValue: Something is no body, generator, distance or function.
+            InvalidValue: Something is not a body, generator, distance or function.
         """
-        things = as_objects(things, MOVABLE, "things")
+        elements = as_objects(elements, MOVABLE, "elements")
         as_record(rng, np.random.Generator, "rng")
         as_function(accept, "accept")
         min_distance = as_number(min_distance, "min_distance", least=0.0)
         rotations = as_rotations(*ANY_YAW, "min_rotation", "max_rotation")
         for _ in range(MAX_LAYOUTS):
             self.clear()
-            for thing in things:
-                self._place(thing, rng, rotations, min_distance, {})
+            for element in elements:
+                self._place(element, rng, rotations, min_distance, {})
             if accept is None or accept():
                 return
-        names = ", ".join(thing.name for thing in things)
+        names = ", ".join(element.name for element in elements)
         raise BoundaryError(f"None of {MAX_LAYOUTS} layouts of {names} was accepted. Enlarge the regions or ask for less space.")
 
     def _draw_region(self, rng: np.random.Generator) -> Region:
@@ -159,25 +159,25 @@ class SpawnBoundary:
             for name, other, place in self._placed
         )
 
-    def _failure(self, thing: Body | Frame, too_big: int, min_distance: float) -> str:
+    def _failure(self, element: Body | Frame, too_big: int, min_distance: float) -> str:
         names = ", ".join(region.name for region in self._regions)
         placed = ", ".join(name for name, _, _ in self._placed) or "nothing"
-        size = np.round(np.ptp(_bounds(thing), axis=0), 3).tolist()
+        size = np.round(np.ptp(_bounds(element), axis=0), 3).tolist()
         return (
-            f"'{thing.name}' of size {size} m found no place in {MAX_SAMPLES} tries in {names}: {too_big} times it did not fit, "
-            f"{MAX_SAMPLES - too_big} times it was within {min_distance} m of or touched what is there ({placed}). "
+            f"'{element.name}' of size {size} m found no place in {MAX_SAMPLES} tries in {names}: {too_big} times it did not fit,"
+            f" {MAX_SAMPLES - too_big} times it was within {min_distance} m of or touched what is there ({placed}). "
             "Enlarge the regions or lower min_distance."
         )
 
 
-def clearance(thing: Body | Frame, others: Iterable[Body | Frame]) -> float:
+def clearance(element: Body | Frame, others: Iterable[Body | Frame]) -> float:
     """Return the least horizontal distance between the origin of an object and those of others [m]; itself does not count.
 
     Infinity where there are no others.
     """
-    as_object(thing, MOVABLE, "thing")
+    as_object(element, MOVABLE, "element")
     others = as_objects(others, MOVABLE, "others")
-    gaps = (np.linalg.norm((other.position - thing.position)[:2]) for other in others if other is not thing)
+    gaps = (np.linalg.norm((other.position - element.position)[:2]) for other in others if other is not element)
     return float(min(gaps, default=np.inf))
 
 
@@ -190,11 +190,11 @@ def _measure(region: Region) -> float:
     return float(np.prod(size if size[2] > 0.0 else size[:2]))
 
 
-def _bounds(thing: Body | Frame) -> FloatArray:
+def _bounds(element: Body | Frame) -> FloatArray:
     """Local bounding box (2, 3) [m]; a frame is a point."""
-    if not has_extent(thing):
+    if not has_extent(element):
         return np.zeros((2, 3))
-    return np.asarray(cast("Body", thing).bounds(), dtype=float)
+    return np.asarray(cast("Body", element).bounds(), dtype=float)
 
 
 def _draw_pose(
@@ -254,7 +254,7 @@ def place_task(world: World, rng: np.random.Generator, bounds: tuple[Rotation, R
 
     Raises:
         BoundaryError: The footprint does not fit at any of `MAX_TURNS` drawn orientations.
-        InvalidValue: Something is no world, generator or pair of rotations.
+        InvalidValue: Something is not a world, generator or pair of rotations.
     """
     as_object(world, ROOTED_WORLD, "world")
     as_record(rng, np.random.Generator, "rng")

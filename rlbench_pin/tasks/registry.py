@@ -60,7 +60,7 @@ def camel_case(name: str) -> str:
 def name_fault(name: str) -> str:
     """Return why a new task cannot be called so, with what to do; "" where it can."""
     if not re.fullmatch(NAME_PATTERN, name):
-        return "it is no name of a task. Use small letters, digits and underscores, a letter first."
+        return "it is not a name of a task. Use small letters, digits and underscores, a letter first."
     if iskeyword(name) or iskeyword(camel_case(name)):
         return "it is a word of Python's own. Choose another name."
     if camel_case(name) in sys.modules["rlbench_pin.tasks"].__all__:
@@ -183,7 +183,7 @@ def _model_files(urdf: Path) -> list[Path]:
     files = [urdf, *read.meshes, *read.textures]
     materials = [material for mesh in read.meshes if mesh.suffix == ".obj" for material in _named(mesh, _NAMED_IN_OBJ)]
     files += materials
-    files += [picture for material in materials for picture in _named(material, _NAMED_IN_MTL)]
+    files += [image for material in materials for image in _named(material, _NAMED_IN_MTL)]
     return [file.resolve() for file in files]
 
 
@@ -309,7 +309,7 @@ def _plugin_class(task: PluginTask) -> type[Task]:
             f"{start} cannot be loaded: {type(error).__name__}: {error}. Repair that package or uninstall it."
         ) from error
     if not (isinstance(found, type) and issubclass(found, Task)):
-        raise TaskError(f"{start} is no class derived from `rlbench_pin.tasks.Task`. Repair that package or uninstall it.")
+        raise TaskError(f"{start} is not a class derived from `rlbench_pin.tasks.Task`. Repair that package or uninstall it.")
     if found.get_name() != task.name:
         raise TaskError(f"{start} calls itself '{found.get_name()}'. Let its entry point have the same name.")
     if not found.scene_file().is_file():

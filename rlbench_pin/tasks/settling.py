@@ -27,7 +27,7 @@ KNOCK_SPEED, KNOCKS = 3.0, 2
 PUSH_SPEED, MAX_PUSHES = 0.4, 8
 """Speed with which bodies are pushed apart that do not come to rest [m/s], and how often at most."""
 MAX_DRIFT = 2e-4
-"""What a body at rest may move [m] or turn (part of a quaternion) within a second."""
+"""Largest motion [m] or rotation (part of a quaternion) of a body at rest within a second."""
 REST_SPEED, REST_TURN = 5e-4, 1e-2
 """Speed [m/s] and speed of turning [rad/s] below which a body counts as resting; its joints, in either unit, below the first."""
 
@@ -54,7 +54,7 @@ def settle(world: World, bodies: Sequence[Body], rng: np.random.Generator) -> No
 
     Raises:
         BoundaryError: The bodies still move after `MAX_PUSHES` pushes.
-        InvalidValue: Something is no world, body or generator, or no body is named.
+        InvalidValue: Something is not a world, body or generator, or no body is named.
     """
     as_object(world, STEPPED_WORLD, "world")
     bodies = as_objects(bodies, LOOSE_BODY, "bodies")

@@ -96,7 +96,7 @@ def chosen_tasks_of(root: Path, words: Iterable[str], trust_task_files: bool = F
     Raises:
         TaskError: Two different tasks have one name.
         UnknownName: No task is called so.
-        UntrustedTaskFile: A name stands for code that came with the dataset, and nobody said that it may be run.
+        UntrustedTaskFile: A name refers to code that came with the dataset, and the caller has not allowed to run it.
     """
     trust_task_files = as_flag(trust_task_files, "trust_task_files")
     chosen: dict[str, type[Task]] = {}

@@ -1,4 +1,4 @@
-"""What every task is: a goal in one world, set up once and started anew for every episode."""
+"""Base class of tasks: a goal in one world, set up once and started anew for every episode."""
 
 from __future__ import annotations
 

@@ -60,7 +60,7 @@ class Waypoint:
 
     @property
     def gripper(self) -> Literal["open", "close"] | float | None:
-        """What the gripper does on arrival; None leaves it alone."""
+        """Action of the gripper on arrival; None leaves it as it is."""
         return self.spec.gripper
 
     @property

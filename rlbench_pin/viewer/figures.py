@@ -136,7 +136,7 @@ def merged_surface(parts: Iterable[tuple[DrawnSurface, FloatArray]]) -> DrawnSur
 Rgb = tuple[int, int, int]
 """Red, green, blue from 0 to 255."""
 OnPick = Callable[[str], None]
-"""Called with what somebody clicked on."""
+"""Called with the name of the element that was clicked."""
 _UNCOLORED = (1.0, 1.0, 1.0, 1.0)
 _GHOST_OPACITY = 0.45
 
@@ -301,7 +301,7 @@ class Figures:
         return faults
 
     def _drawn(self, spec: SceneSpec, body: BodySpec) -> _Drawn:
-        """Return everything that the drawing of a body depends on, except its pose."""
+        """Return all values that the drawing of a body depends on, except its pose."""
         file = resolve_asset(spec, body.asset)
         written = file.stat().st_mtime_ns if file.is_file() else 0
         return str(file), written, BodySpec(name=body.name, asset=body.asset, color=body.color, scale=body.scale)

@@ -1,4 +1,4 @@
-"""A thread that does the jobs of a page, one after the other; a world belongs to the thread that made it."""
+"""A thread that runs the jobs of a page, one after the other; a world belongs to the thread that made it."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ class JobThread:
                 job()
             except Interrupted:
                 pass
-            except Exception as error:  # a page outlives the errors of a task
+            except Exception as error:  # an error of a task does not end the page
                 self._on_error(error)
         self._at_end()
 

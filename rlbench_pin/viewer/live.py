@@ -51,7 +51,7 @@ except ModuleNotFoundError as _error:
     raise MissingExtra("The live view", _error.name or "viser", "builder") from _error
 
 _EYE, _TARGET = (1.3, 0.9, 1.65), (0.15, 0.0, 0.95)
-"""Position of the eye of a new tab, and where it looks [m]: over the table from the left of the robot."""
+"""Position and target of the camera of a new tab [m]: over the table from the left of the robot."""
 _LEFT, _RIGHT = 300.0, 360.0
 """Widths of the panels [px]."""
 _RANDOM = 2**31
@@ -64,7 +64,7 @@ _IMAGES = 0.2
 
 
 class LivePage:
-    """The scene, the player, the camera images and a line of text, as all views show them.
+    """The scene, the player, the camera images and a line of text, which all views have.
 
     Args:
         server: Serves the page.
@@ -133,7 +133,7 @@ class LivePage:
     @contextmanager
     def computing(self, title: str) -> Iterator[Callable[[float], None]]:
         """Show a progress bar for the duration of a block; yields a function that sets it, 0 to 1."""
-        self.say(title, "is being computed. It can be looked at meanwhile; camera images follow.")
+        self.say(title, "is being computed. The 3D view is live meanwhile; camera images follow.")
         self._show_progress(0.0)
         self._progress.visible = True
         try:
@@ -326,7 +326,7 @@ class TaskView(_WorldView):
         recording = record_reset(task, *self.episode)
         moments.clear()
         moments.keep()
-        self._tell(recording)
+        self._show_result(recording)
         self.page.show_scene(task.world.spec, recording.added)
         self.page.player.load(recording)
 
@@ -341,7 +341,7 @@ class TaskView(_WorldView):
                 progress(feed.segments / (waypoints + 1))
 
             recording = record_demonstration(task, *self.episode, feed.frame, on_segment)
-        self._tell(recording)
+        self._show_result(recording)
         feed.finish(recording)
         self._look()
 
@@ -355,7 +355,7 @@ class TaskView(_WorldView):
         seed, variation = self.episode
         return f"{self._task.get_name()}, seed {seed}, variation {variation}:"
 
-    def _tell(self, recording: Recording) -> None:
+    def _show_result(self, recording: Recording) -> None:
         failed = recording.failure is not None
         self.page.say(self._head(), recording.instruction or "no start was found.", wrong=failed)
 
@@ -382,7 +382,7 @@ class DatasetView(_WorldView):
         self._files = {task: counted_files(self._root, task) for task in stored_tasks(self._root, at_least_one=True)}
         self._files = {task: files for task, files in self._files.items() if files}
         if not self._files:
-            raise DatasetError(f"'{self._root}' holds no demonstrations. `rlbench-pin record` makes some.")
+            raise DatasetError(f"'{self._root}' contains no demonstrations. `rlbench-pin record` makes some.")
         stored_task(self._root, next(iter(self._files)), self._own, self._trusted)
         self._loaded_name = ""
         super().__init__(server)
@@ -463,7 +463,7 @@ class EvaluationView:
         gui = server.gui
         with gui.add_folder("Evaluation"):
             self._choice = gui.add_dropdown("Episode", (_NOW,), initial_value=_NOW)
-            self._slow = gui.add_checkbox("Real time", False, hint="Wait, so that episodes take as long as they would")
+            self._slow = gui.add_checkbox("Real time", False, hint="Wait, so that episodes play in real time")
         self._choice.on_update(self._chosen)
 
     def close(self) -> None:

@@ -50,9 +50,9 @@ def _moved(joint: UrdfJoint, position: float) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """World poses of everything that a scene file names."""
+    """World poses of all elements of a scene file."""
 
-    things: Mapping[str, FloatArray]
+    elements: Mapping[str, FloatArray]
     """Pose (7,) of `root`, `world` and each body, frame, region, sensor and waypoint, by name."""
     links: Mapping[str, FloatArray]
     """Pose (7,) of each link of each body, by `<body>/<link>`."""
@@ -61,7 +61,7 @@ class Places:
 
     def of(self, name: str) -> FloatArray | None:
         """Return the pose (7,) of a name or of `<body>/<link>`; None if it has none."""
-        return self.things.get(name, self.links.get(name))
+        return self.elements.get(name, self.links.get(name))
 
 
 def places_at_rest(spec: SceneSpec, poses: Mapping[str, FloatArray] | None = None) -> Places:
@@ -73,24 +73,24 @@ def places_at_rest(spec: SceneSpec, poses: Mapping[str, FloatArray] | None = Non
     """
     given = poses or {}
     root = given.get(ROOT, se3_to_pose(pose_to_se3(spec.placement.pose)))
-    things: dict[str, FloatArray] = {WORLD: IDENTITY.copy(), ROOT: root}
+    elements: dict[str, FloatArray] = {WORLD: IDENTITY.copy(), ROOT: root}
     links: dict[str, FloatArray] = {}
     missing: dict[str, str] = {}
     waiting: list[PosedSpec] = list(spec.posed())
-    while ready := [item for item in waiting if item.parent in things or item.parent in links]:
+    while ready := [item for item in waiting if item.parent in elements or item.parent in links]:
         for item in ready:
-            parent = things[item.parent] if item.parent in things else links[item.parent]
-            things[item.name] = given[item.name] if item.name in given else compose(parent, item.pose)
+            parent = elements[item.parent] if item.parent in elements else links[item.parent]
+            elements[item.name] = given[item.name] if item.name in given else compose(parent, item.pose)
             if isinstance(item, BodySpec):
                 try:
                     in_body = _body_links(spec, item)
                 except RlbenchPinError as error:
                     missing[item.name] = str(error)
                 else:
-                    links |= {f"{item.name}/{link}": compose(things[item.name], pose) for link, pose in in_body.items()}
-        waiting = [item for item in waiting if item.name not in things]
+                    links |= {f"{item.name}/{link}": compose(elements[item.name], pose) for link, pose in in_body.items()}
+        waiting = [item for item in waiting if item.name not in elements]
     missing |= {item.name: f"its parent '{item.parent}' has no place." for item in waiting}
-    return Places(things, links, missing)
+    return Places(elements, links, missing)
 
 
 def _body_links(spec: SceneSpec, body: BodySpec) -> dict[str, FloatArray]:

@@ -325,11 +325,11 @@ class Player:
 
     def _show_conditions(self) -> None:
         texts, frames = self._recording.conditions, self._frames
-        held = frames[self.timeline.index].held if frames else (False,) * len(texts)
-        shown = (texts, held, len(frames), frames[0] if frames else None)
+        met = frames[self.timeline.index].conditions_met if frames else (False,) * len(texts)
+        shown = (texts, met, len(frames), frames[0] if frames else None)
         if shown != self._shown_conditions:
             self._shown_conditions = shown
-            self._conditions.content = conditions_html(texts, held, [frame.held for frame in frames])
+            self._conditions.content = conditions_html(texts, met, [frame.conditions_met for frame in frames])
 
     def _draw(self, frame: Frame) -> None:
         bodies = frozenset(name.partition("/")[0] for name in frame.poses)

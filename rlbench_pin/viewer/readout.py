@@ -27,7 +27,7 @@ _CURSOR = f'<div class="{_NOW}" style="position:absolute;top:0;bottom:0;width:2p
 
 
 def now_style(share: float) -> str:
-    """Return the element that puts the cursors of all plots of a page at one instant, from 0 (first) to 1 (last)."""
+    """Return the style element that places the cursors of all plots of a page at one instant, from 0 (first) to 1 (last)."""
     return f"<style>.{_NOW}{{left:{100.0 * share:.2f}%}}</style>"
 
 
@@ -36,18 +36,18 @@ def framed(content: str) -> str:
     return f'<div style="{_TEXT}">{content}</div>'
 
 
-def conditions_html(texts: Sequence[str], held: Sequence[bool], history: Sequence[Sequence[bool]]) -> str:
+def conditions_html(texts: Sequence[str], met: Sequence[bool], history: Sequence[Sequence[bool]]) -> str:
     """Return each condition with a mark for the instant shown, and a bar of the time during which it holds.
 
     Args:
         texts: The conditions as text.
-        held: Whether each holds at the instant shown.
-        history: Whether each held, frame by frame.
+        met: Whether each holds at the instant shown.
+        history: Whether each holds, frame by frame.
     """
     if not texts:
         return framed("The task registers no success condition.")
     columns = list(zip(*history, strict=True)) if history else [()] * len(texts)
-    return framed("".join(_condition(*parts) for parts in zip(texts, held, columns, strict=True)))
+    return framed("".join(_condition(*parts) for parts in zip(texts, met, columns, strict=True)))
 
 
 def _condition(text: str, holds: bool, history: Sequence[bool]) -> str:

@@ -54,14 +54,14 @@ FileKind = Literal["scene", "task"]
 
 @dataclass(frozen=True)
 class Problem:
-    """Something that is wrong in one of the two files."""
+    """A problem in one of the two files of a task."""
 
     file: FileKind
-    """Which file."""
+    """The file."""
     line: int | None
     """Line, from 1; None when it concerns the whole file."""
     message: str
-    """What is wrong, what was possible, and the next step."""
+    """The problem, the allowed values, and the next step."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +81,7 @@ class Frame:
     """Joint velocities of the arm [rad/s], shape (n,)."""
     torques: FloatArray
     """Joint torques of the arm [Nm], shape (n,)."""
-    held: tuple[bool, ...]
+    conditions_met: tuple[bool, ...]
     """Whether each success condition holds, in their order."""
     success: bool
     """Whether the goal is reached."""
@@ -94,11 +94,11 @@ class Failure:
     """Why a demonstration or a waypoint failed."""
 
     cause: str
-    """In words, with the next step."""
+    """Cause as text, with the next step."""
     waypoint: str = ""
-    """On the way to which."""
+    """Name of the waypoint that was approached; empty if there was none."""
     pairs: tuple[tuple[str, str], ...] = ()
-    """What touches what: names of links."""
+    """Pairs of links in contact, by name."""
     nearest: FloatArray | None = None
     """The nearest pose (7,) that the tip reaches, where one is known."""
     problem: Problem | None = None
@@ -110,11 +110,11 @@ class Segment:
     """The motion of a demonstration to one waypoint."""
 
     waypoint: str
-    """Where it leads."""
+    """Name of the waypoint."""
     begins: int
     """Number of the frame at which it begins."""
     method: str
-    """How it was planned."""
+    """Planning method."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,11 +124,11 @@ class Recording:
     frames: tuple[Frame, ...]
     """One for each control tick, the reset first."""
     conditions: tuple[str, ...]
-    """What `Frame.held` is about."""
+    """The success conditions as text, in the order of `Frame.conditions_met`."""
     instruction: str = ""
     """The first sentence of the episode."""
     segments: tuple[Segment, ...] = ()
-    """In order."""
+    """The segments, in order."""
     failure: Failure | None = None
     """None when the goal was reached."""
     added: tuple[BodySpec, ...] = ()
@@ -152,8 +152,8 @@ def success_texts(task: Task) -> tuple[str, ...]:
 
 def missing_conditions(task: Task) -> tuple[str, ...]:
     """Return the success conditions that do not hold now, as text."""
-    held = evaluate_conditions(task.get_success_conditions())
-    return tuple(text for text, holds in zip(success_texts(task), held, strict=True) if not holds)
+    met = evaluate_conditions(task.get_success_conditions())
+    return tuple(text for text, holds in zip(success_texts(task), met, strict=True) if not holds)
 
 
 def condition_text(condition: Condition) -> str:
@@ -166,10 +166,10 @@ def _combined(words: str) -> Callable[[AllOf | AnyOf | InOrder], str]:
 
 
 _TEXTS: tuple[tuple[type[Condition], Callable[..., str]], ...] = (
-    (Detected, lambda c: f"{c.thing.name} {'outside' if c.negated else 'inside'} {c.sensor.name}"),
+    (Detected, lambda c: f"{c.element.name} {'outside' if c.negated else 'inside'} {c.sensor.name}"),
     (
         DetectedSeveral,
-        lambda c: f"at least {c.count} of {', '.join(thing.name for thing in c.things)} inside {c.sensor.name}",
+        lambda c: f"at least {c.count} of {', '.join(element.name for element in c.elements)} inside {c.sensor.name}",
     ),
     (TipInside, lambda c: f"tip inside {c.sensor.name}"),
     (FollowPath, lambda c: f"{c.body.name} visits {len(c.points)} points in order"),
@@ -202,7 +202,7 @@ def failure_of(error: RlbenchPinError, waypoint: str, task: Task) -> Failure:
             groups.setdefault(_NUMBER.sub("#", text), []).append(text)
         causes = "; ".join(f"{len(alike)} x {alike[0]}" for alike in groups.values())
         cause = f"No layout was found in {len(error.causes)} attempts: {causes}"
-    cause += f" What does not hold: {'; '.join(missing)}." if missing else ""
+    cause += f" Conditions not met: {'; '.join(missing)}." if missing else ""
     planning = [link for link in _chain(error) if isinstance(link, PlanningError)]
     pairs = next((found for link in planning if (found := getattr(link, "pairs", ()))), ())
     poses = [link.nearest for link in planning if isinstance(link, NoIkSolution) and link.nearest is not None]
@@ -263,7 +263,7 @@ class FrameRecorder(Listener):
     def frame(self) -> Frame:
         """Return the world as it is now, without keeping it."""
         runtime, robot = self._runtime, self._runtime.robot
-        held = evaluate_conditions(runtime.task.get_success_conditions())
+        met = evaluate_conditions(runtime.task.get_success_conditions())
         return Frame(
             time=runtime.world.time - self._began,
             poses={f"{name}/{link}": body.link_pose(link) for name, body in runtime.world.bodies.items() for link in body.links},
@@ -271,8 +271,8 @@ class FrameRecorder(Listener):
             fingers=robot.fingers,
             velocities=robot.joint_velocities,
             torques=np.array(robot.joint_torques),
-            held=held,
-            success=bool(held) and all(held),
+            conditions_met=met,
+            success=bool(met) and all(met),
             colors=_painted_links(runtime.world),
         )
 
@@ -365,7 +365,7 @@ def recording_of_demo(task_environment: TaskEnvironment, demo: Demo, on_frame: O
 
     Raises:
         TaskEnvironmentError: It is of another task, or its start cannot be restored.
-        DemoError: It holds neither actions nor joint positions.
+        DemoError: It contains neither actions nor joint positions.
     """
     actions = list(_actions(demo))
     instructions, _ = task_environment.reset_to_demo(demo)
@@ -393,7 +393,7 @@ def _actions(demo: Demo) -> Iterator[FloatArray]:
             yield np.append(observation.joint_positions, observation.gripper_open)
         else:
             raise DemoError(
-                f"Frame {number} of the demonstration holds neither `joint_position_action` nor `joint_positions` with "
+                f"Frame {number} of the demonstration contains neither `joint_position_action` nor `joint_positions` with "
                 "`gripper_open`, so it cannot be played again. Record it live."
             )
 
@@ -416,7 +416,7 @@ def _missed(demo: Demo, recorder: FrameRecorder, places: list[int], refused: str
     by = f" Its joints come as far as {max(apart):.3g} rad from the stored ones." if apart else ""
     missing = "; ".join(missing_conditions(task_environment.task))
     return Failure(
-        f"Played again, the stored demonstration does not reach its goal.{by}{refused} What does not hold: {missing}. "
+        f"Played again, the stored demonstration does not reach its goal.{by}{refused} Conditions not met: {missing}. "
         "It was recorded with another version of the task or of a library; `rlbench-pin record` makes a new one."
     )
 

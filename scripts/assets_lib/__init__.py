@@ -1,1 +1,1 @@
-"""What `build_assets.py` is made of: meshes, URDF writing and one module per family of objects."""
+"""Parts of `build_assets.py`: meshes, URDF writing and one module per family of objects."""

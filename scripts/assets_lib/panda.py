@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from assets_lib.arm_looks import Look, light_looks
+from assets_lib.arm_appearance import Appearance, light_appearances
 from assets_lib.dae import Rgb, read_dae
 from assets_lib.decimate import small_hull
 from assets_lib.files import numbers, obj_text, write_text
@@ -55,8 +55,8 @@ def build_panda(assets: Path) -> None:
 
 def _build_visuals(source: Path, target: Path) -> dict[str, list[tuple[str, Rgb]]]:
     """Write `<part>_<color>.obj` files and return their names and colours for each part."""
-    looks = light_looks({part: read_dae(source / f"meshes/visual/{part}.dae") for part in PARTS}, WEIGHTS, TRIANGLES)
-    groups: dict[tuple[str, str], list[Look]] = {}
+    looks = light_appearances({part: read_dae(source / f"meshes/visual/{part}.dae") for part in PARTS}, WEIGHTS, TRIANGLES)
+    groups: dict[tuple[str, str], list[Appearance]] = {}
     for look in looks:
         part, name = look.piece.part, _color_name(look.piece.color)
         groups.setdefault((part, REPAINT.get((part, name), name)), []).append(look)

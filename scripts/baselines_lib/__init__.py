@@ -1,1 +1,1 @@
-"""What `make baselines` plays, and the tables of what came of it."""
+"""Evaluations of `make baselines`, and the tables of their results."""

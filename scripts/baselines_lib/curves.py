@@ -1,4 +1,4 @@
-"""The pictures of learning curves in docs/baselines.md, from the curves that trainings leave."""
+"""The images of learning curves in docs/baselines.md, from the curves that trainings leave."""
 
 from __future__ import annotations
 
@@ -11,5 +11,5 @@ IMAGES = Path(__file__).resolve().parents[2] / "docs" / "images"
 
 
 def draw_row(name: str, models: Path, tasks: Iterable[str]) -> Path:
-    """Draw the curves of what a row has learned by trial, one for each task, and return the picture."""
+    """Draw the curves of what a row has learned by trial, one for each task, and return the image."""
     return draw_curves(IMAGES / f"curves_{name}.png", {task: read_curve(models / name / task) for task in tasks})

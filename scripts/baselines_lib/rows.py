@@ -16,11 +16,11 @@ Stage = tuple[Command, ...]
 """Commands that do not need each other."""
 
 CLONED = ("reach_target", "push_button", "close_microwave", "toilet_seat_down", "close_drawer", "lamp_on")
-"""What is cloned from state and from pictures."""
+"""Tasks cloned from state and from images."""
 SHAPED = ("slide_block_to_target", "take_lid_off_saucepan")
-"""What is learned by trial with the task's own reward and demonstrations; `reach_target` is, without."""
+"""Tasks of reinforcement learning with the task's own reward and demonstrations; `reach_target` has no demonstrations."""
 SPARSE = ("push_button", "close_drawer")
-"""What is learned by trial for success alone, with demonstrations."""
+"""Tasks of reinforcement learning for success alone, with demonstrations."""
 TRIED = ("reach_target", *SHAPED, *SPARSE)
 """All that is learned by trial."""
 SHOTS = (1, 5, 20)
@@ -58,7 +58,7 @@ def bounds() -> dict[str, Row]:
 
 
 def cloned() -> dict[str, Row]:
-    """Return behaviour cloning from state and from pictures."""
+    """Return behaviour cloning from state and from images."""
     pictures = ("record", *CLONED, "--episodes", "100", "--cameras", "front", "wrist", "--products", "rgb")
     filmed = (*pictures, "--workers", "{jobs}", "--out", "{out}/filmed")
     state = (stored(), trained("cloning", "data", "cloning_state", CLONED, "--steps", "600"))
@@ -113,7 +113,7 @@ def key_frame_tasks() -> tuple[str, ...]:
 
 
 def stored() -> Stage:
-    """Return the command that records 100 demonstrations without pictures of each task that is cloned."""
+    """Return the command that records 100 demonstrations without images of each task that is cloned."""
     tasks = sorted({*CLONED, *key_frame_tasks()})
     return (("record", *tasks, "--episodes", "100", "--products", "--workers", "{jobs}", "--out", "{out}/data"),)
 

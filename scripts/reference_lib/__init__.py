@@ -1,1 +1,1 @@
-"""What `scripts/write_reference.py` writes, one module per page."""
+"""Contents of the pages of `scripts/write_reference.py`, one module per page."""

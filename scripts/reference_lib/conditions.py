@@ -91,9 +91,9 @@ def _waypoint() -> str:
 def _tools() -> str:
     rows = []
     for name in TOOLS:
-        thing = getattr(front_door, name)
-        rows.append((f"`{name}({signature(thing)})`", doc_of(thing).first))
-        inner = vars(thing).items() if isinstance(thing, type) else ()
+        item = getattr(front_door, name)
+        rows.append((f"`{name}({signature(item)})`", doc_of(item).first))
+        inner = vars(item).items() if isinstance(item, type) else ()
         public = [(inside, value) for inside, value in inner if isinstance(value, FunctionType) and not inside.startswith("_")]
         rows += [(f"`{name}.{inside}({signature(value)})`", doc_of(value).first) for inside, value in public]
     return table(("Name", "What it is"), rows)

@@ -1,4 +1,4 @@
-"""What the code says about itself: docstrings, the strings below attributes, defaults."""
+"""Documentation in the code: docstrings, the strings below attributes, defaults."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Doc:
     """A docstring, taken apart."""
 
     text: str
-    """What stands before the first section, one paragraph per line."""
+    """Text before the first section, one paragraph per line."""
     sections: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     """`Args`, `Attributes` -> name -> what it means."""
 
@@ -31,9 +31,9 @@ class Doc:
         return self.text.split("\n\n")[0]
 
 
-def doc_of(thing: object) -> Doc:
+def doc_of(item: object) -> Doc:
     """Take the docstring of a class or a function apart; those of overridden methods and bases do not count."""
-    parts = _SECTION.split(inspect.cleandoc(thing.__doc__ or ""))
+    parts = _SECTION.split(inspect.cleandoc(item.__doc__ or ""))
     sections = {name: _entries(body) for name, body in zip(parts[1::2], parts[2::2], strict=True)}
     paragraphs = [p if p.startswith("*") else " ".join(p.split()) for p in parts[0].strip().split("\n\n")]
     return Doc("\n\n".join(paragraphs), sections)

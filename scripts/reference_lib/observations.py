@@ -25,7 +25,7 @@ from rlbench_pin.tasks import Task, library_names, task_class, task_scene
 from rlbench_pin.tasks.task import low_dim_layout
 
 SIZE = (32, 24)
-"""Width and height of the pictures that are looked at [px]; the page says w and h."""
+"""Width and height of the images [px]; the page says w and h."""
 _UNITS = {"pose": "", "hinge": " [rad]", "slider": " [m]"}
 _TYPE = re.compile(r",? (uint8|int32|float32) \(h, w(, 3)?\)")
 
@@ -33,7 +33,7 @@ MISC: Mapping[str, str] = {
     "variation_index": "Variation of the episode.",
     "descriptions": "Instructions of the episode.",
     "joint_poses": "Pose of each arm joint in the world, base first; `ObservationConfig(joint_poses=False)` leaves them out.",
-    "mask_names": "Id in masks -> name of the thing; where a mask is asked for.",
+    "mask_names": "Id in masks -> name of the element; where a mask is requested.",
     "<camera>_camera_extrinsics": "Camera to world.",
     "<camera>_camera_intrinsics": "Pixels from camera coordinates; focal lengths are negative.",
     "<camera>_camera_near": "Near plane [m].",
@@ -53,7 +53,7 @@ MISC: Mapping[str, str] = {
 
 
 def everything() -> ObservationConfig:
-    """Return settings with everything switched on and small pictures."""
+    """Return settings with everything switched on and small images."""
     config = ObservationConfig()
     config.set_all(True)
     for camera in config.cameras().values():
@@ -87,7 +87,7 @@ def parts() -> dict[str, str]:
 
 
 def shape_of(value: Any) -> str:
-    """Return shape and type of a value of an observation, with w and h for the size of pictures."""
+    """Return shape and type of a value of an observation, with w and h for the size of images."""
     if isinstance(value, list | tuple):
         return f"{type(value).__name__} of {shape_of(value[0])}"
     if not isinstance(value, np.ndarray):

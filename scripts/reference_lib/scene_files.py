@@ -15,8 +15,8 @@ from reference_lib.docs import attribute_docs, doc_of, shown, table
 from rlbench_pin.errors import shown as shortened
 from rlbench_pin.scene.reader import SHORT_KEYS, TablePlacement
 from rlbench_pin.scene.spec import (
-    MOST_THINGS,
-    MOST_WAYPOINTS,
+    MAX_ELEMENTS,
+    MAX_WAYPOINTS,
     ArcSpec,
     Kind,
     PlacementSpec,
@@ -28,7 +28,7 @@ from rlbench_pin.scene.spec import (
 
 INNER: Mapping[str, type[Spec]] = {"joint.spring": SpringSpec, "waypoint.arc": ArcSpec}
 """Tables inside tables."""
-_SHORT_TYPES = {"rpy": ("3 numbers", "rad", "-2 pi to 2 pi"), "poses": ("list of pose", "m, rad", f"at most {MOST_THINGS}")}
+_SHORT_TYPES = {"rpy": ("3 numbers", "rad", "-2 pi to 2 pi"), "poses": ("list of pose", "m, rad", f"at most {MAX_ELEMENTS}")}
 HEAD = ("Key", "Type", "Unit", "Default", "Bounds", "Meaning")
 
 
@@ -58,7 +58,7 @@ def record_in(annotation: Any) -> type[BaseModel] | None:
 def _section(name: str, record: type[BaseModel]) -> str:
     """Say what a table is, then its keys but those that everything with a place has."""
     own = [key for key in record.model_fields if not (issubclass(record, PosedSpec) and key in PosedSpec.model_fields)]
-    most = "" if name in (*INNER, "placement") else f" At most {MOST_WAYPOINTS if name == 'waypoint' else MOST_THINGS}."
+    most = "" if name in (*INNER, "placement") else f" At most {MAX_WAYPOINTS if name == 'waypoint' else MAX_ELEMENTS}."
     what = doc_of(PlacementSpec if name == "placement" else record).first + most
     return f"{what}\n\n{_table(record, own)}" if own else what
 

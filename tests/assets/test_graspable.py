@@ -1,4 +1,4 @@
-"""The Panda's hand fits where it has to: handles, knobs, meats and blocks."""
+"""The Panda's gripper fits where it has to: handles, knobs, meats and blocks."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def _gap(shape: object, place: pin.SE3, other: object, other_place: pin.SE3) -> 
 
 @pytest.mark.parametrize(("name", "turn", "place", "width"), CASES)
 def test_the_open_hand_reaches_the_grasp(name: str, turn: FloatArray, place: tuple[float, float, float], width: float) -> None:
-    """On the last 10 cm of a straight approach and at the grasp the open hand touches neither the object nor the table."""
+    """On the last 10 cm of a straight approach and at the grasp the open gripper touches neither the object nor the table."""
     for back in (0.1, 0.06, 0.03, 0.015, 0.0):
         away = tuple(np.array(place) - back * turn[:, 2])
         gaps = [_gap(s, m, o, om) for _, s, m in _hand(turn, away, 0.04) for o, om in _object(name)]
@@ -86,7 +86,7 @@ def test_the_open_hand_reaches_the_grasp(name: str, turn: FloatArray, place: tup
 
 @pytest.mark.parametrize(("name", "turn", "place", "width"), CASES)
 def test_both_fingers_meet_the_object(name: str, turn: FloatArray, place: tuple[float, float, float], width: float) -> None:
-    """Closed a little below the width of the thing, both fingers press on it and the hand itself stays free."""
+    """Closed a little below the width of the thing, both fingers press on it and the gripper itself stays free."""
     parts = tuple(_object(name))
     gaps = {link: [] for link in HAND}
     for link, shape, at in _hand(turn, place, width / 2.0 - 0.004):

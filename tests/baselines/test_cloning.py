@@ -21,7 +21,7 @@ from rlbench_pin.baselines.cloning import (  # noqa: E402
     policy,
     train_cloning,
 )
-from rlbench_pin.baselines.cloning.model import CHUNK, PICTURE, encode_sentence, make_examples, nearest_sentence  # noqa: E402  # noqa: E402
+from rlbench_pin.baselines.cloning.model import CHUNK, IMAGE_SIZE, encode_sentence, make_examples, nearest_sentence  # noqa: E402  # noqa: E402
 from rlbench_pin.baselines.cloning.training import MODEL, SETTINGS, SHIFT, read_tensors, shifted  # noqa: E402  # noqa: E402
 from rlbench_pin.datasets import DatasetWriter  # noqa: E402
 from rlbench_pin.errors import DatasetError  # noqa: E402
@@ -59,13 +59,13 @@ def test_chunks_hold_the_commands_that_follow() -> None:
     assert examples.targets.shape == (2 * (FRAMES - 1), CHUNK, 7)
     np.testing.assert_array_equal(examples.targets[0], commands[:CHUNK, :7])
     np.testing.assert_array_equal(examples.targets[FRAMES - 2], np.repeat(commands[-1:, :7], CHUNK, axis=0))
-    np.testing.assert_array_equal(examples.hand[FRAMES - 4], np.zeros(CHUNK))
+    np.testing.assert_array_equal(examples.gripper[FRAMES - 4], np.zeros(CHUNK))
     assert examples.instructions == SENTENCES
     assert examples.time[FRAMES - 2, 0] == pytest.approx(0.05 * (FRAMES - 2))
 
 
 def test_demonstrations_that_lack_something_are_refused() -> None:
-    """No demonstration, no actions, no task state, no pictures: each is said."""
+    """No demonstration, no actions, no task state, no images: each is said."""
     with pytest.raises(DatasetError, match="no demonstrations"):
         make_examples([])
     demo = gliding_demo(1)
@@ -120,7 +120,7 @@ def test_a_checkpoint_of_other_settings_is_refused(root: Path, tmp_path: Path) -
 
 
 def test_the_policy_does_what_was_learned(root: Path, tmp_path: Path) -> None:
-    """Played without physics it ends where the task state says, and closes the hand; twice the same, and from files alone."""
+    """Played without physics it ends where the task state says, and closes the gripper; twice the same, and from files alone."""
     assert train_cloning([root], "reach_target", tmp_path / "m", TrainConfig(steps=250, batch=64))
     acting = policy(str(tmp_path / "m"))
     assert isinstance(acting, Policy)
@@ -155,16 +155,16 @@ def test_pictures_take_the_place_of_the_state(root: Path, tmp_path: Path) -> Non
     assert acting.obs_config.front_camera.rgb and not acting.obs_config.wrist_camera.rgb
     acting.reset(SENTENCES[0], CONTEXT)
     assert acting.act(Observation(joint_positions=np.zeros(7), gripper_open=1.0, front_rgb=demos[0][0].front_rgb)).shape == (8,)
-    assert make_examples(demos, ["front"]).pictures.shape[1:] == (1, PICTURE, PICTURE, 3)
+    assert make_examples(demos, ["front"]).images.shape[1:] == (1, IMAGE_SIZE, IMAGE_SIZE, 3)
 
 
 def test_pictures_are_moved_by_some_pixels() -> None:
     """Each by its own way, all of it alike; what comes in at a border repeats it."""
     rng = np.random.default_rng(3)
-    pictures = rng.integers(0, 255, size=(6, 2, 12, 12, 3), dtype=np.uint8)
-    moved = shifted(pictures, rng)
+    images = rng.integers(0, 255, size=(6, 2, 12, 12, 3), dtype=np.uint8)
+    moved = shifted(images, rng)
     ways = set()
-    for before, after in zip(pictures.reshape(-1, 12, 12, 3), moved.reshape(-1, 12, 12, 3), strict=True):
+    for before, after in zip(images.reshape(-1, 12, 12, 3), moved.reshape(-1, 12, 12, 3), strict=True):
         padded = np.pad(before, ((SHIFT, SHIFT), (SHIFT, SHIFT), (0, 0)), mode="edge")
         found = [
             (y, x) for y in range(2 * SHIFT + 1) for x in range(2 * SHIFT + 1) if (padded[y : y + 12, x : x + 12] == after).all()

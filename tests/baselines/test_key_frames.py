@@ -23,9 +23,9 @@ from rlbench_pin.baselines.key_frames.examples import (  # noqa: E402  # noqa: E
     POINT,
     WHOLE,
     Cloud,
+    Conditioning,
     Example,
     Frame,
-    Told,
     axes_of,
     demo_examples,
     likeness,
@@ -111,19 +111,19 @@ def test_near_points_are_those_in_the_ball_or_the_nearest() -> None:
 def test_a_sight_is_a_sample_in_a_frame_with_the_tip_at_its_end(arm: RobotModel) -> None:
     """The same from a frame that moved with the scene; points are told how like they are to the colours of the sentence."""
     cloud = overview(make_cloud(look(BALL), arm))
-    told = Told("Push the blue one, then the red one.", pose_at((0.2, 0.1, 1.0), np.pi, 0.2, 0.3), 1.0, 2)
+    conditioning = Conditioning("Push the blue one, then the red one.", pose_at((0.2, 0.1, 1.0), np.pi, 0.2, 0.3), 1.0, 2)
     sample = whole(cloud, np.random.default_rng(0))
-    found = sight(sample, told, OVERVIEW)
+    found = sight(sample, conditioning, OVERVIEW)
     assert found.points.shape == (WHOLE, POINT) and found.neighbours.shape == (WHOLE, NEIGHBOURS)
-    np.testing.assert_allclose(found.points[-1, :3], told.tip[:3] - OVERVIEW.origin, atol=1e-6)
+    np.testing.assert_allclose(found.points[-1, :3], conditioning.tip[:3] - OVERVIEW.origin, atol=1e-6)
     assert found.points[-1, -1] == 1.0 and not found.points[:-1, -1].any()
     red = (sample.colors == (255, 0, 0)).all(axis=1)
     assert (found.points[:-1][red, 7] > 0.9).all() and (found.points[:-1][red, 6] < 0.1).all()
     rotation, shift = turn(np.array([0.0, 0.0, 0.4])), np.array([0.1, -0.2, 0.0])
-    tip = pose_from(rotation @ told.tip[:3] + shift, (axes_of(told.tip).reshape(2, 3) @ rotation.T).ravel())
+    tip = pose_from(rotation @ conditioning.tip[:3] + shift, (axes_of(conditioning.tip).reshape(2, 3) @ rotation.T).ravel())
     moved = Cloud((sample.points @ rotation.T + shift).astype(np.float32), sample.colors)
     frame = Frame(rotation @ OVERVIEW.origin + shift, rotation)
-    same = sight(moved, Told(told.sentence, tip, 1.0, 2), frame)
+    same = sight(moved, Conditioning(conditioning.sentence, tip, 1.0, 2), frame)
     np.testing.assert_allclose(same.points, found.points, atol=1e-5)
     np.testing.assert_allclose(same.context, found.context, atol=1e-6)
 

@@ -52,8 +52,9 @@ Capture = pytest.CaptureFixture[str]
 
 
 def tiny(algorithm: str, shaped: bool = True, **changes: int) -> ReinforcementConfig:
-    """Return a training of three legs that takes a second."""
-    settings = {"steps": 48, "leg_steps": 16, "episode_steps": 4, "validation_episodes": 2, "imitation_steps": 20, **changes}
+    """Return a training of three segments that takes a second."""
+    counts = {"steps": 48, "episode_steps": 4, "validation_episodes": 2, "imitation_steps": 20}
+    settings = {**counts, "checkpoint_steps": 16, **changes}
     return ReinforcementConfig(algorithm, TASK, shaped=shaped, **settings)  # type: ignore[arg-type]
 
 
@@ -117,7 +118,7 @@ def test_demonstrations_succeed_with_the_actions_of_the_learner(env: LearningEnv
         ({"steps": 2.5}, InvalidArgument, "steps"),
         ({"demonstrations": -1}, InvalidArgument, "demonstrations"),
         ({"shaped": "yes"}, InvalidArgument, "shaped"),
-        ({"workers": 300}, InvalidArgument, "leg_steps"),
+        ({"workers": 300}, InvalidArgument, "checkpoint_steps"),
         ({"episode_steps": 0}, InvalidArgument, "episode_steps"),
         ({"seed": -1}, InvalidArgument, "seed"),
     ],
@@ -137,7 +138,7 @@ def test_a_task_without_a_reward_of_its_own_is_said(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("algorithm", "demonstrations"), [("ppo", 1), ("sac", 1)])
 def test_training_that_was_ended_goes_on_to_the_same_files(algorithm: str, demonstrations: int, tmp_path: Path) -> None:
-    """Ended within the second leg, and begun again: weights, check point, curve and picture have the same bytes."""
+    """Ended within the second segment, and begun again: weights, checkpoint, curve and image have the same bytes."""
     config = tiny(algorithm, demonstrations=demonstrations, episode_steps=30 if demonstrations else 4)
     assert train_reinforcement(config, tmp_path / "a")
     stop = threading.Event()
@@ -155,8 +156,8 @@ def test_training_that_was_ended_goes_on_to_the_same_files(algorithm: str, demon
 
 @pytest.mark.slow
 def test_a_killed_training_goes_on_to_the_same_files(tmp_path: Path, capsys: Capture) -> None:
-    """`kill -9` in the middle of the second leg, then `--resume`."""
-    words = ("train", "ppo", TASK, "--steps", "48", "--leg", "16", "--episode-steps", "4", "--out")
+    """`kill -9` in the middle of the second segment, then `--resume`."""
+    words = ("train", "ppo", TASK, "--steps", "48", "--checkpoint-steps", "16", "--episode-steps", "4", "--out")
     assert exit_code(*words, str(tmp_path / "a")) == 0
     assert f"ppo:{tmp_path / 'a'}" in capsys.readouterr().out
     process = subprocess.Popen(
@@ -212,7 +213,7 @@ def test_wrong_folders_and_damaged_files_are_named(trained: tuple[str, Path], tm
     algorithm, out = trained
     with pytest.raises(PolicyReferenceError, match=f"rlbench-pin train {algorithm}"):
         find_policy(f"{algorithm}:{tmp_path}")
-    assert find_policy(f"{algorithm}:{out}").place == "process"
+    assert find_policy(f"{algorithm}:{out}").place == "subprocess"
     with pytest.raises(ModelFileError, match="kind"):
         policy(str(out), "sac" if algorithm == "ppo" else "ppo")
     with pytest.raises(NoPolicy, match="ppo or sac"):
@@ -238,7 +239,7 @@ def test_wrong_folders_and_damaged_files_are_named(trained: tuple[str, Path], tm
 
 
 def test_curves_hold_intervals_and_are_drawn_alike(trained: tuple[str, Path], tmp_path: Path) -> None:
-    """A point before the first leg and one after each; the same points give the same picture."""
+    """A point before the first segment and one after each; the same points give the same image."""
     _, out = trained
     rows = json.loads((out / TASK / CURVE).read_text())
     assert [row["steps"] for row in rows][:4] == [0, 16, 32, 48]
@@ -259,7 +260,7 @@ def test_curves_hold_intervals_and_are_drawn_alike(trained: tuple[str, Path], tm
         (("sac", "reach_targt"), "reach_target"),
         (("sac", TASK, "--steps", "0"), "--steps"),
         (("sac", TASK, "--workers", "0"), "--workers"),
-        (("sac", TASK, "--leg", "9", "--workers", "2"), "leg_steps"),
+        (("sac", TASK, "--checkpoint-steps", "9", "--workers", "2"), "checkpoint_steps"),
         (("ppo", TASK, "--demonstrations", "-1"), "--demonstrations"),
         (("ppo", "push_button", "--shaped"), "no shaped reward"),
         (("ppo", TASK, "--plot", "curve.pdf"), ".png or .svg"),
@@ -275,7 +276,7 @@ def test_misuse_is_named(words: tuple[str, ...], hint: str, tmp_path: Path, caps
 @pytest.mark.slow
 def test_sac_learns_and_is_evaluated(tmp_path: Path) -> None:
     """Two hundred decisions after twenty demonstrations; the evaluation of what comes of them is better than chance."""
-    words = ("--steps", "256", "--leg", "128", "--demonstrations", "20", "--out", str(tmp_path / "m"))
+    words = ("--steps", "256", "--checkpoint-steps", "128", "--demonstrations", "20", "--out", str(tmp_path / "m"))
     assert exit_code("train", "sac", TASK, *words) == 0
     out = tmp_path / "results.json"
     assert exit_code("evaluate", f"sac:{tmp_path / 'm'}", "--tasks", TASK, "--episodes", "10", "--out", str(out)) == 0

@@ -16,7 +16,7 @@ from viser import ViserServer
 from websockets.datastructures import Headers
 from websockets.http11 import Request
 
-from rlbench_pin.builder.server import LARGEST_UPLOAD, AccessRules, LocalServer, ServerError
+from rlbench_pin.builder.server import MAX_UPLOAD_SIZE, AccessRules, LocalServer, ServerError
 from tests.builder.raw_page import PART, RawPage
 
 TOKEN = "abcdefghijklmnop"
@@ -172,7 +172,7 @@ def test_the_content_of_a_too_large_upload_is_ignored() -> None:
             received.append((button.value.name, len(button.value.content)))
 
         page = RawPage((server.port, server.token), button._impl.uuid)
-        assert page.upload("one", LARGEST_UPLOAD + 1, name="statue.obj")
+        assert page.upload("one", MAX_UPLOAD_SIZE + 1, name="statue.obj")
         assert page.upload("two", 3 * PART, name="small.obj")
         end = time.monotonic() + 20.0
         while len(received) < 2 and time.monotonic() < end:

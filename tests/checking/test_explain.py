@@ -1,4 +1,4 @@
-"""Failures say why, with evidence and a picture."""
+"""Failures say why, with evidence and an image."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def test_only_planning_errors_have_evidence() -> None:
 
 
 def test_problems_are_exported_and_read_back(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Each leg is a file that holds a problem."""
+    """Each segment is a file with a problem."""
     assert main(["problems", "export", "reach_target", "--episodes", "1", "--out", str(tmp_path)]) == 0
     files = sorted(tmp_path.glob("reach_target_*.json"))
     assert files

@@ -14,7 +14,7 @@ from rlbench_pin.tasks import Waypoint
 
 
 class _FailsTwice(Listener):
-    """Ends the first two demonstrations before their first leg, and notes where each began."""
+    """Ends the first two demonstrations before their first segment, and notes where each began."""
 
     def __init__(self, task: TaskEnvironment) -> None:
         self._task = task

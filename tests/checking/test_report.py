@@ -203,15 +203,15 @@ def test_reach_is_counted_by_waypoint() -> None:
 
 
 def test_the_page_shows_what_the_json_holds() -> None:
-    """Tables of tasks, variations and legs, the slowest with the reason, and pictures where there are some."""
+    """Tables of tasks, variations and segments, the slowest with the reason, and images where there are some."""
     slower = replace(DEMO, cost=replace(DEMO.cost, process=1.0, physics=0.8))
     demos = [replace(GOOD, task="stack_blocks", seed=i, variation=i % 3, demo=slower) for i in range(20)]
     slow = [*demos, *(replace(t, task="stack_blocks") for t in _trials(0))]
     content = _content(summarise("push_button", _trials()), summarise("stack_blocks", slow))
-    text = page(content, {"push_button": {"sheet": "pictures/push_button.jpg"}})
+    text = page(content, {"push_button": {"sheet": "images/push_button.jpg"}})
     assert "2 of 2 pass" in text
     assert "| [`push_button`](#push_button) | 3 | 100 % (84 to 100) | 20/20 |" in text
-    assert "![push_button, sheet](pictures/push_button.jpg)" in text
+    assert "![push_button, sheet](images/push_button.jpg)" in text
     assert "| 1 | 100 % (65 to 100) | 7/7 | Press button 1. |" in text
     assert "| 1 | 20 | 40 ms | 40 ms | 3.00 s | 3.00 s | search 20 |" in text
     slowest = text[text.index("## The slowest") :]

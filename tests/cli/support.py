@@ -6,7 +6,7 @@ from rlbench_pin.cli.main import main
 
 TASK = "reach_target"
 RECORD = ("record", TASK, "--workers", "0", "--products")
-"""Records episodes of `TASK` without pictures, in this process."""
+"""Records episodes of `TASK` without images, in this process."""
 
 
 def exit_code(*arguments: str) -> int:

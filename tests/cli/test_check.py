@@ -34,8 +34,8 @@ def _without_times(report: dict[str, Any]) -> dict[str, Any]:
     return report
 
 
-def test_a_report_folder_holds_page_data_and_pictures(tmp_path: Path, capsys: Capture) -> None:
-    """Every part of the contract is in the JSON, and each picture that the page names is there."""
+def test_a_report_folder_holds_page_data_and_images(tmp_path: Path, capsys: Capture) -> None:
+    """Every part of the contract is in the JSON, and each image that the page names is there."""
     assert main(["check", "reach_target", *QUICK, "--out", str(tmp_path)]) == 0
     assert str(tmp_path / "report.md") in capsys.readouterr().out
     report = json.loads((tmp_path / "report.json").read_text())["tasks"]["reach_target"]
@@ -46,7 +46,7 @@ def test_a_report_folder_holds_page_data_and_pictures(tmp_path: Path, capsys: Ca
     assert [(segment["waypoint"], segment["count"]) for segment in report["segments"]] == [(0, 6)]
     assert report["speed"]["physics_share"] + report["speed"]["planning_share"] < 1.0
     page = (tmp_path / "report.md").read_text()
-    for picture in ("pictures/reach_target.jpg", "pictures/reach_target_reach.png"):
+    for picture in ("images/reach_target.jpg", "images/reach_target_reach.png"):
         assert f"]({picture})" in page
         with Image.open(tmp_path / picture) as image:
             assert image.width > 400
@@ -145,12 +145,12 @@ def test_a_dead_worker_is_explained(monkeypatch: pytest.MonkeyPatch) -> None:
         def __init__(self, workers: int) -> None:
             pass
 
-        def map(self, worker: object, items: Sequence[Item], stop: object) -> Iterator[GivenUp[Item]]:
+        def map(self, worker: object, items: Sequence[Item], stop: object, max_deaths: int) -> Iterator[GivenUp[Item]]:
             yield GivenUp(items[0], "worker died: 3 times, the last with SIGKILL")
 
     monkeypatch.setattr(run, "ProcessEngine", Dying)
     items = [Item("reach_target", "demos", (seed,), 1) for seed in (0, 1)]
-    with pytest.raises(RlbenchPinError, match="'demos' of 'reach_target'.* died.*goes on from here"):
+    with pytest.raises(RlbenchPinError, match="'demos' of 'reach_target'.* died.*continues from here"):
         run.run_trials(items, 2, TrialJournal(None, ["reach_target"]))
 
 

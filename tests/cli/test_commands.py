@@ -53,7 +53,7 @@ def test_an_unknown_variation_is_misuse(tmp_path: Path, capsys: Capture) -> None
 
 
 def test_demo_writes_an_episode(tmp_path: Path, capsys: Capture) -> None:
-    """The episode holds pictures of the size asked for, depth, and a passing checksum; twice is once."""
+    """The episode holds images of the size asked for, depth, and a passing checksum; twice is once."""
     arguments = ("demo", "reach_target", "--seed", "4", "--out", str(tmp_path), "--no-video", "--json")
     options = ("--image-size", "24", "16", "--cameras", "front", "wrist")
     assert exit_code(*arguments, *options) == 0
@@ -73,8 +73,8 @@ def test_demo_writes_an_episode(tmp_path: Path, capsys: Capture) -> None:
 
 
 @pytest.mark.slow
-def test_demo_films(tmp_path: Path, capsys: Capture) -> None:
-    """The film lies beside the episode, runs in real time and shows motion."""
+def test_demo_videos(tmp_path: Path, capsys: Capture) -> None:
+    """The video lies beside the episode, runs in real time and shows motion."""
     assert exit_code("demo", "take_lid_off_saucepan", "--out", str(tmp_path), "--cameras", "front") == 0
     out = capsys.readouterr().out
     film = tmp_path / "take_lid_off_saucepan" / "variation0" / "videos" / "episode0.mp4"
@@ -82,10 +82,10 @@ def test_demo_films(tmp_path: Path, capsys: Capture) -> None:
     with av.open(str(film)) as container:
         stream = container.streams.video[0]
         assert (stream.width, stream.height, float(stream.average_rate)) == (640, 480, 20.0)
-        pictures = [frame.to_ndarray(format="rgb24").astype(int) for frame in container.decode(stream)]
-    assert len(pictures) > 60
-    assert np.abs(pictures[0] - pictures[-1]).max() > 50
-    assert not list(tmp_path.glob(".film*"))
+        images = [frame.to_ndarray(format="rgb24").astype(int) for frame in container.decode(stream)]
+    assert len(images) > 60
+    assert np.abs(images[0] - images[-1]).max() > 50
+    assert not list(tmp_path.glob(".recording*"))
 
 
 @pytest.mark.slow

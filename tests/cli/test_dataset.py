@@ -21,7 +21,7 @@ MonkeyPatch = pytest.MonkeyPatch
 
 
 def test_info_counts(made_up: Path, capsys: Capture) -> None:
-    """Episodes, frames, lengths, pictures and versions, for people and for programs."""
+    """Episodes, frames, lengths, images and versions, for people and for programs."""
     assert exit_code("dataset", "info", str(made_up)) == 0
     out = capsys.readouterr().out
     assert "2..3..4" in out
@@ -29,7 +29,7 @@ def test_info_counts(made_up: Path, capsys: Capture) -> None:
     assert exit_code("dataset", "info", str(made_up), "--json") == 0
     (info,) = json.loads(capsys.readouterr().out)
     assert (info["task"], info["episodes"], info["frames"], info["longest"]) == (TASK, 3, 9, 4)
-    assert info["pictures"]["front_rgb"] == [12, 16, 3]
+    assert info["images"]["front_rgb"] == [12, 16, 3]
 
 
 def test_verify_names_every_bad_file(made_up: Path, capsys: Capture) -> None:
@@ -69,8 +69,8 @@ def test_merge_copies(made_up: Path, tmp_path: Path, capsys: Capture) -> None:
     assert "but differ" in capsys.readouterr().err
 
 
-def test_rerender_gives_the_same_motion_new_pictures(tmp_path: Path, capsys: Capture) -> None:
-    """From the files, from the manifest alone, and from a list of seeds: the same joints, and the pictures asked for."""
+def test_rerender_gives_the_same_motion_new_images(tmp_path: Path, capsys: Capture) -> None:
+    """From the files, from the manifest alone, and from a list of seeds: the same joints, and the images asked for."""
     source = tmp_path / "source"
     assert exit_code(*RECORD, "--episodes", "1", "--out", str(source)) == 0
     assert exit_code("dataset", "seeds", str(source), str(tmp_path / "seeds.json")) == 0
@@ -126,7 +126,7 @@ def test_rerender_refuses_nonsense(made_up: Path, tmp_path: Path, capsys: Captur
     assert "Choose another folder" in capsys.readouterr().err
     (tmp_path / "seeds.json").write_text("[]")
     assert exit_code("dataset", "rerender", str(tmp_path / "seeds.json"), "--out", str(tmp_path / "out")) == 1
-    assert "holds no list of seeds" in capsys.readouterr().err
+    assert "is not a list of seeds" in capsys.readouterr().err
     assert exit_code("dataset", "rerender", str(made_up), "--out", str(tmp_path / "out"), "--tasks", "push_button") == 1
     assert "push_button" in capsys.readouterr().err
 

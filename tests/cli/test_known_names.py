@@ -54,9 +54,9 @@ def test_the_flags_of_upstream_mean_what_they_mean_there(asked: dict[str, Any], 
     assert (asked["out"], asked["engine"]) == (tmp_path, 3)
     assert config == RecordConfig(
         tasks=("reach_target", "push_button"), episodes=5, per_variation=True, variations=2,
-        max_velocity=0.5, max_acceleration=2.0, pictures=ImageConfig(image_size=(64, 48), render_mode="opengl"),
+        max_velocity=0.5, max_acceleration=2.0, images=ImageConfig(image_size=(64, 48), render_mode="opengl"),
     )  # fmt: skip
-    assert config.pictures.obs_config().camera("front").render_mode == "opengl"
+    assert config.images.obs_config().camera("front").render_mode == "opengl"
     assert len(plan_items(config)) == 20
 
 
@@ -65,7 +65,7 @@ def test_the_absl_style_is_understood(asked: dict[str, Any], flag: tuple[str, ..
     """Commas in lists and pairs, `=`, and episodes that are spread over all variations."""
     config = config_of(asked, "--tasks=reach_target,push_button", "--image_size=64,48", "--episodes_per_task=7", *flag)
     assert config.tasks == ("reach_target", "push_button")
-    assert config.pictures.image_size == (64, 48)
+    assert config.images.image_size == (64, 48)
     assert (config.episodes, config.per_variation) == (7, False)
     assert config_of(asked, TASK, "--all_variations=False").per_variation
 

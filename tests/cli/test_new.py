@@ -74,8 +74,8 @@ def _write_files(language: str, folder: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "says"),
     [
-        ("Touch It", "no name of a task"),
-        ("touch\n", "no name of a task"),
+        ("Touch It", "not a name of a task"),
+        ("touch\n", "not a name of a task"),
         ("reach_target", "exists already"),
         ("import", "Python's own"),
         ("true", "Python's own"),

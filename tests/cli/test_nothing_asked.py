@@ -84,21 +84,21 @@ def test_numbers_that_ask_for_nothing(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_films_that_cannot_be(tmp_path: Path, capsys: Capture) -> None:
-    """An odd size, a speed that is no number; a misspelt task is found before the first film."""
+def test_videos_that_cannot_be(tmp_path: Path, capsys: Capture) -> None:
+    """An odd size, a speed that is no number; a misspelt task is found before the first video."""
     for words, says in (
         (("--size", "33", "48"), "even width and height"),
         (("--speed", "nan"), "--speed is nan"),
         (("push_buton",), "Did you mean 'push_button'"),
     ):
-        assert exit_code("video", TASK, *words, "--out", str(tmp_path / "films")) == 2
+        assert exit_code("video", TASK, *words, "--out", str(tmp_path / "videos")) == 2
         assert says in capsys.readouterr().err
-        assert not (tmp_path / "films").exists()
+        assert not (tmp_path / "videos").exists()
 
 
-def test_a_picture_of_no_known_kind(tmp_path: Path, capsys: Capture) -> None:
+def test_a_image_of_no_known_kind(tmp_path: Path, capsys: Capture) -> None:
     """The ends of names that are possible."""
-    assert exit_code("view", TASK, "--out", str(tmp_path / "picture.xyz")) == 2
+    assert exit_code("view", TASK, "--out", str(tmp_path / "image.xyz")) == 2
     assert ".png, .jpg, .jpeg" in capsys.readouterr().err
 
 

@@ -31,8 +31,8 @@ def test_check_view_demo_and_video(mine: str, capsys: Capture) -> None:
     assert exit_code("demo", mine, "--no-video", "--image-size", "16", "16", "--cameras", "front", "--out", "d") == 0
     assert list(Path("d/touch_it").glob("variation*/episodes/*.h5"))
     assert Path("d/touch_it/task_file/touch_it.toml").is_file()
-    assert exit_code("video", mine, "--size", "64", "64", "--out", "films") == 0
-    assert Path("films/touch_it.mp4").is_file()
+    assert exit_code("video", mine, "--size", "64", "64", "--out", "videos") == 0
+    assert Path("videos/touch_it.mp4").is_file()
 
 
 def test_problems(mine: str, capsys: Capture) -> None:

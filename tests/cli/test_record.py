@@ -82,13 +82,13 @@ def test_resuming_nothing_is_an_error(tmp_path: Path, capsys: Capture) -> None:
     assert "rlbench-pin record TASK... --out" in capsys.readouterr().err
 
 
-def test_pictures_are_those_asked_for(tmp_path: Path) -> None:
+def test_images_are_those_asked_for(tmp_path: Path) -> None:
     """Cameras, products and size are as on the command line; depth is exact."""
     options = ("--cameras", "front", "wrist", "--products", "rgb", "depth", "--image-size", "32", "24", "--episodes", "1")
     assert exit_code("record", TASK, "--workers", "0", *options, "--out", str(tmp_path)) == 0
     demo = read_demo(episode_files(tmp_path, TASK)[0])
-    pictures = {name for name, value in vars(demo[0]).items() if isinstance(value, np.ndarray) and value.ndim >= 2}
-    assert pictures - {"gripper_matrix"} == {"front_rgb", "front_depth", "wrist_rgb", "wrist_depth"}
+    images = {name for name, value in vars(demo[0]).items() if isinstance(value, np.ndarray) and value.ndim >= 2}
+    assert images - {"gripper_matrix"} == {"front_rgb", "front_depth", "wrist_rgb", "wrist_depth"}
     assert demo[0].front_rgb is not None
     assert demo[0].front_rgb.shape == (24, 32, 3)
     assert len({np.asarray(obs.wrist_rgb).tobytes() for obs in demo}) > 5

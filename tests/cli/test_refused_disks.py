@@ -24,7 +24,7 @@ from tests.demos_for_tests import mounted, simulate_full_disk
 
 Capture = pytest.CaptureFixture[str]
 WRITERS = [
-    ("view", TASK, "--out", "OUT/picture.png"),
+    ("view", TASK, "--out", "OUT/image.png"),
     ("video", TASK, "--out", "OUT"),
     ("video", TASK, "--grid", "--out", "OUT"),
     ("new", "touch_it", "--out", "OUT"),
@@ -108,10 +108,10 @@ def test_a_problem_is_whole_or_not_there(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("words", [WRITERS[1], WRITERS[2]], ids=" ".join)
-def test_a_film_on_a_disk_that_fills_up(
+def test_a_video_on_a_disk_that_fills_up(
     words: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
-    """FFmpeg is refused in the middle of the film: the path is named, and no half of it is left."""
+    """FFmpeg is refused in the middle of the video: the path is named, and no half of it is left."""
     noise = np.random.default_rng(0)
 
     def play(self: video_command.Video, task: TaskEnvironment, orbit: Orbit, add: object) -> None:
@@ -120,15 +120,15 @@ def test_a_film_on_a_disk_that_fills_up(
 
     monkeypatch.setattr(video_command.Video, "_play", play)
     with short_files(200_000):
-        assert exit_code(*at(tmp_path / "films", words)) == 1
+        assert exit_code(*at(tmp_path / "videos", words)) == 1
     err = capsys.readouterr().err
-    assert f"'{tmp_path}/films/" in err
+    assert f"'{tmp_path}/videos/" in err
     assert ".mp4' cannot be written: File too large" in err
-    assert list((tmp_path / "films").iterdir()) == []
+    assert list((tmp_path / "videos").iterdir()) == []
 
 
 def test_a_demonstration_on_a_disk_that_fills_up(tmp_path: Path, capsys: Capture) -> None:
-    """The film beside it is refused first; neither film nor episode is left."""
+    """The video beside it is refused first; neither video nor episode is left."""
     with short_files(20_000):
         assert exit_code("demo", TASK, "--out", str(tmp_path / "data"), "--image-size", "8", "8") == 1
     assert "cannot be written: File too large" in capsys.readouterr().err
@@ -146,7 +146,7 @@ def test_a_journal_on_a_disk_that_fills_up(tmp_path: Path, capsys: Capture) -> N
 
 
 @pytest.mark.parametrize("name", ["a:b/c:d.mp4", "http:/x.mp4", "file:x.mp4", "%d.mp4", "-x.mp4", "a b\n.mp4", "ü.mp4"])
-def test_films_with_odd_names(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_videos_with_odd_names(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """FFmpeg takes no part of a path for a protocol or a pattern."""
     monkeypatch.chdir(tmp_path)
     with VideoWriter(Path(name), (32, 32)) as video:

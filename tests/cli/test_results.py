@@ -27,17 +27,17 @@ def test_tables(files: tuple[str, str], capsys: Captured) -> None:
     assert main(["results", *files]) == 0
     text = capsys.readouterr().out
     assert text.startswith("first\n\ntask ") and "\n\nsecond\n\ntask " in text and "Success, with its interval" in text
-    assert "compared" not in text and "30 episodes of a task tell little" in text
+    assert "compared" not in text and "30 episodes of a task give wide intervals" in text
     assert main(["results", files[0], "--markdown"]) == 0
     assert "| reach_target " in capsys.readouterr().out
 
 
-def test_a_comparison_and_a_picture(files: tuple[str, str], tmp_path: Path, capsys: Captured) -> None:
+def test_a_comparison_and_a_image(files: tuple[str, str], tmp_path: Path, capsys: Captured) -> None:
     """Of every further file with the first."""
-    picture = tmp_path / "new" / "plot.svg"
-    assert main(["results", *files, "--compare", "--plot", str(picture)]) == 0
+    image = tmp_path / "new" / "plot.svg"
+    assert main(["results", *files, "--compare", "--plot", str(image)]) == 0
     assert "'second' is better" in capsys.readouterr().out
-    assert picture.read_text().startswith("<?xml")
+    assert image.read_text().startswith("<?xml")
 
 
 def test_json(files: tuple[str, str], capsys: Captured) -> None:
@@ -87,6 +87,6 @@ def test_a_comparison_can_be_forced(files: tuple[str, str], tmp_path: Path, caps
     other = write_results(tmp_path / "c.json", results({"reach_target": "1" * 30}, "third", limits={"max_steps": 1}))
     assert main(["results", files[0], str(other), "--compare", "--common"]) == 1
     assert "--any-limits" in capsys.readouterr().err
-    assert main(["results", files[0], str(other), "--compare", "--common", "--any-limits", "--held"]) == 0
-    assert "third compared with first: success that lasts" in (text := capsys.readouterr().out)
+    assert main(["results", files[0], str(other), "--compare", "--common", "--any-limits", "--stable"]) == 0
+    assert "third compared with first: stable success" in (text := capsys.readouterr().out)
     assert "max_steps is 200 in the first and 1 in the second" in text

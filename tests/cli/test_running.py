@@ -122,7 +122,7 @@ def test_the_version(capsys: Capture) -> None:
         (OSError(28, "No space left on device"), 1, "the output cannot be written: No space left on device."),
         (FileNotFoundError(2, "No such file or directory", "x/y"), 1, "'x/y': No such file or directory."),
         (MemoryError(), 1, "not enough memory"),
-        (UnicodeEncodeError("utf-8", "\udcff", 0, 1, "surrogates not allowed"), 1, "a name is no text"),
+        (UnicodeEncodeError("utf-8", "\udcff", 0, 1, "surrogates not allowed"), 1, "a name is not valid text"),
     ],
 )
 def test_what_the_system_refuses_is_an_exit_code(

@@ -13,11 +13,11 @@ from rlbench_pin.cli.doctor import check_image
 from rlbench_pin.cli.main import main
 from rlbench_pin.environment import low_dim_config, make_environment
 from rlbench_pin.errors import CameraError
-from rlbench_pin.recording.video import Orbit, Reel, grid_frames, grid_size, side_view
+from rlbench_pin.recording.video import Clip, Orbit, grid_frames, grid_size, side_view
 
 
 def test_the_orbit_stays_inside_the_room_and_looks_at_its_centre():
-    """A whole circle stays between the walls; the centre is always in the middle of the picture."""
+    """A whole circle stays between the walls; the centre is always in the middle of the image."""
     orbit = Orbit(size=(64, 48))
     for frame in range(0, 1300, 100):
         view = orbit.view(frame)
@@ -28,7 +28,7 @@ def test_the_orbit_stays_inside_the_room_and_looks_at_its_centre():
 
 
 @pytest.mark.parametrize("name", ["open_oven", "reach_target"])
-def test_films_have_the_arm_and_the_task_in_the_picture(name):
+def test_videos_have_the_arm_and_the_task_in_the_image(name):
     """At the reset nothing but the room is seen along the borders, from the side and from an orbit; the task is not far away."""
     with make_environment(low_dim_config()) as environment:
         task = environment.get_task(name)
@@ -43,20 +43,20 @@ def test_films_have_the_arm_and_the_task_in_the_picture(name):
             assert max(np.ptp(rows) / mask.shape[0], np.ptp(columns) / mask.shape[1]) > 0.5
 
 
-def test_a_grid_shows_all_films_until_the_longest_ends():
-    """Shorter films stand still at their end; the size is even."""
-    reels = {"a": Reel(), "b_c": Reel(), "d": Reel()}
-    for reel, (length, gray) in zip(reels.values(), ((2, 60), (4, 120), (1, 200))):
+def test_a_grid_shows_all_videos_until_the_longest_ends():
+    """Shorter videos stand still at their end; the size is even."""
+    clips = {"a": Clip(), "b_c": Clip(), "d": Clip()}
+    for clip, (length, gray) in zip(clips.values(), ((2, 60), (4, 120), (1, 200))):
         for _ in range(length):
-            reel.add(np.full((41, 61, 3), gray, dtype=np.uint8))
-    frames = list(grid_frames(reels, (61, 41)))
+            clip.add(np.full((41, 61, 3), gray, dtype=np.uint8))
+    frames = list(grid_frames(clips, (61, 41)))
     width, height = grid_size(3, (61, 41))
     assert len(frames) == 4 and frames[0].shape == (height, width, 3) and width % 2 == height % 2 == 0
     assert abs(int(frames[-1][35, 30, 0]) - 60) < 4 and abs(int(frames[-1][80, 30, 0]) - 200) < 4
 
 
-def test_video_writes_a_film_that_moves(tmp_path):
-    """`rlbench-pin video` films a task: as many pictures as it says, none black, the camera moves."""
+def test_video_writes_a_video_that_moves(tmp_path):
+    """`rlbench-pin video` records a task: as many images as it says, none black, the camera moves."""
     assert main(["video", "reach_target", "--size", "96", "64", "--out", str(tmp_path)]) == 0
     with av.open(str(tmp_path / "reach_target.mp4")) as film:
         frames = [frame.to_ndarray(format="rgb24") for frame in film.decode(video=0)]
@@ -65,23 +65,23 @@ def test_video_writes_a_film_that_moves(tmp_path):
     assert np.abs(frames[0].astype(int) - frames[-1].astype(int)).mean() > 1.0
 
 
-def test_a_smooth_film_has_pictures_between_the_ticks(tmp_path):
-    """`--smooth 3` makes three times as many pictures for the same time; every third is that of the plain film."""
-    films = {}
+def test_a_smooth_video_has_images_between_the_ticks(tmp_path):
+    """`--smooth 3` makes three times as many images for the same time; every third is that of the plain video."""
+    videos = {}
     for smooth in (1, 3):
         out = tmp_path / str(smooth)
         assert main(["video", "reach_target", "--size", "96", "64", "--smooth", str(smooth), "--out", str(out)]) == 0
         with av.open(str(out / "reach_target.mp4")) as film:
             stream = film.streams.video[0]
             assert float(stream.average_rate) == 20.0 * smooth
-            films[smooth] = [frame.to_ndarray(format="rgb24").astype(int) for frame in film.decode(video=0)]
-    moving = len(films[1]) - 20
-    assert len(films[3]) == 3 * len(films[1])
+            videos[smooth] = [frame.to_ndarray(format="rgb24").astype(int) for frame in film.decode(video=0)]
+    moving = len(videos[1]) - 20
+    assert len(videos[3]) == 3 * len(videos[1])
     for tick in range(5, moving, 5):
-        assert np.abs(films[3][3 * tick + 2] - films[1][tick]).mean() < 4.0
+        assert np.abs(videos[3][3 * tick + 2] - videos[1][tick]).mean() < 4.0
 
 
-def test_pictures_between_physics_steps_change_nothing():
+def test_images_between_physics_steps_change_nothing():
     """A demonstration that is looked at before every physics step is the same to the last byte."""
     with make_environment(low_dim_config()) as environment:
         task = environment.get_task("pick_and_lift")
@@ -110,7 +110,7 @@ def test_doctor_tries_every_renderer(capsys):
 
 
 @pytest.mark.parametrize("picture", [np.zeros((8, 8, 3)), np.full((8, 8, 3), 90.0)])
-def test_black_and_flat_pictures_are_rejected(picture):
+def test_black_and_flat_images_are_rejected(picture):
     """A renderer that gives them does not work; neither does one that draws no robot."""
     with pytest.raises(CameraError, match="renderer"):
         check_image(picture.astype(np.uint8), np.ones((8, 8), dtype=bool), "egl")

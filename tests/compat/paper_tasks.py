@@ -111,8 +111,8 @@ class CubeToPlate(Task):
         for i, other in zip(choice, self.others):
             other.set_color(colors[i][1])
         self.spawns.clear()
-        for thing in [self.cube] + self.others:
-            self.spawns.sample(thing, min_distance=0.08)
+        for item in [self.cube] + self.others:
+            self.spawns.sample(item, min_distance=0.08)
         self.drawn = np.random.uniform(size=3)
         return ['put the %s cube on the plate' % name, 'the %s block belongs onto the plate' % name]
 

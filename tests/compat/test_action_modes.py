@@ -40,7 +40,7 @@ from rlbench.tasks import OpenDrawer, PickAndLift, ReachTarget, TakeLidOffSaucep
 
 
 def launched() -> Iterator[Environment]:
-    """Yield a launched environment without pictures, and shut it down."""
+    """Yield a launched environment without images, and shut it down."""
     config = ObservationConfig()
     config.set_all_high_dim(False)
     environment = Environment(MoveArmThenGripper(JointVelocity(), Discrete()), obs_config=config, headless=True)
@@ -64,7 +64,7 @@ HALF = [0.0, 0.0, np.sin(0.1), np.cos(0.1)]
 
 @pytest.fixture(scope="module")
 def environment() -> Iterator[Environment]:
-    """An environment without pictures."""
+    """An environment without images."""
     yield from launched()
 
 
@@ -154,7 +154,7 @@ def test_the_frame_of_the_end_effector(scene: Any, kind: type, frame: Any) -> No
 
 
 def test_inverse_kinematics_with_a_pinned_joint(scene: Any) -> None:
-    """The first joint goes where it is told, the tip stays."""
+    """The first joint reaches its target, the tip does not move."""
     tip = scene.robot.arm.get_tip().get_pose()
     ERJointViaIK(commanded_joints=[0]).action(scene, [*tip, 0.15])
     assert scene.robot.arm.get_joint_positions()[0] == pytest.approx(0.15, abs=0.01)

@@ -1,4 +1,4 @@
-"""Stored demonstrations under the known names: the generator, both layouts, pickles, pictures of numbers."""
+"""Stored demonstrations under the known names: the generator, both layouts, pickles, images of numbers."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def together(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def small(cameras: tuple[str, ...] = ("front",)) -> ObservationConfig:
-    """All low-dimensional data, and small pictures of some cameras."""
+    """All low-dimensional data, and small images of some cameras."""
     config = ObservationConfig()
     config.set_all_high_dim(False)
     config.set_all_low_dim(True)
@@ -184,7 +184,7 @@ def test_generator_refusals(upstream: Path, tmp_path: Path) -> None:
     assert (settings.episodes_per_task, settings.variations, settings.processes, settings.seed) == (10, -1, 1, None)
 
 
-def test_pictures_of_numbers(upstream: Path) -> None:
+def test_images_of_numbers(upstream: Path) -> None:
     """Depth and masks come back from the helpers as the folder writer stored them, to the last bit."""
     depth = np.random.default_rng(0).random((6, 5), dtype=np.float32)
     picture = utils.float_array_to_rgb_image(depth, scale_factor=const.DEPTH_SCALE)

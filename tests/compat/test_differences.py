@@ -36,7 +36,7 @@ class Typed(Task):
 
 
 def low_dim() -> ObservationConfig:
-    """All low-dimensional data, no pictures."""
+    """All low-dimensional data, no images."""
     config = ObservationConfig()
     config.set_all_high_dim(False)
     config.set_all_low_dim(True)
@@ -166,7 +166,7 @@ def test_no_window_opens(task: TaskEnvironment, monkeypatch: pytest.MonkeyPatch)
 
 
 def test_grasping_is_left_to_the_environment(scene: Any) -> None:
-    """By default; a mode that was told decides itself."""
+    """By default; an explicit setting of a mode takes precedence."""
     runtime = scene.runtime
     for choice in (True, False):
         runtime.attach_grasped_objects = choice

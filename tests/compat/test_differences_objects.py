@@ -69,8 +69,8 @@ def test_parents_that_physics_moves(pyrep: PyRep) -> None:
     """When a cube falls, another one on it stays in the air, and a dummy falls with it; moved by a call, both come along."""
     parent, child, mark = cube([0.3, 0.3, 1.2]), cube([0.3, 0.3, 1.4], static=True), Dummy.create()
     mark.set_position([0.3, 0.3, 1.3])
-    for thing in (child, mark):
-        thing.set_parent(parent)
+    for item in (child, mark):
+        item.set_parent(parent)
     steps(pyrep, 4)
     assert parent.get_position()[2] < 1.1 and child.get_position()[2] == pytest.approx(1.4)
     assert mark.get_position()[2] - parent.get_position()[2] == pytest.approx(0.1, abs=1e-3)
@@ -101,21 +101,21 @@ def test_meshes_are_solid_as_their_hulls(pyrep: PyRep) -> None:
 
 
 def test_half_transparent_things_are_drawn_opaque(pyrep: PyRep) -> None:
-    """The picture is the same to the last bit; only 1 hides."""
+    """The image is the same to the last bit; only 1 hides."""
     shape = Shape.create(PrimitiveShape.CUBOID, [0.2] * 3, static=True, position=[0.3, 0.3, 1.2], color=[1.0, 0.0, 0.0])
     camera = VisionSensor.create([32, 32], view_angle=30.0)
     camera.set_pose(look_at((0.3, 1.0, 1.2), (0.3, 0.3, 1.2)))
-    pictures = []
+    images = []
     for transparency in (0.0, 0.5, 1.0):
         shape.set_transparency(transparency)
         assert shape.get_transparency() == pytest.approx(transparency)
-        pictures.append(camera.capture_rgb())
-    assert np.array_equal(pictures[0], pictures[1]) and not np.allclose(pictures[0], pictures[2], atol=0.1)
+        images.append(camera.capture_rgb())
+    assert np.array_equal(images[0], images[1]) and not np.allclose(images[0], images[2], atol=0.1)
     camera.remove()
 
 
 def test_planes_are_not_drawn(pyrep: PyRep) -> None:
-    """The workspace is a shape in the middle of the table; the picture from above does not change with its colour."""
+    """The workspace is a shape in the middle of the table; the image from above does not change with its colour."""
     camera, plane = VisionSensor("cam_overhead"), Shape("workspace")
     before = camera.capture_rgb()
     plane.set_color([0.0, 1.0, 0.0])
@@ -123,16 +123,16 @@ def test_planes_are_not_drawn(pyrep: PyRep) -> None:
 
 
 def test_textures_have_one_mapping(pyrep: PyRep) -> None:
-    """Every mode gives the same picture; a texture is not read back."""
+    """Every mode gives the same image; a texture is not read back."""
     texture = pyrep.create_texture(str(next(TEXTURES.glob("*.png"))))[1]
     shape = Shape.create(PrimitiveShape.CUBOID, [0.2] * 3, static=True, position=[0.3, 0.3, 1.2])
     camera = VisionSensor.create([32, 32], view_angle=30.0)
     camera.set_pose(look_at((0.3, 1.0, 1.3), (0.3, 0.3, 1.2)))
-    plain, pictures = camera.capture_rgb(), []
+    plain, images = camera.capture_rgb(), []
     for mode in (TextureMappingMode.PLANE, TextureMappingMode.SPHERE):
         shape.set_texture(texture, mode)
-        pictures.append(camera.capture_rgb())
-    assert np.array_equal(*pictures) and not np.array_equal(plain, pictures[0])
+        images.append(camera.capture_rgb())
+    assert np.array_equal(*images) and not np.array_equal(plain, images[0])
     with pytest.raises(UnsupportedCall, match="create_texture"):
         shape.get_texture()
     camera.remove()
@@ -197,7 +197,7 @@ def test_force_sensors_are_named_after_what_is_pressed(pyrep: PyRep) -> None:
     assert not np.any(sensor.read()[0])
 
 
-def test_pictures_show_the_present_instant(pyrep: PyRep) -> None:
+def test_images_show_the_present_instant(pyrep: PyRep) -> None:
     """With explicit handling and without a call of `handle_explicitly`."""
     camera = VisionSensor.create([16, 16], explicit_handling=True, view_angle=30.0)
     camera.set_pose(look_at((0.3, 1.0, 1.2), (0.3, 0.3, 1.2)))

@@ -106,7 +106,7 @@ def test_links_cannot_be_grasped(launched: PyRep) -> None:
     runtime = Simulator.current().load(OpenDrawer, ObservationConfig())
     hand = reach_around(runtime.world.frame("waypoint1").pose)
     links = [Shape(f"chest/{name}") for name in runtime.world.body("chest").links[1:]]
-    assert not any(hand.grasp(thing) for thing in (Shape("chest"), *links)) and hand.get_grasped_objects() == []
+    assert not any(hand.grasp(item) for item in (Shape("chest"), *links)) and hand.get_grasped_objects() == []
 
 
 def test_the_arm_collides_with_itself_too(pyrep: PyRep) -> None:

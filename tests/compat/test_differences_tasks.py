@@ -57,7 +57,7 @@ class Remembering(Task):
 
 
 def low_dim() -> ObservationConfig:
-    """All low-dimensional data, no pictures."""
+    """All low-dimensional data, no images."""
     config = ObservationConfig()
     config.set_all_high_dim(False)
     config.set_all_low_dim(True)
@@ -66,7 +66,7 @@ def low_dim() -> ObservationConfig:
 
 @pytest.fixture(scope="module")
 def environment() -> Iterator[Environment]:
-    """An environment without pictures."""
+    """An environment without images."""
     with Environment(MoveArmThenGripper(JointVelocity(), Discrete()), obs_config=low_dim()) as environment:
         yield environment
 
@@ -148,11 +148,11 @@ def test_a_task_begins_when_it_is_loaded(environment: Environment, tmp_path: Pat
 
 
 def test_the_default_state_holds_bodies_and_joints(environment: Environment) -> None:
-    """One body with three drawers; dummies, waypoints, sensors and links are things of the tree, and not in the state."""
+    """One body with three drawers; dummies, waypoints, sensors and links are objects of the tree, and not in the state."""
     task: Any = environment.get_task(OpenDrawer)
     task.reset()
     tree = task._task.get_base().get_objects_in_tree()
-    assert len(tree) > 8 and {type(thing).__name__ for thing in tree} >= {"Shape", "Joint", "Dummy"}
+    assert len(tree) > 8 and {type(item).__name__ for item in tree} >= {"Shape", "Joint", "Dummy"}
     assert task._task.get_low_dim_state().shape == (7 + 3,)
 
 

@@ -28,7 +28,7 @@ REST = [0.0] * 7 + [1.0]
 
 
 def low_dim() -> ObservationConfig:
-    """Joint, gripper and task data, no pictures."""
+    """Joint, gripper and task data, no images."""
     config = ObservationConfig()
     config.set_all_high_dim(False)
     config.set_all_low_dim(True)
@@ -43,7 +43,7 @@ def make(**settings: object) -> Environment:
 
 @pytest.fixture(scope="module")
 def env() -> Iterator[Environment]:
-    """A launched environment without pictures."""
+    """A launched environment without images."""
     environment = make()
     environment.launch()
     yield environment

@@ -40,7 +40,7 @@ def place_of(task: Any) -> np.ndarray:
 
 
 def test_tasks_are_placed_by_the_workspace_boundary(env: Environment, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A program that says where the boundary puts things, and that everything fits, gets the task there."""
+    """A program that says where the boundary puts objects, and that everything fits, gets the task there."""
     task = env.get_task(PushButton)
     area = task._scene._workspace_boundary._boundaries[0]
     monkeypatch.setattr(BoundingBox, "within_boundary", lambda *_: True)

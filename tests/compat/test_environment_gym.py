@@ -21,7 +21,7 @@ pytestmark = pytest.mark.simulation
 
 @pytest.fixture(scope="module")
 def env() -> Iterator[gymnasium.Env[Any, Any]]:
-    """The reach task with pictures."""
+    """The reach task with images."""
     environment = gymnasium.make("rlbench/reach_target-vision-v0", render_mode="rgb_array")
     yield environment
     environment.close()
@@ -37,20 +37,20 @@ def test_ids() -> None:
 
 
 def test_spaces(env: gymnasium.Env[Any, Any]) -> None:
-    """Observations lie in their space: float32 boxes and four pictures; actions are eight numbers."""
+    """Observations lie in their space: float32 boxes and four images; actions are eight numbers."""
     observation, info = env.reset(seed=0)
     assert env.observation_space.contains(observation)
-    pictures = sorted(name for name in observation if name.endswith("_rgb"))
-    assert pictures == ["front_rgb", "left_shoulder_rgb", "right_shoulder_rgb", "wrist_rgb"]
-    assert {observation[name].dtype for name in observation if name not in pictures} == {np.dtype(np.float32)}
+    images = sorted(name for name in observation if name.endswith("_rgb"))
+    assert images == ["front_rgb", "left_shoulder_rgb", "right_shoulder_rgb", "wrist_rgb"]
+    assert {observation[name].dtype for name in observation if name not in images} == {np.dtype(np.float32)}
     assert env.action_space.shape == (8,)
     assert info["text_descriptions"]
     for _ in range(2):
         observation, reward, terminated, truncated, info = env.step(env.action_space.sample())
     assert env.observation_space.contains(observation)
     assert (reward, terminated, truncated, info["success"]) == (0.0, False, False, False)
-    picture: Any = env.render()
-    assert picture.shape == (360, 640, 3)
+    image: Any = env.render()
+    assert image.shape == (360, 640, 3)
     assert env.metadata["render_fps"] == 4
 
 

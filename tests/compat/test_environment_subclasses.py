@@ -159,7 +159,7 @@ def test_attributes_are_true(env: MyEnvironment) -> None:
 
 
 def test_a_scene_may_narrow_its_workspace(env: MyEnvironment) -> None:
-    """Planned poses are judged by the scene's own box."""
+    """Planned poses are checked by the scene's own box."""
     task = env.get_task(ReachTarget)
     _, observation = task.reset()
     target = np.append(observation.gripper_pose, 1.0)  # type: ignore[arg-type]
@@ -279,7 +279,7 @@ STILL = np.array([0.0] * 7 + [1.0])
 
 @pytest.fixture
 def two() -> Iterator[tuple[Environment, Environment]]:
-    """Two launched environments without pictures."""
+    """Two launched environments without images."""
     config = ObservationConfig()
     config.set_all_high_dim(False)
     config.task_low_dim_state = True

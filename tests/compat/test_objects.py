@@ -44,18 +44,18 @@ def saucepan(pyrep: PyRep) -> PyRep:
 
 
 def test_handles_are_the_numbers_in_masks(drawer: PyRep) -> None:
-    """Body, links, room and robot; other things have numbers of their own, and every number leads back."""
+    """Body, links, room and robot; other objects have numbers of their own, and every number leads back."""
     ids = {name: identifier for identifier, name in Simulator.current().world.masks.items()}
     assert Shape("chest").get_handle() == ids["chest/chest"]
     assert Shape("chest/drawer_top_link").get_handle() == Shape("drawer_top_link").get_handle() == ids["chest/drawer_top_link"]
     assert Shape("diningTable_visible").get_handle() == Shape("table").get_handle() == ids["table"]
     assert Object.get_object("panda_hand").get_handle() == ids["panda/panda_hand"]
-    handles = [thing.get_handle() for thing in drawer.get_objects_in_tree()]
+    handles = [item.get_handle() for item in drawer.get_objects_in_tree()]
     assert len(set(handles)) == len(handles)
-    for thing in drawer.get_objects_in_tree():
-        again = Object.get_object(thing.get_handle())
-        assert again == thing and type(again) is type(thing) and hash(again) == hash(thing)
-        assert Object.get_object_name(thing.get_handle()) == thing.get_name()
+    for item in drawer.get_objects_in_tree():
+        again = Object.get_object(item.get_handle())
+        assert again == item and type(again) is type(item) and hash(again) == hash(item)
+        assert Object.get_object_name(item.get_handle()) == item.get_name()
 
 
 def test_classes_fit_types(drawer: PyRep) -> None:
@@ -128,7 +128,7 @@ def test_places_in_the_frame_of_another_thing(saucepan: PyRep) -> None:
 
 
 def test_rotation_is_about_the_own_axes(saucepan: PyRep) -> None:
-    """A thing that lies on its side turns about its own z."""
+    """An object that lies on its side turns about its own z."""
     dummy = Dummy.create()
     dummy.set_orientation([np.pi / 2, 0.0, 0.0])
     dummy.rotate([0.0, 0.0, 0.5])
@@ -139,7 +139,7 @@ def test_rotation_is_about_the_own_axes(saucepan: PyRep) -> None:
 
 
 def test_families(drawer: PyRep) -> None:
-    """Trees follow the scene file, links and joints; a thing moves with its parent."""
+    """Trees follow the scene file, links and joints; an object moves with its parent."""
     chest, base = Shape("chest"), Dummy("open_drawer")
     assert chest.get_parent() == base and base.get_parent() is None
     assert Joint("drawer_top").get_parent() == chest and Shape("drawer_top_link").get_parent() == Joint("drawer_top")
@@ -163,7 +163,7 @@ def test_set_parent(saucepan: PyRep) -> None:
     assert np.allclose(lid.get_pose(), before) and lid.get_parent() == marker
     marker.set_position([0.4, 0.1, 1.0])
     assert np.allclose(lid.get_position(), before[:3] + [0.0, 0.1, 0.0])
-    with pytest.raises(RlbenchPinError, match="hangs on it"):
+    with pytest.raises(RlbenchPinError, match="is its descendant"):
         marker.set_parent(lid)
     lid.set_parent(None)
     marker.set_position([0.4, 0.3, 1.0])
@@ -197,7 +197,7 @@ def test_the_fixed_scene(saucepan: PyRep) -> None:
 
 
 def test_names_can_be_changed_and_removed_things_are_gone(saucepan: PyRep) -> None:
-    """The new name finds it; a removed thing is never mistaken for another one."""
+    """The new name finds it; a removed object is never mistaken for another one."""
     first, second = Dummy.create(), Dummy.create()
     assert first.get_name() != second.get_name()
     second.set_name("marker")

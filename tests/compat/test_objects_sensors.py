@@ -185,7 +185,7 @@ def test_pixels_lie_where_the_matrices_say(pyrep: PyRep) -> None:
     assert np.allclose(static, cloud)
 
 
-def test_pictures_are_upright_and_follow_the_camera(pyrep: PyRep) -> None:
+def test_images_are_upright_and_follow_the_camera(pyrep: PyRep) -> None:
     """A cube above the middle is in the upper half, one to the right in the right half."""
     Simulator.current().unload()  # the target of the task is red
     cube, camera = box(0.1, [0.3, 0.0, 1.5]), VisionSensor.create([64, 64], render_mode=RenderMode.OPENGL)
@@ -199,9 +199,9 @@ def test_pictures_are_upright_and_follow_the_camera(pyrep: PyRep) -> None:
     assert not _red(camera.capture_rgb()).any()
 
 
-def _red(picture: np.ndarray) -> np.ndarray:
-    assert picture.dtype == np.float32 and picture.min() >= 0.0 and picture.max() <= 1.0
-    return (picture[..., 0] > 0.3) & (picture[..., 1:].max(axis=-1) < 0.15)
+def _red(image: np.ndarray) -> np.ndarray:
+    assert image.dtype == np.float32 and image.min() >= 0.0 and image.max() <= 1.0
+    return (image[..., 0] > 0.3) & (image[..., 1:].max(axis=-1) < 0.15)
 
 
 def test_settings_of_a_camera(pyrep: PyRep) -> None:
@@ -258,7 +258,7 @@ def test_the_cameras_of_observations(pyrep: PyRep) -> None:
 
 
 def test_a_camera_circles(pyrep: PyRep) -> None:
-    """On the placeholder of films, whose base turns."""
+    """On the placeholder of videos, whose base turns."""
     base, camera = Dummy("cam_cinematic_base"), VisionSensor.create([32, 32])
     camera.set_pose(Dummy("cam_cinematic_placeholder").get_pose())
     camera.set_parent(Dummy("cam_cinematic_placeholder"))
@@ -280,20 +280,20 @@ def test_textures(pyrep: PyRep) -> None:
     holder, texture = pyrep.create_texture(str(file))
     holder.remove()
     plain = camera.capture_rgb()
-    for thing in (cube, Shape("Wall3"), Shape("Wall4"), Shape("diningTable_visible")):
+    for item in (cube, Shape("Wall3"), Shape("Wall4"), Shape("diningTable_visible")):
         before = camera.capture_rgb()
-        thing.set_texture(texture, uv_scaling=[0.2, 0.2])
+        item.set_texture(texture, uv_scaling=[0.2, 0.2])
         changed = camera.capture_rgb()
-        thing.remove_texture()
+        item.remove_texture()
         assert np.array_equal(camera.capture_rgb(), before)
-        assert thing.get_name() != "Cuboid" or not np.array_equal(changed, before)
+        assert item.get_name() != "Cuboid" or not np.array_equal(changed, before)
     assert np.array_equal(camera.capture_rgb(), plain)
     with pytest.raises(CameraError, match="no_such.png"):
         pyrep.create_texture("no_such.png")
 
 
 def test_the_arm_can_be_hidden(pyrep: PyRep) -> None:
-    """From pictures and masks, and shown again; resets keep it hidden."""
+    """From images and masks, and shown again; resets keep it hidden."""
     mask = VisionSensor("cam_front_mask")
     before = rgb_handles_to_mask(mask.capture_rgb())
     arm = set(range(1, 14))
@@ -307,7 +307,7 @@ def test_the_arm_can_be_hidden(pyrep: PyRep) -> None:
 
 
 def test_the_arm_has_colours(pyrep: PyRep) -> None:
-    """A link can be painted; the picture shows it and says so."""
+    """A link can be painted; the image shows it and says so."""
     hand, camera = Shape("panda_hand"), VisionSensor.create([48, 48], view_angle=20.0, render_mode=RenderMode.OPENGL)
     x, y, z = hand.get_position()
     camera.set_pose(look_at((x + 1.0, y, z), (x, y, z)))

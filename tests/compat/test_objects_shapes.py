@@ -201,7 +201,7 @@ def test_meshes_keep_their_place(pyrep: PyRep, tmp_path: Path) -> None:
 
 
 def test_colours(pyrep: PyRep) -> None:
-    """Bodies, links and the room; hidden things leave the picture and the mask."""
+    """Bodies, links and the room; hidden objects leave the image and the mask."""
     camera = VisionSensor.create([64, 64], view_angle=30.0)
     camera.set_pose(look_at((0.3, 1.0, 1.2), (0.3, 0.3, 1.2)))
     eye = VisionSensor.create([64, 64], view_angle=30.0, position=[0, 0, 0])

@@ -1,6 +1,6 @@
 """Programs as users of RLBench write them run under the known names, and show what their users want to see.
 
-`programs/` imports nothing of rlbench_pin; each program judges itself and ends with a line that says what it found.
+`programs/` imports nothing of rlbench_pin; each program checks its own results and ends with a line that reports them.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ PROGRAMS = Path(__file__).parent / "programs"
 SAYS = {
     "camera_moved": "moved cam_front to [0.9 0.6 1.4]",
     "custom_action_mode": "joints by",
-    "domain_randomisation": "looks changed on",
-    "gym_user": "picture (360, 640, 3)",
+    "domain_randomisation": "appearance changed on",
+    "gym_user": "image (360, 640, 3)",
     "imitation": "cloned",
     "keyframe_agent": "success",
     "masks_by_handle": "shapes of stack_blocks matched",
     "multi_task": "of 15 tasks",
-    "orbit_video": "filmed",
+    "orbit_video": "recorded",
     "paper_loop": "acted 60 steps",
     "paper_task": "replay reward 1.0",
     "planning_mode": "walked paths of",

@@ -51,7 +51,7 @@ class AsItIs(OpenDrawer):
 
 @pytest.fixture(scope="module")
 def environment() -> Iterator[Environment]:
-    """An environment without pictures."""
+    """An environment without images."""
     config = ObservationConfig()
     config.set_all_high_dim(False)
     env = Environment(MoveArmThenGripper(JointVelocity(), Discrete()), obs_config=config, headless=True)
@@ -118,8 +118,8 @@ def _demonstrate(environment: Environment, user: Any) -> bool:
                     gripper.release()
                 while not gripper.actuate(float(number or full), 0.04):
                     step()
-                for thing in [] if full else user.get_graspable_objects():
-                    gripper.grasp(thing)
+                for item in [] if full else user.get_graspable_objects():
+                    gripper.grasp(item)
     return bool(user.success()[0])
 
 

@@ -135,7 +135,7 @@ gripper = "open"
 
 @pytest.fixture(scope="module")
 def environment() -> Iterator[Environment]:
-    """An environment without pictures."""
+    """An environment without images."""
     config = ObservationConfig()
     config.set_all_high_dim(False)
     config.task_low_dim_state = True

@@ -116,7 +116,7 @@ def test_a_task_that_the_library_lacks_says_so() -> None:
     if not missing:
         pytest.skip("the library has all tasks")
     cls = getattr(tasks, camel_case(missing[0]))
-    with pytest.raises(MissingTask, match=f"'{missing[0]}' is known by name, but it is not in the library"):
+    with pytest.raises(MissingTask, match=f"'{missing[0]}' belongs to RLBench, but is not in the library"):
         cls(None, None)
     with pytest.raises(NotImplementedError, match="rlbench-pin list"):
         cls.native_class()

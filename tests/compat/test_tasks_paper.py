@@ -24,7 +24,7 @@ pytestmark = pytest.mark.simulation
 
 @pytest.fixture(scope="module")
 def environment() -> Iterator[Environment]:
-    """An environment without pictures."""
+    """An environment without images."""
     config = ObservationConfig()
     config.set_all_high_dim(False)
     config.task_low_dim_state = True
@@ -68,8 +68,8 @@ def test_the_lid_comes_off(environment: Environment, classes: dict[str, type[Tas
     assert replayed(task, demos[0])
     user = task._task
     assert user.success() == (True, True)
-    assert [thing.get_name() for thing in user.get_graspable_objects()] == ["lid"]
-    assert [thing.get_name() for thing in environment._robot.gripper.get_grasped_objects()] == ["lid"]
+    assert [item.get_name() for item in user.get_graspable_objects()] == ["lid"]
+    assert [item.get_name() for item in environment._robot.gripper.get_grasped_objects()] == ["lid"]
     assert user.reward() <= 0.0
 
 
@@ -88,7 +88,7 @@ def test_what_a_task_draws_repeats_with_the_seed(environment: Environment, class
     assert first.misc["goal_color"][:3] == pytest.approx((0.0, 0.5, 0.0))
     other = task.reset()[1]
     assert not np.allclose(other.task_low_dim_state, first.task_low_dim_state)
-    places = np.array([thing.get_position() for thing in [task._task.cube, *task._task.others]])
+    places = np.array([item.get_position() for item in [task._task.cube, *task._task.others]])
     gaps = np.linalg.norm(places[:, None] - places[None], axis=-1) + np.eye(3)
     assert gaps.min() >= 0.08
 

@@ -1,4 +1,4 @@
-"""One environment at a time, kept while the same task is judged."""
+"""One environment at a time, kept while the same task is tested."""
 
 from __future__ import annotations
 

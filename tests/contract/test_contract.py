@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 
 from rlbench_pin.checking import validate
-from rlbench_pin.datasets import key_frames
+from rlbench_pin.datasets import key_frame_actions, key_frames
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.environment.presets import key_frame_mode
-from rlbench_pin.environment.replay import key_frame_actions, replay_succeeds
+from rlbench_pin.environment.replay import replay_succeeds
 from rlbench_pin.environment.runtime import REST_SPEED
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.observation import Demo
@@ -127,7 +127,7 @@ def test_of_five_demonstrations_the_key_frames_of_four_reach_the_goal(task_env: 
 
 
 def key_replays(task_env: TaskEnvironment, demo: Demo) -> bool:
-    """Whether the key frames of a demonstration, planned again with the flags of their legs, reach the goal."""
+    """Whether the key frames of a demonstration, planned again with the flags of their segments, reach the goal."""
     task_env.reset_to_demo(demo)
     mode = key_frame_mode()
     for action in key_frame_actions(demo):

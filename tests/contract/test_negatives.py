@@ -48,7 +48,7 @@ def press_backwards(task: Task) -> None:
 
 
 def pull_without_a_turn(task: Task) -> None:
-    """Pull the hand straight up, as it is."""
+    """Pull the gripper straight up, as it is."""
     task.world.frame("waypoint2").set_local([0.0, 0.0, -0.12, 0.0, 0.0, 0.0, 1.0])
 
 
@@ -155,7 +155,7 @@ NEGATIVES = {
     "lift_numbered_block": Negative(Omission(waypoints=(2,)), done=holding("block2"), variation=1),
     "lamp_off": Negative(Omission(waypoints=(1,))),
     "lamp_on": Negative(Omission(waypoints=(1,))),
-    "open_door": Negative(Omission(waypoints=(3, 4))),  # the swing alone also turns the lever, as the hand slides along it
+    "open_door": Negative(Omission(waypoints=(3, 4))),  # the swing alone also turns the lever, as the gripper slides along it
     "open_jar": Negative(spoil=open_the_other_jar, done=other_lid_is_in_the_ring),
     "open_fridge": Negative(Omission(waypoints=(2, 3, 4, 5))),
     "open_grill": Negative(Omission(waypoints=(2, 3, 4))),
@@ -189,7 +189,7 @@ NEGATIVES = {
 
 @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_without_its_decisive_action_it_fails(task_env: TaskEnvironment, seed: int) -> None:
-    """The script runs as far as it can; the goal is not reached, at no moment of its last leg and not afterwards."""
+    """The script runs as far as it can; the goal is not reached, at no moment of its last segment and not afterwards."""
     negative = NEGATIVES.get(task_env.get_name(), NO_GRASP)
     task_env.set_variation(negative.variation)
     task_env.reset(seed=seed)

@@ -90,7 +90,7 @@ def _medians(name: str, resets: int) -> dict[str, float]:
     return {camera: float(np.median(counts)) for camera, counts in seen.items()}
 
 
-def _judge(name: str, resets: int) -> None:
+def _check_images(name: str, resets: int) -> None:
     medians = _medians(name, resets)
     assert sum(median >= FLOOR for median in medians.values()) >= CAMERAS_THAT_SEE, medians
 
@@ -99,11 +99,11 @@ def _judge(name: str, resets: int) -> None:
 @pytest.mark.parametrize("name", library_names())
 def test_three_cameras_see_what_the_task_is_about(name: str) -> None:
     """Medians of four resets."""
-    _judge(name, 4)
+    _check_images(name, 4)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", library_names())
 def test_three_cameras_see_it_over_twenty_resets(name: str) -> None:
     """Medians of twenty resets."""
-    _judge(name, 20)
+    _check_images(name, 20)

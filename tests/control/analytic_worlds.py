@@ -13,7 +13,7 @@ from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray, pose_at
 
 TABLE_TOP = TABLE_HEIGHT
 TOP_DOWN = (0.0, 1.0, 0.0, 0.0)
-"""Quaternion of a hand that points down."""
+"""Quaternion of a gripper that points down."""
 
 
 def box(name: str, size: Sequence[float], position: Sequence[float], yaw: float = 0.0, in_room: bool = False) -> BodySnapshot:

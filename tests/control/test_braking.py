@@ -36,7 +36,7 @@ def test_the_torques_are_those_of_braking_to_standstill(model: RobotModel) -> No
 
 
 def test_what_the_arm_carries_counts(model: RobotModel) -> None:
-    """With 8 kg in the hand the stretched arm cannot brake as hard as without."""
+    """With 8 kg in the gripper the stretched arm cannot brake as hard as without."""
     check = MotorCheck(model, JointBounds(model.limits, DT, "any"))
     q, v = np.array([0.0, 1.4, 0.0, -0.3, 0.0, 1.2, 0.0]), np.zeros(model.size)
     assert not check.overloaded(q, v, v)
@@ -48,10 +48,10 @@ def test_what_the_arm_carries_counts(model: RobotModel) -> None:
 
 def test_a_command_that_leaves_no_torque_to_brake_with_is_changed(model: RobotModel) -> None:
     """The second joint falls, and the others would push it on: the filter says so, and its own command can be braked."""
-    guard = SafetyFilter(model, SafetyConfig(hold="any"))
+    safety = SafetyFilter(model, SafetyConfig(hold="any"))
     wanted = FALLING + DT * np.array([0.0, 4.9, 9.5, -11.9, 14.2, 0.0, 0.0])
-    check = MotorCheck(model, guard.bounds)
+    check = MotorCheck(model, safety.bounds)
     assert check.overloaded(BACKWARDS, FALLING, wanted)
-    command = guard.filter(BACKWARDS, FALLING, wanted)
+    command = safety.filter(BACKWARDS, FALLING, wanted)
     assert "torque" in command.reasons
     assert not check.overloaded(BACKWARDS, FALLING, command.velocity)

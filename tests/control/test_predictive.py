@@ -54,15 +54,15 @@ def test_distances_are_kept(model: RobotModel) -> None:
     world = WorldSnapshot((table(), block), model.home, np.full(2, 0.04))
     nearest = []
     for aware in (True, False):
-        distances, judge = DistanceModel(model), DistanceModel(model)
+        distances, checker = DistanceModel(model), DistanceModel(model)
         distances.update(world)
-        judge.update(world)
+        checker.update(world)
         controller, q, v = CartesianMPC(model, distances=distances if aware else None), model.home.copy(), np.zeros(7)
         smallest = np.inf
         for _ in range(60):
             v = controller.command(q, v, [0.3, 0.2, TABLE_TOP + 0.05, *TOP_DOWN]).velocity
             q = q + DT * v
-            smallest = min(smallest, judge.nearest(q)[0].distance)
+            smallest = min(smallest, checker.nearest(q)[0].distance)
         nearest.append(smallest)
     assert nearest[0] > 0.0
     assert nearest[1] < 0.0

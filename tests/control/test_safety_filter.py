@@ -19,7 +19,7 @@ DT = 0.05
 CONFIG = SafetyConfig()
 
 
-class Judge:
+class Checker:
     """Moves an arm with the commands of a filter and measures what breaks."""
 
     def __init__(self, model: RobotModel, world: WorldSnapshot, hold: HeldQuantity = "velocity") -> None:
@@ -55,13 +55,13 @@ def test_random_actions_break_nothing(model: RobotModel, hold: HeldQuantity, kee
     """Random velocities of full range, new at each tick or kept for long, among boxes: limits and distances hold."""
     rng = np.random.default_rng(keep)
     for seed in range(3):
-        judge = Judge(model, cluttered(model, seed=seed), hold)
+        checker = Checker(model, cluttered(model, seed=seed), hold)
         for k in range(200):
             if k % keep == 0:
                 wanted = rng.uniform(-model.limits.velocity, model.limits.velocity)
-            judge.tick(wanted)
-        assert judge.margin > -1e-3
-        assert judge.travelled > 10.0
+            checker.tick(wanted)
+        assert checker.margin > -1e-3
+        assert checker.travelled > 10.0
 
 
 @pytest.mark.slow
@@ -69,48 +69,50 @@ def test_many_random_actions_break_nothing(model: RobotModel) -> None:
     """The same for 10,000 actions over ten worlds."""
     rng = np.random.default_rng(5)
     for seed in range(10):
-        judge = Judge(model, cluttered(model, seed=seed))
+        checker = Checker(model, cluttered(model, seed=seed))
         for k in range(1000):
             if k % (1 + 10 * (seed % 3)) == 0:
                 wanted = rng.uniform(-model.limits.velocity, model.limits.velocity)
-            judge.tick(wanted)
-        assert judge.margin > -1e-3
+            checker.tick(wanted)
+        assert checker.margin > -1e-3
 
 
 def test_a_policy_that_drives_into_the_table_stops_above_it(model: RobotModel) -> None:
-    """Aimed below the table top, the hand stops at the margin, and the filter says why."""
-    judge = Judge(model, WorldSnapshot((table(),), model.home, np.full(2, 0.04)))
+    """Aimed below the table top, the gripper stops at the margin, and the filter says why."""
+    checker = Checker(model, WorldSnapshot((table(),), model.home, np.full(2, 0.04)))
     policy = DifferentialIK(model)
     for _ in range(150):
-        judge.tick(policy.velocity_to_pose(judge.q, judge.v, [0.3, 0.0, TABLE_TOP - 0.2, *TOP_DOWN]))
-    assert judge.margin > -1e-3
-    nearest = judge.distances.nearest(judge.q)[0]
+        checker.tick(policy.velocity_to_pose(checker.q, checker.v, [0.3, 0.0, TABLE_TOP - 0.2, *TOP_DOWN]))
+    assert checker.margin > -1e-3
+    nearest = checker.distances.nearest(checker.q)[0]
     assert nearest.b == "table"
     assert nearest.distance < CONFIG.margin + CONFIG.buffer + 2e-3
-    command = judge.filter.filter(judge.q, judge.v, policy.velocity_to_pose(judge.q, judge.v, [0.3, 0.0, 0.5, *TOP_DOWN]))
+    command = checker.filter.filter(
+        checker.q, checker.v, policy.velocity_to_pose(checker.q, checker.v, [0.3, 0.0, 0.5, *TOP_DOWN])
+    )
     assert "distance" in command.reasons
     assert any("table" in pair for pair in command.pairs)
     assert "near table" in str(command)
-    assert judge.filter.counts.interventions > 0
+    assert checker.filter.counts.interventions > 0
 
 
 @pytest.mark.simulation
 def test_the_arm_slides_along_what_it_may_not_enter(model: RobotModel) -> None:
-    """Pushed into the table and sideways at once, the hand goes sideways."""
-    judge, policy = Judge(model, WorldSnapshot((table(),), model.home, np.full(2, 0.04))), DifferentialIK(model)
+    """Pushed into the table and sideways at once, the gripper goes sideways."""
+    checker, policy = Checker(model, WorldSnapshot((table(),), model.home, np.full(2, 0.04))), DifferentialIK(model)
     for _ in range(100):
-        judge.tick(policy.velocity_to_pose(judge.q, judge.v, [0.3, 0.0, TABLE_TOP - 0.1, *TOP_DOWN]))
+        checker.tick(policy.velocity_to_pose(checker.q, checker.v, [0.3, 0.0, TABLE_TOP - 0.1, *TOP_DOWN]))
     for _ in range(150):
-        judge.tick(policy.velocity_to_pose(judge.q, judge.v, [0.3, 0.25, TABLE_TOP - 0.1, *TOP_DOWN]))
-    assert model.tip_pose(judge.q)[1] > 0.15
-    assert judge.margin > -1e-3
+        checker.tick(policy.velocity_to_pose(checker.q, checker.v, [0.3, 0.25, TABLE_TOP - 0.1, *TOP_DOWN]))
+    assert model.tip_pose(checker.q)[1] > 0.15
+    assert checker.margin > -1e-3
 
 
 def test_harmless_commands_pass_unchanged(model: RobotModel) -> None:
     """A slow motion in free space comes out as it went in, without a reason."""
-    guard, wanted = SafetyFilter(model), np.full(model.size, 0.05)
-    guard.distances.update(WorldSnapshot((table(),), model.home, np.full(2, 0.04)))
-    command = guard.filter(model.home, np.zeros(7), wanted)
+    safety, wanted = SafetyFilter(model), np.full(model.size, 0.05)
+    safety.distances.update(WorldSnapshot((table(),), model.home, np.full(2, 0.04)))
+    command = safety.filter(model.home, np.zeros(7), wanted)
     np.testing.assert_array_equal(command.velocity, wanted)
     assert not command.intervened
     assert not command.stopped
@@ -118,44 +120,44 @@ def test_harmless_commands_pass_unchanged(model: RobotModel) -> None:
 
 
 def test_what_is_allowed_may_be_touched(model: RobotModel) -> None:
-    """The filter lets the hand near a body whose name is allowed, and to no other."""
+    """The filter lets the gripper near a body whose name is allowed, and to no other."""
     tip = model.tip_pose(model.home)[:3]
     block = box("block", (0.04, 0.04, 0.04), tip + [0.06, 0.0, -0.03])
     world = WorldSnapshot((table(), block), model.home, np.full(2, 0.04))
-    guard, v = SafetyFilter(model), np.zeros(7)
+    safety, v = SafetyFilter(model), np.zeros(7)
     towards = DifferentialIK(model).velocity_for_twist(model.home, v, [0.2, 0, 0, 0, 0, 0])
-    guard.distances.update(world)
-    assert "distance" in guard.filter(model.home, v, towards).reasons
-    guard.distances.update(world, allowed=("block",))
-    assert "distance" not in guard.filter(model.home, v, towards).reasons
+    safety.distances.update(world)
+    assert "distance" in safety.filter(model.home, v, towards).reasons
+    safety.distances.update(world, allowed=("block",))
+    assert "distance" not in safety.filter(model.home, v, towards).reasons
 
 
 def test_a_distance_below_the_minimum_at_the_start_grows(model: RobotModel) -> None:
     """Started inside the margin, the arm does not come nearer whatever is wanted, and moves away when nothing is."""
     tip = model.tip_pose(model.home)[:3]
     world = WorldSnapshot((box("block", (0.1, 0.1, 0.1), tip + [0.0, 0.0, -0.055]),), model.home, np.full(2, 0.04))
-    guard, distances, rng = SafetyFilter(model), DistanceModel(model), np.random.default_rng(2)
-    guard.distances.update(world)
+    safety, distances, rng = SafetyFilter(model), DistanceModel(model), np.random.default_rng(2)
+    safety.distances.update(world)
     distances.update(world)
     start = distances.nearest(model.home)[0].distance
-    assert start < guard.config.margin
+    assert start < safety.config.margin
     q, v = model.home.copy(), np.zeros(7)
     for _ in range(40):
-        v = guard.filter(q, v, rng.uniform(-1.0, 1.0, 7)).velocity
+        v = safety.filter(q, v, rng.uniform(-1.0, 1.0, 7)).velocity
         q = q + DT * v
         assert distances.nearest(q)[0].distance > start - 1e-3
     for _ in range(100):
-        v = guard.filter(q, v, np.zeros(7)).velocity
+        v = safety.filter(q, v, np.zeros(7)).velocity
         q = q + DT * v
-    assert distances.nearest(q)[0].distance > guard.config.margin
+    assert distances.nearest(q)[0].distance > safety.config.margin
 
 
 def test_limits_crossed_at_the_start_are_led_back(model: RobotModel) -> None:
     """Beyond a joint limit the filter brakes and returns, and names the limits as the reason."""
-    guard, q, v = SafetyFilter(model), model.home.copy(), np.zeros(7)
+    safety, q, v = SafetyFilter(model), model.home.copy(), np.zeros(7)
     q[3] = model.limits.upper[3] + 0.1
     for _ in range(30):
-        command = guard.filter(q, v, np.ones(7))
+        command = safety.filter(q, v, np.ones(7))
         q, v = q + DT * command.velocity, command.velocity
         assert "limits" in command.reasons
     assert model.limits.contains(q, 1e-9)
@@ -171,14 +173,14 @@ class NoSolution:
 
 def test_an_infeasible_program_stops_the_arm(model: RobotModel) -> None:
     """Without a solution the command is braking, it is reported, and the arm comes to rest without touching anything."""
-    judge, policy = Judge(model, WorldSnapshot((table(),), model.home, np.full(2, 0.04))), DifferentialIK(model)
-    judge.filter = SafetyFilter(model, solver=NoSolution())
-    judge.filter.distances.update(WorldSnapshot((table(),), model.home, np.full(2, 0.04)))
+    checker, policy = Checker(model, WorldSnapshot((table(),), model.home, np.full(2, 0.04))), DifferentialIK(model)
+    checker.filter = SafetyFilter(model, solver=NoSolution())
+    checker.filter.distances.update(WorldSnapshot((table(),), model.home, np.full(2, 0.04)))
     for _ in range(100):
-        judge.tick(policy.velocity_to_pose(judge.q, judge.v, [0.3, 0.0, TABLE_TOP - 0.2, *TOP_DOWN]))
-    assert judge.margin > -1e-3
-    assert judge.filter.counts.reasons["infeasible"] > 0
-    assert judge.filter.counts.stops >= judge.filter.counts.reasons["infeasible"]
+        checker.tick(policy.velocity_to_pose(checker.q, checker.v, [0.3, 0.0, TABLE_TOP - 0.2, *TOP_DOWN]))
+    assert checker.margin > -1e-3
+    assert checker.filter.counts.reasons["infeasible"] > 0
+    assert checker.filter.counts.stops >= checker.filter.counts.reasons["infeasible"]
 
 
 @pytest.mark.simulation
@@ -202,10 +204,10 @@ def test_accelerations_are_filtered_too(model: RobotModel) -> None:
 
 def test_bad_input_is_refused(model: RobotModel) -> None:
     """NaN anywhere raises the typed error."""
-    guard, good, bad = SafetyFilter(model), np.zeros(7), np.full(7, np.nan)
+    safety, good, bad = SafetyFilter(model), np.zeros(7), np.full(7, np.nan)
     for arguments in ((bad, good, good), (good, bad, good), (good, good, bad), (good, good, np.zeros(6))):
         with pytest.raises(InvalidTarget):
-            guard.filter(*arguments)
+            safety.filter(*arguments)
 
 
 WRONG: list[tuple[dict[str, object], str]] = [

@@ -14,8 +14,8 @@ from rlbench_pin.datasets import (
     episode_files,
     episode_path,
     read_demo,
+    read_image,
     read_manifest,
-    read_picture,
     stored_demos,
     stored_variations,
     verify_task,
@@ -93,18 +93,18 @@ def test_load_at_random(root: Path) -> None:
 
 
 def test_paths_stand_for_pictures(root: Path) -> None:
-    """With `image_paths`, a picture field holds a text that gives the picture when it is needed."""
+    """With `image_paths`, an image field holds a text that gives the image when it is needed."""
     (demo,) = stored_demos(root, TASK, 1, 0, image_paths=True, random_selection=False, from_episode_number=3)
     whole = read_demo(episode_files(root, TASK, 0)[3])
     for observation, expected in zip(demo, whole, strict=True):
         assert isinstance(observation.front_rgb, str)
-        assert_equal(read_picture(observation.front_rgb), expected.front_rgb)
+        assert_equal(read_image(observation.front_rgb), expected.front_rgb)
         assert_equal(observation.joint_positions, expected.joint_positions)
         assert observation.overhead_rgb is None
-    with pytest.raises(DatasetError, match="stands for no picture"):
-        read_picture("episode3.h5")
+    with pytest.raises(DatasetError, match="is not a reference to an image"):
+        read_image("episode3.h5")
     with pytest.raises(DatasetError, match="no front_rgb of frame 2"):
-        read_picture(str(demo[0].front_rgb)[:-1] + "2")
+        read_image(str(demo[0].front_rgb)[:-1] + "2")
 
 
 @pytest.mark.simulation

@@ -71,7 +71,7 @@ def test_the_same_demo_makes_the_same_bytes(tmp_path: Path) -> None:
 
 
 def test_pictures_are_compressed(tmp_path: Path) -> None:
-    """A plain picture takes a small part of its raw size."""
+    """A plain image takes a small part of its raw size."""
     rgb = np.zeros((128, 128, 3), dtype=np.uint8)
     frames = [Observation(front_rgb=rgb + i % 250, front_depth=np.full((128, 128), i, dtype=np.float32)) for i in range(20)]
     path = write_demo(Demo(frames, task_name="x"), tmp_path / "e.h5")
@@ -148,7 +148,7 @@ TASK = "reach_target"
 
 
 def test_an_episode_is_read_as_far_as_it_is_used(tmp_path: Path) -> None:
-    """Single frames and fields are those of the whole; a frame that is asked for reads no other picture."""
+    """Single frames and fields are those of the whole; a frame that is asked for reads no other image."""
     demo = make_demo(frames=6)
     path = fill(tmp_path, range(1), frames=6) / TASK / "variation0" / "episodes" / "episode0.h5"
     whole = read_demo(path)
@@ -186,9 +186,9 @@ def test_what_an_episode_has_not_is_no_damage(tmp_path: Path) -> None:
 
 
 def test_a_frame_reads_few_other_pictures(tmp_path: Path) -> None:
-    """Damaged pictures of four frames leave the others readable, so they were not read for them; their own are errors."""
+    """Damaged images of four frames leave the others readable, so they were not read for them; their own are errors."""
     pictures = np.random.default_rng(0).integers(0, 256, (6, 48, 48, 3), dtype=np.uint8)
-    path = write_demo(Demo([Observation(front_rgb=picture) for picture in pictures], task_name=TASK), tmp_path / "e.h5")
+    path = write_demo(Demo([Observation(front_rgb=image) for image in pictures], task_name=TASK), tmp_path / "e.h5")
     with h5py.File(path, "r") as file:
         offset = file["observations/front_rgb"].id.get_chunk_info(1).byte_offset
     with open(path, "r+b") as raw:
@@ -209,7 +209,7 @@ def test_pictures_of_any_size_come_back_bit_by_bit(kind: type, shape: tuple[int,
     rng = np.random.default_rng(frames)
     pictures = (rng.normal(size=(frames, *shape)) * 100.0).astype(kind)
     pictures[1:, : shape[0] // 2] = pictures[0, : shape[0] // 2]
-    path = write_demo(Demo([Observation(front_depth=picture) for picture in pictures], task_name=TASK), tmp_path / "e.h5")
+    path = write_demo(Demo([Observation(front_depth=image) for image in pictures], task_name=TASK), tmp_path / "e.h5")
     with h5py.File(path, "r") as file:
         dataset = file["observations/front_depth"]
         assert dataset.compression == "gzip" and dataset.dtype == kind
@@ -224,5 +224,5 @@ def test_equal_values_of_other_types_stay_apart(tmp_path: Path) -> None:
     values += [{"a": 1, "b": None}, {"b": None, "a": 1}, [1, 2], (1, 2), [1, [2, 3]], [1, [2, 3]], [1, [2, 4]], "text", "text"]
     with h5py.File(tmp_path / "series.h5", "w") as file:
         write_series(file, "values", values, "gzip")
-        read = read_series(file, "values", len(values))
+        read = read_series(file["values"], None, len(values))
     assert [repr(value) for value in read] == [repr(value) for value in values]

@@ -16,7 +16,7 @@ FAST, REST = 0.5, 0.0
 
 
 def demo_of(speeds: Sequence[float], openings: str | None = None) -> Demo:
-    """A demo in which one joint moves at given speeds; `o` is an open hand, `c` a closed one, open throughout when not given."""
+    """A demo in which one joint moves at given speeds; `o` is an open gripper, `c` a closed one; open by default."""
     letters = openings or "o" * len(speeds)
     return Demo(
         [
@@ -56,7 +56,7 @@ def test_a_stop_is_one() -> None:
 
 @pytest.mark.parametrize(("change", "is_stop"), [(4, True), (5, False), (6, False), (7, False), (8, True)])
 def test_a_stop_needs_a_hand_that_does_not_change(change: int, is_stop: bool) -> None:
-    """A stop at frame 6 counts when the hand is the same in frames 4 to 7."""
+    """A stop at frame 6 counts when the gripper is the same in frames 4 to 7."""
     keys = key_frames(demo_of(moving(14, 6), "o" * change + "c" * (14 - change)))
     assert keys == sorted({change, 13} | ({6} if is_stop else set()))
 
@@ -84,7 +84,7 @@ def test_of_two_at_the_end_the_earlier_is_left_out() -> None:
 
 
 def test_frames_before_the_first_are_the_last_ones() -> None:
-    """A resting first frame keeps the next four from being stops, unless the hand ends otherwise than it begins."""
+    """A resting first frame keeps the next four from being stops, unless the gripper ends otherwise than it begins."""
     start = moving(20, 0, 1, 2)
     assert key_frames(demo_of(start)) == [19]
     assert key_frames(demo_of(start, "o" * 10 + "c" * 10)) == [2, 10, 19]
@@ -105,7 +105,7 @@ def test_a_missing_field_is_named() -> None:
 
 @pytest.mark.simulation
 def test_a_live_demonstration() -> None:
-    """Key frames are where the segment above the lid ends, where the hand has closed on it, and the end."""
+    """Key frames are where the segment above the lid ends, where the gripper has closed on it, and the end."""
     with Environment(MoveArmThenGripper(JointPosition(), Discrete()), obs_config=low_dim_config()) as environment:
         outcome = environment.get_task("take_lid_off_saucepan").try_demo(seed=0)
     assert outcome.demo is not None

@@ -71,7 +71,7 @@ def test_merging_counts_on_from_a_recording_that_has_just_ended(tmp_path: Path, 
 
 
 def test_merging_refuses_what_does_not_go_together(tmp_path: Path) -> None:
-    """The same seed with other content, other pictures, or a bad file: an error, and nothing is written."""
+    """The same seed with other content, other images, or a bad file: an error, and nothing is written."""
     one, two = fill(tmp_path / "one", range(3)), fill(tmp_path / "two", range(2, 5), frames=3)
     with pytest.raises(DatasetConflict, match=r"episode0\.h5.*seed 2, but differ"):
         merge_datasets([one, two], tmp_path / "out")

@@ -73,11 +73,11 @@ def test_changed_missing_and_foreign_files_are_faults(tmp_path: Path) -> None:
     kept.path.write_bytes(b"import os\n")
     assert ["SHA-256 differs" in str(fault) for fault in task_faults(tmp_path, task)] == [True]
     kept.path.unlink()
-    with pytest.raises(EpisodeFileError, match="no file of that folder"):
+    with pytest.raises(EpisodeFileError, match="not a file of that folder"):
         kept.contents()
     (tmp_path / "elsewhere.py").write_bytes(FILES["mine.py"])
     kept.path.symlink_to(tmp_path / "elsewhere.py")
-    with pytest.raises(EpisodeFileError, match="no file of that folder"):
+    with pytest.raises(EpisodeFileError, match="not a file of that folder"):
         kept.contents()
 
 

@@ -1,4 +1,4 @@
-"""Films hold the pictures that went in."""
+"""Videos hold the images that went in."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rlbench_pin.errors import DatasetError
 
 
 def test_pictures_come_back(tmp_path: Path) -> None:
-    """Number, size, rate and rough colours of the pictures survive the encoding."""
+    """Number, size, rate and rough colours of the images survive the encoding."""
     with VideoWriter(tmp_path / "film.mp4", (64, 48), fps=20) as video:
         for i in range(30):
             video.add(np.full((48, 64, 3), (8 * i, 100, 50), dtype=np.uint8))
@@ -26,7 +26,7 @@ def test_pictures_come_back(tmp_path: Path) -> None:
 
 
 def test_an_error_leaves_no_file(tmp_path: Path) -> None:
-    """A film that was not finished is not there."""
+    """A video that was not finished is not there."""
     with pytest.raises(ZeroDivisionError), VideoWriter(tmp_path / "film.mp4", (64, 48)) as video:
         video.add(np.zeros((48, 64, 3), dtype=np.uint8))
         raise ZeroDivisionError
@@ -34,10 +34,10 @@ def test_an_error_leaves_no_file(tmp_path: Path) -> None:
 
 
 def test_bad_sizes_are_refused(tmp_path: Path) -> None:
-    """Odd sizes, wrong pictures and empty films are errors."""
+    """Odd sizes, wrong images and empty videos are errors."""
     with pytest.raises(DatasetError, match="even width"):
         VideoWriter(tmp_path / "a.mp4", (63, 48))
     with pytest.raises(DatasetError, match="does not fit"), VideoWriter(tmp_path / "b.mp4", (64, 48)) as video:
         video.add(np.zeros((10, 10, 3), dtype=np.uint8))
-    with pytest.raises(DatasetError, match="no pictures"), VideoWriter(tmp_path / "c.mp4", (64, 48)):
+    with pytest.raises(DatasetError, match="no images"), VideoWriter(tmp_path / "c.mp4", (64, 48)):
         pass

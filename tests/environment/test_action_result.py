@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
+from rlbench_pin.datasets import key_frame_actions
 from rlbench_pin.environment import (
     Discrete,
     EndEffectorPoseViaIK,
@@ -18,7 +19,6 @@ from rlbench_pin.environment import (
     TaskEnvironment,
 )
 from rlbench_pin.environment.presets import low_dim_config
-from rlbench_pin.environment.replay import key_frame_actions
 from rlbench_pin.tasks.conditions import Condition
 
 pytestmark = pytest.mark.simulation
@@ -54,7 +54,7 @@ def reach(request: pytest.FixtureRequest) -> Iterator[TaskEnvironment]:
 
 
 def aside(task: TaskEnvironment) -> np.ndarray:
-    """Return an action that leads the tip 0.15 m to the side, far from targets that count, and closes the hand."""
+    """Return an action that leads the tip 0.15 m to the side, far from targets that count, and closes the gripper."""
     pose = task.world.robot.tip_pose()
     pose[1] += 0.15
     return np.append(pose, 0.0)
@@ -86,7 +86,7 @@ def test_a_rule_broken_within_an_action_ends_it(reach: TaskEnvironment) -> None:
 
 
 def test_fingers_are_watched_too(reach: TaskEnvironment) -> None:
-    """A goal that is reached while the hand closes ends the motion of the fingers."""
+    """A goal that is reached while the gripper closes ends the motion of the fingers."""
     here = np.append(reach.world.robot.tip_pose(), 0.0)
     start = reach.world.time
     reach.step(here)
@@ -115,18 +115,18 @@ def test_outside_of_actions_nobody_is_asked(reach: TaskEnvironment) -> None:
 def test_a_lasting_success_is_told_from_one_of_an_instant(reach: TaskEnvironment) -> None:
     """The tip at the target stays there; a goal of one tick does not last; nothing has changed afterwards."""
     reach.reset(seed=3)
-    assert not reach.success_lasts()
+    assert not reach.success_is_stable()
     target = reach.world.body("target").position
     reach.step(np.concatenate([target, reach.world.robot.tip_pose()[3:], [1.0]]))
     assert reach.succeeded
     before, clock = vars(reach.get_observation()), reach.world.time
-    assert reach.success_lasts()
+    assert reach.success_is_stable()
     assert reach.world.time == clock
     for name, value in vars(reach.get_observation()).items():
         if isinstance(value, np.ndarray) and name != "joint_forces":  # which the motors tell after a tick
             assert np.array_equal(value, before[name]), name
     reach.task.register_success_conditions([Glimpse(reach, 0)])
-    assert not reach.success_lasts()
+    assert not reach.success_is_stable()
 
 
 def test_a_wand_dragged_along_the_rod_gets_no_reward() -> None:

@@ -239,7 +239,7 @@ def test_settings_of_a_camera_go_by_name() -> None:
 
 
 def test_a_camera_may_deliver_masks_alone() -> None:
-    """It is described in `misc` as those with pictures are."""
+    """It is described in `misc` as those with images are."""
     config = low_dim_config()
     config.front_camera.mask, config.front_camera.image_size = True, (16, 12)
     with make(config) as environment:

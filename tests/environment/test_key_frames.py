@@ -19,10 +19,10 @@ from rlbench_pin import (
     SafeArm,
     TaskEnvironment,
 )
-from rlbench_pin.datasets import read_demo
+from rlbench_pin.datasets import key_frame_actions, read_demo
 from rlbench_pin.datasets.writer import write_demo
 from rlbench_pin.environment.presets import low_dim_config
-from rlbench_pin.environment.replay import key_frame_actions, key_frames_succeed
+from rlbench_pin.environment.replay import key_frames_succeed
 from rlbench_pin.errors import DemoError, InvalidActionError
 from rlbench_pin.planning import MotionPlanner
 
@@ -43,12 +43,12 @@ def task() -> Iterator[TaskEnvironment]:
 
 @pytest.fixture(scope="module")
 def demo(task: TaskEnvironment) -> Demo:
-    """A demonstration: two legs that avoid collisions, and one up with the lid that ignores them."""
+    """A demonstration: two segments that avoid collisions, and one up with the lid that ignores them."""
     return task.get_demos(1, live_demos=True, seed=3)[0]
 
 
 def test_every_frame_says_how_its_leg_was_planned(demo: Demo) -> None:
-    """The frames up to the closed hand belong to legs with checks, those after it to the leg without; so do stored ones."""
+    """Frames up to the closed gripper belong to segments with checks, later ones to the segment without; so do stored ones."""
     flags = [frame.ignore_collisions for frame in demo]
     assert flags == sorted(flags) and flags[0] is False and flags[-1] is True
     closed = [i for i, frame in enumerate(demo) if frame.gripper_open == 0.0]

@@ -19,7 +19,7 @@ STEPS = 12
 
 
 def actions(start: Observation, count: int = STEPS) -> list[np.ndarray]:
-    """Return joint positions that swing about those of an observation, and a hand that closes."""
+    """Return joint positions that swing about those of an observation, and a gripper that closes."""
     assert start.joint_positions is not None
     swing = 0.15 * np.sin(np.linspace(0.2, 3.0, count))
     joints = start.joint_positions + np.outer(swing, [1.0, 1.0, -1.0, 1.0, 0.5, 1.0, 1.0])
@@ -27,7 +27,7 @@ def actions(start: Observation, count: int = STEPS) -> list[np.ndarray]:
 
 
 def numbers(observation: Observation) -> dict[str, np.ndarray]:
-    """Return what an observation says without pictures."""
+    """Return what an observation says without images."""
     return {name: np.asarray(value) for name in LOW_DIM if (value := getattr(observation, name)) is not None}
 
 

@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from rlbench_pin import Environment
-from rlbench_pin.datasets import read_picture
+from rlbench_pin.datasets import read_image
 from rlbench_pin.datasets.formats.rlbench import export_rlbench
 from rlbench_pin.environment import Discrete, JointPosition, MoveArmThenGripper, ObservationConfig
 from rlbench_pin.errors import DatasetError, UnknownName
@@ -25,8 +25,8 @@ SIZE = (24, 16)
 def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Real demonstrations: three of each of two variations, two cameras."""
     folder = tmp_path_factory.mktemp("stored")
-    pictures = ImageConfig(cameras=("front", "wrist"), image_size=SIZE, products=("rgb", "depth", "mask", "point_cloud"))
-    record(RecordConfig(tasks=(TASK,), episodes=4, variations=2, pictures=pictures), folder, engine=SerialEngine())
+    images = ImageConfig(cameras=("front", "wrist"), image_size=SIZE, products=("rgb", "depth", "mask", "point_cloud"))
+    record(RecordConfig(tasks=(TASK,), episodes=4, variations=2, images=images), folder, engine=SerialEngine())
     return folder
 
 
@@ -154,13 +154,13 @@ def test_units_are_those_asked_for(stored: Path) -> None:
 
 
 def test_paths_of_pictures(stored: Path) -> None:
-    """With `image_paths` nothing is decoded; the text leads to the picture, whatever the format."""
+    """With `image_paths` nothing is decoded; the text leads to the image, whatever the format."""
     (demo,) = environment(stored).get_demos(TASK, 1, -1, image_paths=True, random_selection=False)
     (whole,) = environment(stored).get_demos(TASK, 1, -1, random_selection=False)
     text = demo[2].front_rgb
     assert isinstance(text, str)
-    picture = np.asarray(Image.open(text)) if text.endswith(".png") else read_picture(text)
-    assert np.array_equal(picture, whole[2].front_rgb)
+    image = np.asarray(Image.open(text)) if text.endswith(".png") else read_image(text)
+    assert np.array_equal(image, whole[2].front_rgb)
     assert demo[2].joint_positions is not None
 
 

@@ -105,7 +105,7 @@ def test_words_are_mixed() -> None:
 
 
 def test_a_set_that_is_not_all_built_says_what_is_missing() -> None:
-    """It runs the rest only when told to; with nothing left it does not run at all."""
+    """It runs the rest only when asked to; with nothing left it does not run at all."""
     held = task_set("MT100_V1")
     if not held.missing:
         pytest.skip("all tasks of MT100_V1 are built")

@@ -20,9 +20,9 @@ from rlbench_pin.errors import RlbenchPinError
 
 LIMIT = 20.0
 """Longest time that a case may take [s]."""
-MOST_MEMORY = 1_000_000
+MAX_MEMORY = 1_000_000
 """By so much a case may raise the most memory that the process has used [kB]."""
-LEAST_TEXT = 12
+MIN_TEXT = 12
 """An error says at least so many letters."""
 
 
@@ -78,13 +78,13 @@ class Tally:
             self._note(case, "hangs")
         except RlbenchPinError as error:
             self.refused += 1
-            self._judge_text(case, error)
+            self._check_text(case, error)
         except Exception as error:  # what nobody should see
             self._note(case, f"{type(error).__name__} at {_place(error)}", f"{case.words}: {_one_line(error)}")
         else:
             self.taken += 1
-            self._judge_result(case, result)
-        if _most_memory() > most + MOST_MEMORY:
+            self._check_result(case, result)
+        if _most_memory() > most + MAX_MEMORY:
             self._note(case, f"takes {(_most_memory() - most) // 1000} MB")
         self._look_after(case)
 
@@ -97,15 +97,15 @@ class Tally:
         if problem:
             self._note(case, problem)
 
-    def _judge_text(self, case: Case, error: RlbenchPinError) -> None:
+    def _check_text(self, case: Case, error: RlbenchPinError) -> None:
         text = str(error)
         self.texts.setdefault(text, f"{case.door}({case.words})")
-        if len(text) < LEAST_TEXT:
+        if len(text) < MIN_TEXT:
             self._note(case, f"an error without a text: {text!r}")
         if case.must_take:
             self._note(case, f"refused: {_one_line(error)}")
 
-    def _judge_result(self, case: Case, result: object) -> None:
+    def _check_result(self, case: Case, result: object) -> None:
         if case.must_refuse:
             self._note(case, "taken without a word")
         elif case.finite and not all_finite(result):

@@ -82,7 +82,7 @@ def samples(folder: Path, task: TaskEnvironment) -> dict[str, object]:
         "tasks": ["reach_target"], "name": "reach_target", "reference": f"{first}#front_rgb/0", "size": (16, 16),
         "sha256": entry.sha256,
         "contents": {"a.py": b"1"}, "file": "a.py", "files": [], "config": RecordConfig(tasks=("reach_target",), episodes=1),
-        "pictures": ImageConfig(products=()), "rng": Fresh(lambda: np.random.default_rng(0)), "action_mode": mode,
+        "images": ImageConfig(products=()), "rng": Fresh(lambda: np.random.default_rng(0)), "action_mode": mode,
         "mode": JointPosition(),
         "model": RobotModel(robot_description("panda")), "names": ["CartesianMPC"], "trials": [], "summaries": [],
         "words": ["reach_target"],

@@ -66,7 +66,7 @@ def condition_doors(task: TaskEnvironment) -> list[Door]:
     body = next(body for body in world.bodies.values() if body.joints)
     held = conditions.NothingGrasped(world.gripper)
     good: dict[str, object] = {
-        "members": [held], "thing": body, "sensor": _Volume(), "things": [body, body], "count": 1, "robot": world.robot,
+        "members": [held], "element": body, "sensor": _Volume(), "elements": [body, body], "count": 1, "robot": world.robot,
         "body": body, "points": np.zeros((2, 3)), "gripper": world.gripper, "rgb": [1.0, 0.0, 0.0],
         "joint": next(iter(body.joints.values())), "distance": 0.1, "items": [1],
     }  # fmt: skip
@@ -91,15 +91,15 @@ def recording_doors(folder: Path) -> list[Door]:
     """Return those that record or check; good arguments are those of the smallest work."""
     numbers = itertools.count()
     out = Fresh(lambda: folder / f"recorded{next(numbers)}")
-    pictures = ImageConfig(products=())
-    config, engine = RecordConfig(tasks=(TASK,), episodes=1, pictures=pictures), SerialEngine()
+    images = ImageConfig(products=())
+    config, engine = RecordConfig(tasks=(TASK,), episodes=1, images=images), SerialEngine()
     small = EvaluationConfig(policy="noop", tasks=(TASK,), episodes=1, max_seconds=0.1)
     seeds = write_seeds(folder / "seeds.json", [EpisodeSeed(TASK, 0, 0, 1, 0)])
     journal = TrialJournal(None, [])
     item = Item(TASK, "words", (0,), 1)
     return [
         Door("record", lambda: record, {"config": config, "root": out, "engine": engine}, finite=False),
-        Door("rerender", lambda: rerender, {"source": seeds, "out": out, "pictures": pictures, "engine": engine}, finite=False),
+        Door("rerender", lambda: rerender, {"source": seeds, "out": out, "images": images, "engine": engine}, finite=False),
         Door("evaluate", lambda: evaluate, {"config": small, "out": out, "engine": engine}, finite=False),
         Door("ProcessEngine", lambda: ProcessEngine),
         Door("run_trials", lambda: run_trials, {"items": [item], "workers": 1, "journal": journal}, finite=False),

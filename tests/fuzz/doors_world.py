@@ -84,7 +84,7 @@ def placing_doors(world: World) -> list[Door]:
     """Return those of what tasks place, settle and grip."""
     body = next(body for body in world.bodies.values() if body.joints)
     good: dict[str, object] = {
-        "regions": [_Patch()], "thing": body, "things": [body], "others": [world.frame("waypoint0")], "world": world,
+        "regions": [_Patch()], "element": body, "elements": [body], "others": [world.frame("waypoint0")], "world": world,
         "rng": Fresh(lambda: np.random.default_rng(0)), "bodies": [body], "wanted": [body], "first": body, "second": body,
         "tray": tasks.Tray(_Patch.pose, np.array([0.5, 0.5])), "free_direction.others": [np.ones(2)], "place": np.zeros(2),
         "directions": [0.0, 1.0], "half_width": 0.1, "length": 0.5, "SpawnBoundary.sample.min_rotation": np.full(3, -0.1),

@@ -77,7 +77,7 @@ def typed(folder: Path, rng: np.random.Generator) -> list[str]:
 
 
 class Run:
-    """Runs a command in this process and judges what it says."""
+    """Runs a command in this process and checks its output."""
 
     def __init__(self, words: list[str]) -> None:
         self.words = words
@@ -97,7 +97,7 @@ class Run:
         return code, texts[0], texts[1]
 
 
-def judged(result: object) -> str:
+def checked(result: object) -> str:
     """Say what is wrong with the outcome of a command."""
     code, out, err = result  # type: ignore[misc]
     if code not in (0, 1, 2):
@@ -114,7 +114,7 @@ def try_commands(tally: Tally, folder: Path, seed: int, count: int) -> None:
     for number in range(count):
         words = typed(folder, np.random.default_rng((seed, number)))
         name = f"rlbench-pin {words[0][:20] if words else ''}"
-        tally.run(Case(ascii(name), ascii(words)[:300], Run(words), check_result=judged))
+        tally.run(Case(ascii(name), ascii(words)[:300], Run(words), check_result=checked))
     assert not tally.faults, f"seed {seed}:\n{tally.report()}"
 
 
@@ -141,5 +141,5 @@ def test_command_lines_of_processes(tally: Tally, seed: int, elsewhere: Path) ->
         words = [w for w in typed(elsewhere, np.random.default_rng((seed, number, 7))) if "\0" not in w]
         command = [sys.executable, "-m", "rlbench_pin.cli.main", *words]
         done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=120, check=False)
-        problem = judged((done.returncode, done.stdout, done.stderr))
+        problem = checked((done.returncode, done.stdout, done.stderr))
         assert not problem, (words, problem)

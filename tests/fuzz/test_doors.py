@@ -42,7 +42,7 @@ def test_analytic_doors_with_every_value(tally: Tally, seed: int) -> None:
 
 @pytest.mark.simulation
 def test_doors_of_a_world(tally: Tally, seed: int) -> None:
-    """World, bodies, joints, frames, arm, hand, task; nothing that a case does outlives it."""
+    """World, bodies, joints, frames, arm, gripper, task; nothing that a case does outlives it."""
     with opened() as task:
         try_all([*world_doors(task), *condition_doors(task)], tally, seed, 0.1)
     assert tally.cases > 300
@@ -79,7 +79,7 @@ def work_doors(folder: Path, task: TaskEnvironment) -> list[Door]:
 
 @pytest.mark.simulation
 def test_doors_of_long_work(tally: Tally, seed: int, elsewhere: Path) -> None:
-    """Recordings, checks, legs of demonstrations, environments of gymnasium: a few of what is refused before the work."""
+    """Recordings, checks, segments of demonstrations, environments of gymnasium: a few of what is refused before the work."""
     with opened("reach_target") as task:
         try_all(work_doors(elsewhere, task), tally, seed, 0.05)
     assert tally.cases > 50

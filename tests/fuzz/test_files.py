@@ -15,7 +15,7 @@ from rlbench_pin.datasets import (
     read_demo,
     read_manifest,
     stored_demos,
-    stored_pictures,
+    stored_images,
     stored_tasks,
     task_faults,
     task_info,
@@ -54,7 +54,7 @@ def readers(root: Path, folder: Path, inspector: Inspector) -> Readers:
         "read_recording": lambda: read_recording(root),
         "merge_datasets": lambda: merge_datasets([root], folder / f"merged{next(new)}"),
         "read_demo": lambda: read_demo(episode, inspector=inspector),
-        "stored_pictures": lambda: stored_pictures(episode),
+        "stored_images": lambda: stored_images(episode),
         "export_robomimic": lambda: export_robomimic(root, folder / f"exported{next(new)}"),
     }
 

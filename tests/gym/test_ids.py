@@ -19,7 +19,7 @@ FEW = ("reach_target", "open_drawer", "stack_blocks")
 
 
 def test_every_task_has_both_ids() -> None:
-    """Each task of the library is registered for states and for pictures, with a limit of steps."""
+    """Each task of the library is registered for states and for images, with a limit of steps."""
     assert [i for i in IDS if i not in gymnasium.registry] == []
     ours = {i for i in gymnasium.registry if i.startswith("rlbench_pin/")}
     assert ours == {*IDS, ANY_TASK}
@@ -85,5 +85,5 @@ def test_checker_has_nothing_to_say(task: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", IDS)
 def test_checker_has_nothing_to_say_of_any_id(name: str) -> None:
-    """Gymnasium's checker passes without a warning for every task, with and without pictures."""
+    """Gymnasium's checker passes without a warning for every task, with and without images."""
     assert checked(name) == []

@@ -74,7 +74,7 @@ def test_checker_has_nothing_to_say(reach: LeRobotEnv) -> None:
 
 
 def test_observations_and_attributes_are_lerobots(reach: LeRobotEnv) -> None:
-    """Pictures by camera, joints and gripper, the task, what is asked for, the length of an episode."""
+    """Images by camera, joints and gripper, the task, what is asked for, the length of an episode."""
     observation, info = reach.reset(seed=2)
     assert {name: p.shape for name, p in observation["pixels"].items()} == {"front": (24, 32, 3), "wrist": (24, 32, 3)}
     assert observation["agent_pos"].shape == (8,) and observation["agent_pos"].dtype == np.float32

@@ -46,7 +46,7 @@ def test_what_is_no_task_is_refused(tmp_path: Path) -> None:
 
 @pytest.mark.simulation
 def test_a_registered_task_has_ids_of_its_own(mine: Path) -> None:
-    """For states and pictures; registering it again changes nothing, and no other task takes its ids."""
+    """For states and images; registering it again changes nothing, and no other task takes its ids."""
     ids = register_task(mine, "tests")
     try:
         assert ids == ("tests/touch_it-state-v0", "tests/touch_it-vision-v0")

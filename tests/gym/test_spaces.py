@@ -71,7 +71,7 @@ def test_observations_carry_what_the_interface_promises(reach: GymnasiumEnv) -> 
 
 
 def test_vision_adds_four_pictures() -> None:
-    """Vision observations hold four pictures of the asked size, and the pictures show something."""
+    """Vision observations hold four images of the asked size, and the images show something."""
     with GymnasiumEnv("reach_target", "vision", image_size=(48, 32)) as env:
         obs, _ = env.reset(seed=0)
         assert obs in env.observation_space

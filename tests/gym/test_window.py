@@ -1,4 +1,4 @@
-"""Pictures of the whole scene: as arrays, and in a window where there is a screen."""
+"""Images of the whole scene: as arrays, and in a window where there is a screen."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def test_a_screen_that_does_not_answer(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.simulation
 def test_human_shows_every_step(made_up_screen: None) -> None:
-    """With a screen the window shows the same picture as `rgb_array`, after reset and after each step."""
+    """With a screen the window shows the same image as `rgb_array`, after reset and after each step."""
     pygame = pytest.importorskip("pygame")
     action = np.append(np.full(7, 0.1), 0.04)
     with GymnasiumEnv("reach_target", render_mode="rgb_array") as env:

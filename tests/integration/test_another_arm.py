@@ -198,7 +198,7 @@ def test_another_hand_works_in_the_simulation(tmp_path: Path) -> None:
 
 
 def test_a_hand_without_two_fingers_is_refused(tmp_path: Path) -> None:
-    """The simulation names the arm, what its hand lacks, and what it is still good for."""
+    """The simulation names the arm, what its gripper lacks, and what it is still good for."""
     with pytest.raises(RobotModelError, match="two fingers; 'ur5' has 0 gripper joints.*planning and control"):
         World(SceneSpec(format=1), ur5(tmp_path))
 

@@ -72,7 +72,7 @@ def test_a_list_is_as_good_as_an_array(name: str, as_: Callable) -> None:
 
 
 def test_a_payload_may_be_lists() -> None:
-    """Centre and inertia of what the hand carries."""
+    """Centre and inertia of what the gripper carries."""
     with_lists, with_arrays = RobotModel(robot_description("panda")), RobotModel(robot_description("panda"))
     with_lists.set_payload(0.5, [0.0, 0.0, 0.1], LOAD.tolist())
     with_arrays.set_payload(0.5, np.array([0.0, 0.0, 0.1]), LOAD)

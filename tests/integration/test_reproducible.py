@@ -1,4 +1,4 @@
-"""Same task, variation and seed: the same bytes in another process, pictures included."""
+"""Same task, variation and seed: the same bytes in another process, images included."""
 
 from __future__ import annotations
 
@@ -39,5 +39,5 @@ def digest(task: str, *seeds: int) -> str:
 
 @pytest.mark.parametrize("task", ["take_lid_off_saucepan", "pick_and_lift", "open_drawer"])
 def test_a_demo_has_the_same_bytes_in_another_process(task: str) -> None:
-    """States, actions, joint data and pictures agree, also when another episode came first."""
+    """States, actions, joint data and images agree, also when another episode came first."""
     assert digest(task, 5) == digest(task, 4, 5)

@@ -18,7 +18,7 @@ from tests.worlds_for_tests import HOME, Boxes
 
 @pytest.fixture
 def collision(model: RobotModel, boxes: Boxes) -> CollisionModel:
-    """A screen and cubes, a stick in the hand."""
+    """A screen and cubes, a stick in the gripper."""
     collision = CollisionModel(model)
     stick = boxes.box("stick", (0.02, 0.02, 0.3), model.tip_pose(HOME)[:3])
     collision.update(boxes.snapshot(boxes.screen(), *boxes.cubes(4), stick, attached=("stick",)))
@@ -95,7 +95,7 @@ def measure(collision: CollisionModel, data: pin.Data, placed: pin.GeometryData,
     return np.array([d for d, _ in found]), np.array([n for _, n in found])
 
 
-def judge(model: RobotModel, world: WorldSnapshot) -> CollisionModel:
+def collision_model(model: RobotModel, world: WorldSnapshot) -> CollisionModel:
     """A collision model with no clearance."""
     collision = CollisionModel(model)
     collision.update(world)
@@ -109,7 +109,7 @@ def reach(collision: CollisionModel) -> FloatArray:
 
 def test_no_point_moves_farther_than_its_bound(model: RobotModel, boxes: Boxes) -> None:
     """The reach of each joint bounds how far the tip can move when the joint turns."""
-    reaches = reach(judge(model, boxes.snapshot()))
+    reaches = reach(collision_model(model, boxes.snapshot()))
     rng = np.random.default_rng(0)
     for q in rng.uniform(model.limits.lower, model.limits.upper, (200, 7)):
         turn = rng.uniform(-0.3, 0.3, 7)
@@ -118,15 +118,15 @@ def test_no_point_moves_farther_than_its_bound(model: RobotModel, boxes: Boxes) 
 
 
 def test_a_held_stick_lengthens_the_reach(model: RobotModel, boxes: Boxes) -> None:
-    """What the hand carries swings too."""
+    """What the gripper carries swings too."""
     stick = boxes.box("stick", (0.02, 0.02, 0.6), model.tip_pose(HOME)[:3])
-    free, held = judge(model, boxes.snapshot(stick)), judge(model, boxes.snapshot(stick, attached=("stick",)))
+    free, held = collision_model(model, boxes.snapshot(stick)), collision_model(model, boxes.snapshot(stick, attached=("stick",)))
     assert np.all(reach(held) > reach(free) + 0.1)
 
 
 def test_keeping_away_is_a_distance(model: RobotModel, boxes: Boxes) -> None:
     """A configuration keeps away by what `distances` measures, whatever was asked before."""
-    collision = judge(model, boxes.snapshot(boxes.screen(), *boxes.cubes(4)))
+    collision = collision_model(model, boxes.snapshot(boxes.screen(), *boxes.cubes(4)))
     for q in np.random.default_rng(1).uniform(model.limits.lower, model.limits.upper, (150, 7)):
         nearest = collision.distances(q)[0].distance
         for level in (0.002, 0.03, 0.1):
@@ -139,7 +139,7 @@ def test_a_needle_between_the_samples_is_found(model: RobotModel, boxes: Boxes, 
     """A thin post that samples may step over is never certified."""
     tip = model.tip_pose(HOME + [0.3 + offset, 0, 0, 0, 0, 0, 0])[:3]
     world = boxes.snapshot(boxes.box("needle", (0.0005, 0.0005, 0.5), tip))
-    collision = judge(model, world)
+    collision = collision_model(model, world)
     collision.begin(HOME)
     path = along(np.array([HOME, HOME + [0.8, 0, 0, 0, 0, 0, 0]]), 1.0)
     assert certify(path, collision).doubt is not None
@@ -147,7 +147,7 @@ def test_a_needle_between_the_samples_is_found(model: RobotModel, boxes: Boxes, 
 
 def test_a_clear_way_is_certified_with_few_checks(model: RobotModel, boxes: Boxes) -> None:
     """Far from everything, few configurations prove a long way."""
-    collision = judge(model, boxes.snapshot())
+    collision = collision_model(model, boxes.snapshot())
     collision.begin(HOME)
     proof = certify(along(np.array([HOME, HOME + [1.0, 0, 0, 0, 0, 0, 0]]), 1.0), collision)
     assert proof.doubt is None
@@ -157,7 +157,7 @@ def test_a_clear_way_is_certified_with_few_checks(model: RobotModel, boxes: Boxe
 def test_certified_plans_touch_nothing_anywhere(model: RobotModel, boxes: Boxes) -> None:
     """Accepted motions are looked at every 2e-3 rad; the report says that they were proven."""
     world = boxes.snapshot(boxes.screen(), *boxes.cubes(5))
-    planner, collision = MotionPlanner(model), judge(model, world)
+    planner, collision = MotionPlanner(model), collision_model(model, world)
     planner.update(world)
     for seed in range(3):
         plan = planner.plan_to_configuration(

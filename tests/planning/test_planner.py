@@ -38,10 +38,10 @@ def assert_at(model: RobotModel, q: np.ndarray, pose: np.ndarray) -> None:
 
 
 def touches(model: RobotModel, snapshot: WorldSnapshot, plan: Plan) -> list[tuple[str, str]]:
-    """What a plan touches, judged by a planner of its own."""
-    judge = MotionPlanner(model).collision
-    judge.update(snapshot)
-    return [pair for q in plan.trajectory.q[::2] for pair in judge.colliding_pairs(q)]
+    """What a plan touches, checked by a planner of its own."""
+    checker = MotionPlanner(model).collision
+    checker.update(snapshot)
+    return [pair for q in plan.trajectory.q[::2] for pair in checker.colliding_pairs(q)]
 
 
 def around_the_screen(planner: MotionPlanner, snapshot: WorldSnapshot, seed: int = 0) -> Plan:
@@ -98,17 +98,17 @@ def test_collisions_can_be_ignored(planner: MotionPlanner, boxes: Boxes, rng: np
 
 def test_a_motion_that_ignores_collisions_never_folds_the_arm_into_itself(model: RobotModel, planner: MotionPlanner) -> None:
     """Where the joints' line would, another way is found; what the world has there does not matter."""
-    judge, rng, found = MotionPlanner(model).collision, np.random.default_rng(3), 0
+    checker, rng, found = MotionPlanner(model).collision, np.random.default_rng(3), 0
     planner.update(WorldSnapshot((), HOME, np.full(2, 0.04)))
     while found < 4:
         q, goal = rng.uniform(model.limits.lower, model.limits.upper, (2, model.size))
         line = [q + s * (goal - q) for s in np.linspace(0.0, 1.0, 30)]
-        if judge.colliding_pairs(q) or judge.colliding_pairs(goal) or not any(judge.colliding_pairs(p) for p in line):
+        if checker.colliding_pairs(q) or checker.colliding_pairs(goal) or not any(checker.colliding_pairs(p) for p in line):
             continue
         found += 1
         plan = planner.plan_to_configuration(q, goal, ignore_collisions=True, rng=rng)
         assert not plan.report.certified
-        assert not any(judge.colliding_pairs(p) for p in plan.trajectory.q)
+        assert not any(checker.colliding_pairs(p) for p in plan.trajectory.q)
     assert planner.collision.distances(HOME)[0].distance > 0.0
 
 
@@ -116,8 +116,10 @@ def test_a_goal_inside_the_arm_itself_is_refused_although_collisions_are_ignored
     model: RobotModel, planner: MotionPlanner
 ) -> None:
     """The error names the links."""
-    judge, rng = MotionPlanner(model).collision, np.random.default_rng(0)
-    folded = next(q for q in rng.uniform(model.limits.lower, model.limits.upper, (500, model.size)) if judge.goal_in_collision(q))
+    checker, rng = MotionPlanner(model).collision, np.random.default_rng(0)
+    folded = next(
+        q for q in rng.uniform(model.limits.lower, model.limits.upper, (500, model.size)) if checker.goal_in_collision(q)
+    )
     with pytest.raises(GoalInCollision) as refusal:
         planner.plan_to_configuration(HOME, folded, ignore_collisions=True, rng=rng)
     assert all("panda_" in link for pair in refusal.value.pairs for link in pair)
@@ -180,9 +182,9 @@ def test_a_held_cube_is_lifted_carried_and_set_down(
     planner.update(boxes.snapshot(cube, boxes.screen(), arm=q, opening=0.025, attached=("cube",)))
     plan = planner.plan_to_pose(q, pose_at((0.35, 0.25, TABLE_TOP + 0.025), np.pi, 0.0, np.pi), rng=rng)
     assert plan.report.method == "sampled"
-    judge = MotionPlanner(model).collision
-    judge.update(boxes.snapshot(cube, boxes.screen(), arm=q, opening=0.025, attached=("cube",)))
-    deepest = min(d.distance for q in plan.trajectory.q[::5] for d in judge.distances(q, 0.01) or judge.distances(q)[:1])
+    checker = MotionPlanner(model).collision
+    checker.update(boxes.snapshot(cube, boxes.screen(), arm=q, opening=0.025, attached=("cube",)))
+    deepest = min(d.distance for q in plan.trajectory.q[::5] for d in checker.distances(q, 0.01) or checker.distances(q)[:1])
     assert deepest > -0.0025
 
 

@@ -20,7 +20,7 @@ from rlbench_pin.planning import (
     straight_path,
     symmetric_poses,
 )
-from rlbench_pin.planning.kinematics import FORGIVEN
+from rlbench_pin.planning.kinematics import JOINT_LIMIT_TOLERANCE
 from rlbench_pin.planning.timing import ArcLimits
 from rlbench_pin.robot.model import JointLimits, RobotModel
 from rlbench_pin.spatial import FloatArray
@@ -91,7 +91,7 @@ def test_measured_joints_may_overshoot_a_little(planner: MotionPlanner) -> None:
     """Up to 1e-3 rad beyond a limit motions begin and end at the limit, and say so by their first configuration."""
     limits = planner.model.limits
     q, end = planner.model.home.copy(), planner.model.home.copy()
-    q[5], end[5] = limits.lower[5] - 0.9 * FORGIVEN, limits.lower[5] + 0.1
+    q[5], end[5] = limits.lower[5] - 0.9 * JOINT_LIMIT_TOLERANCE, limits.lower[5] + 0.1
     plan = planner.plan_to_configuration(q, end, ignore_collisions=True, rng=_rng())
     assert plan.path[0][5] == limits.lower[5]
     assert limits.contains(plan.path[0])

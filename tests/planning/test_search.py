@@ -5,13 +5,16 @@ from __future__ import annotations
 import subprocess
 import sys
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from rlbench_pin.errors import NoPath
+from rlbench_pin.planning.continuous_collision import Rules
 from rlbench_pin.planning.path import edge_is_free
-from rlbench_pin.planning.search import ALGORITHMS, leave_out, sample_path, shorten
+from rlbench_pin.planning.plan import PlannerConfig
+from rlbench_pin.planning.search import ALGORITHMS, leave_out, repair, sample_path, shorten
 from rlbench_pin.robot.model import JointLimits
 
 ONE = np.ones(2)
@@ -119,3 +122,18 @@ def test_the_budget_of_shortcuts_is_kept(rng: np.random.Generator) -> None:
     path = shorten(np.array([[0.0, 0.0], [0.0, 0.9], [1.0, 0.9], [1.0, 0.0]]), counted, rng, step=0.01, checks=150)
     assert calls <= 150
     assert all(edge_is_free(a, b, outside_disc, 0.01) for a, b in pairwise(path))
+
+
+@pytest.mark.parametrize("algorithm", ["rrt_connect", "rrt"])
+def test_a_blocked_edge_is_repaired_with_the_algorithm_of_the_config(algorithm: str) -> None:
+    """The edge through the wall becomes the shortened path that this algorithm finds."""
+    config = PlannerConfig(algorithm=algorithm)  # type: ignore[arg-type]
+    collision = SimpleNamespace(collides=lambda q: not wall_with_gap(q))
+    rules = Rules(collision, config, SimpleNamespace())  # type: ignore[arg-type]
+    repaired = repair(np.array([START, GOAL]), rules, SQUARE, np.random.default_rng(0))
+    rng = np.random.default_rng(0)
+    found = sample_path(
+        START, [GOAL], wall_with_gap, SQUARE, seed=int(rng.integers(1, 2**31 - 1)),
+        algorithm=algorithm, checks=config.checks // 4, step=config.check_step, range_=0.5,  # type: ignore[arg-type]
+    )  # fmt: skip
+    np.testing.assert_array_equal(repaired, shorten(found, wall_with_gap, rng, step=config.check_step, checks=1000))

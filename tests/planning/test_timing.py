@@ -220,7 +220,7 @@ def test_acceleration_can_be_eased(model: RobotModel) -> None:
 
 
 def test_a_held_body_weighs_what_its_file_says(model: RobotModel, boxes: Boxes, tmp_path: Path) -> None:
-    """Mass and centre of mass, where the hand carries them; other bodies and fixed ones count nothing."""
+    """Mass and centre of mass, where the gripper carries them; other bodies and fixed ones count nothing."""
     (tmp_path / "bar.urdf").write_text(BAR)
     pose = np.array([[*model.tip_pose(HOME)[:3], 0.0, 0.0, 0.0, 1.0]])
     for held, fixed, mass in ((("bar",), False, 1.5), ((), False, 0.0), (("bar",), True, 0.0)):

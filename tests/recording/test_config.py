@@ -15,8 +15,8 @@ from rlbench_pin.recording import ImageConfig, RecordConfig, read_recording
 from rlbench_pin.recording.config import item_seed, plan_items, write_recording
 
 TASK = "reach_target"
-CONFIG = RecordConfig(tasks=(TASK,), episodes=6, variations=2, max_attempts=3, pictures=ImageConfig(products=()))
-FILED = RecordConfig(tasks=("reach_target",), episodes=3, pictures=ImageConfig(products=()))
+CONFIG = RecordConfig(tasks=(TASK,), episodes=6, variations=2, max_attempts=3, images=ImageConfig(products=()))
+FILED = RecordConfig(tasks=("reach_target",), episodes=3, images=ImageConfig(products=()))
 
 
 def test_the_seed_of_an_item_follows_from_its_name_alone() -> None:
@@ -63,8 +63,8 @@ def test_senseless_settings_are_refused(change: dict[str, object], error: type[E
         plan_items(replace(CONFIG, **change))  # type: ignore[arg-type]
 
 
-def test_senseless_pictures_are_refused() -> None:
-    """Unknown cameras and products and empty pictures are errors at once."""
+def test_senseless_images_are_refused() -> None:
+    """Unknown cameras and products and empty images are errors at once."""
     with pytest.raises(UnknownName, match="Did you mean 'wrist'"):
         ImageConfig(cameras=("wrst",))
     with pytest.raises(UnknownName, match="product"):
@@ -88,7 +88,7 @@ def test_the_first_variations() -> None:
 
 
 def test_shadows_and_speed() -> None:
-    """Settings of the pictures and of the arm reach the environment that records."""
+    """Settings of the images and of the arm reach the environment that records."""
     plain = ImageConfig(products=("rgb",), render_mode="opengl")
     assert not plain.obs_config().front_camera.draws_shadows
     assert ImageConfig().obs_config().front_camera.draws_shadows
@@ -103,6 +103,14 @@ def test_settings_come_back(tmp_path: Path) -> None:
     assert read_recording(tmp_path) == FILED
 
 
+def test_recordings_of_earlier_versions_are_read(tmp_path: Path) -> None:
+    """Their settings of images have the key `images`."""
+    content = {"version": 1, **asdict(FILED)}
+    content["pictures"] = content.pop("images")
+    (tmp_path / "recording.json").write_text(json.dumps(content))
+    assert read_recording(tmp_path) == FILED
+
+
 @pytest.mark.parametrize(
     "change",
     [
@@ -110,10 +118,10 @@ def test_settings_come_back(tmp_path: Path) -> None:
         {"episodes": True}, {"episodes": 10**30}, {"per_variation": 2}, {"variations": "all"}, {"variations": -2},
         {"draw_variations": "yes"}, {"seed": -1}, {"seed": "0"}, {"max_attempts": 0}, {"max_velocity": 0},
         {"max_velocity": "fast"}, {"max_acceleration": -1.0}, {"max_acceleration": True}, {"unknown": 1},
-        {"pictures": None}, {"pictures": []}, {"pictures": {"image_size": [128]}}, {"pictures": {"image_size": [128, 0]}},
-        {"pictures": {"image_size": [1e9, 1e9]}}, {"pictures": {"image_size": 0}}, {"pictures": {"cameras": ["nose"]}},
-        {"pictures": {"cameras": [[]]}}, {"pictures": {"products": "rgb"}}, {"pictures": {"renderer": 7}},
-        {"pictures": {"render_mode": "vulkan"}}, {"pictures": {"compression": "zip"}}, {"pictures": {"zoom": 3}},
+        {"images": None}, {"images": []}, {"images": {"image_size": [128]}}, {"images": {"image_size": [128, 0]}},
+        {"images": {"image_size": [1e9, 1e9]}}, {"images": {"image_size": 0}}, {"images": {"cameras": ["nose"]}},
+        {"images": {"cameras": [[]]}}, {"images": {"products": "rgb"}}, {"images": {"renderer": 7}},
+        {"images": {"render_mode": "vulkan"}}, {"images": {"compression": "zip"}}, {"images": {"zoom": 3}},
     ],
     ids=str,
 )  # fmt: skip

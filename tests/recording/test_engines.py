@@ -1,4 +1,4 @@
-"""Processes that die, are too many or too few: the episodes are the same. Real demonstrations, without pictures."""
+"""Processes that die, are too many or too few: the episodes are the same. Real demonstrations, without images."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from rlbench_pin.recording.config import ImageConfig, RecordConfig
 from rlbench_pin.recording.record import RecordReport, record
 
 TASKS = ("reach_target", "push_button")
-CONFIG = RecordConfig(tasks=TASKS, episodes=5, pictures=ImageConfig(products=()))
+CONFIG = RecordConfig(tasks=TASKS, episodes=5, images=ImageConfig(products=()))
 
 
 def manifests(root: Path) -> list[bytes]:

@@ -20,7 +20,7 @@ from rlbench_pin.recording.replay import replay_stored
 from rlbench_pin.tasks import own_tasks, stored_task
 
 pytestmark = pytest.mark.simulation
-PICTURES = ImageConfig(products=())
+IMAGES = ImageConfig(products=())
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +35,7 @@ def mine(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def recorded(mine: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A dataset of two episodes, recorded by two workers, and of one of the library."""
     root = tmp_path_factory.mktemp("recorded")
-    config = RecordConfig(tasks=(str(mine),), episodes=2, variations=2, draw_variations=False, pictures=PICTURES)
+    config = RecordConfig(tasks=(str(mine),), episodes=2, variations=2, draw_variations=False, images=IMAGES)
     report = record(config, root, engine=ProcessEngine(2))
     assert (report.recorded, report.missing) == (2, 0)
     return root
@@ -59,7 +59,7 @@ def test_the_dataset_keeps_the_pair(mine: Path, recorded: Path) -> None:
 def test_the_episodes_do_not_depend_on_where_the_file_is_or_on_workers(mine: Path, recorded: Path, tmp_path: Path) -> None:
     """The same manifest from another folder, in one process."""
     moved = shutil.copytree(mine.parent, tmp_path / "moved")
-    config = RecordConfig(tasks=(str(moved / mine.name),), episodes=2, variations=2, draw_variations=False, pictures=PICTURES)
+    config = RecordConfig(tasks=(str(moved / mine.name),), episodes=2, variations=2, draw_variations=False, images=IMAGES)
     record(config, tmp_path / "again", engine=SerialEngine())
     manifests = [(root / "touch_it" / "manifest.json").read_bytes() for root in (recorded, tmp_path / "again")]
     assert manifests[0] == manifests[1]
@@ -111,7 +111,7 @@ def test_a_changed_file_does_not_go_on_with_the_old_episodes(mine: Path, dataset
     changed = shutil.copytree(mine.parent, tmp_path / "changed") / mine.name
     changed.write_text(changed.read_text() + "# changed\n")
     before = (dataset / "recording.json").read_bytes()
-    config = RecordConfig(tasks=(str(changed),), episodes=3, variations=2, draw_variations=False, pictures=PICTURES)
+    config = RecordConfig(tasks=(str(changed),), episodes=3, variations=2, draw_variations=False, images=IMAGES)
     with pytest.raises(DatasetConflict, match=r"\['touch_it.py'\] differ"):
         record(config, dataset, engine=SerialEngine(), resume=True)
     assert (dataset / "recording.json").read_bytes() == before
@@ -120,7 +120,7 @@ def test_a_changed_file_does_not_go_on_with_the_old_episodes(mine: Path, dataset
 def test_two_tasks_of_one_name_are_refused(mine: Path, tmp_path: Path) -> None:
     """One file twice is one task; two files of one name are none."""
     other = shutil.copytree(mine.parent, tmp_path / "other") / mine.name
-    config = RecordConfig(tasks=(str(mine), str(other)), episodes=1, pictures=PICTURES)
+    config = RecordConfig(tasks=(str(mine), str(other)), episodes=1, images=IMAGES)
     with pytest.raises(TaskError, match="Two different tasks are called 'touch_it'"):
         record(config, tmp_path / "out", engine=SerialEngine())
 
@@ -132,8 +132,8 @@ def test_an_own_task_and_the_librarys_of_that_name_do_not_mix(tmp_path: Path) ->
         file = tmp_path / "mine" / f"reach_target_x{suffix}"
         file.write_text(file.read_text().replace("ReachTargetX", "ReachTarget"))
         file.rename(file.with_name(f"reach_target{suffix}"))
-    own = RecordConfig(tasks=(str(tmp_path / "mine" / "reach_target.py"),), episodes=1, pictures=PICTURES)
-    library = RecordConfig(tasks=("ReachTarget",), episodes=1, pictures=PICTURES)
+    own = RecordConfig(tasks=(str(tmp_path / "mine" / "reach_target.py"),), episodes=1, images=IMAGES)
+    library = RecordConfig(tasks=("ReachTarget",), episodes=1, images=IMAGES)
     record(own, tmp_path / "own", engine=SerialEngine())
     with pytest.raises(UntrustedTaskFile, match="The installed task of that name"):
         record(library, tmp_path / "own", engine=SerialEngine(), resume=True)
@@ -144,14 +144,14 @@ def test_an_own_task_and_the_librarys_of_that_name_do_not_mix(tmp_path: Path) ->
 
 def test_rerendering_takes_the_files_along(mine: Path, dataset: Path, tmp_path: Path) -> None:
     """By workers of their own, from the copy or from the file that is named."""
-    pictures = ImageConfig(cameras=("front",), products=("rgb",), image_size=(16, 16))
+    images = ImageConfig(cameras=("front",), products=("rgb",), image_size=(16, 16))
     with pytest.raises(UntrustedTaskFile):
-        rerender(dataset, tmp_path / "out", pictures)
-    report = rerender(dataset, tmp_path / "out", pictures, engine=ProcessEngine(1), trust_task_files=True)
+        rerender(dataset, tmp_path / "out", images)
+    report = rerender(dataset, tmp_path / "out", images, engine=ProcessEngine(1), trust_task_files=True)
     assert (report.recorded, report.missing) == (2, 0)
     kept, before = kept_task(tmp_path / "out", "touch_it"), kept_task(dataset, "touch_it")
     assert kept is not None and before is not None and kept.files == before.files
-    assert rerender(dataset, tmp_path / "out", pictures, engine=SerialEngine(), own=own_tasks([mine])).found == 2
+    assert rerender(dataset, tmp_path / "out", images, engine=SerialEngine(), own=own_tasks([mine])).found == 2
 
 
 def test_stored_demonstrations_are_read_without_any_code(dataset: Path) -> None:
@@ -166,7 +166,7 @@ def test_stored_demonstrations_are_read_without_any_code(dataset: Path) -> None:
 def test_a_file_that_changes_while_it_is_recorded_costs_its_episodes(mine: Path, tmp_path: Path) -> None:
     """No dataset holds episodes of two versions."""
     copy = shutil.copytree(mine.parent, tmp_path / "mine") / mine.name
-    config = RecordConfig(tasks=(str(copy),), episodes=1, variations=1, draw_variations=False, pictures=PICTURES)
+    config = RecordConfig(tasks=(str(copy),), episodes=1, variations=1, draw_variations=False, images=IMAGES)
 
     class ChangesTheFile(SerialEngine):
         def map(self, *arguments):  # type: ignore[no-untyped-def]
@@ -185,7 +185,7 @@ def test_models_of_its_own_go_with_a_task(tmp_path: Path) -> None:
     shutil.copytree(ASSETS / "objects" / "ball_marker", folder / "ball")
     scene = folder / "touch_it.toml"
     scene.write_text(scene.read_text().replace('"objects/ball_marker/ball_marker.urdf"', '"./ball/ball_marker.urdf"'))
-    config = RecordConfig(tasks=(str(folder / "touch_it.py"),), episodes=1, pictures=PICTURES)
+    config = RecordConfig(tasks=(str(folder / "touch_it.py"),), episodes=1, images=IMAGES)
     record(config, tmp_path / "data", engine=SerialEngine())
     shutil.rmtree(folder)
     assert (tmp_path / "data" / "touch_it" / "task_file" / "ball" / "ball_marker.urdf").is_file()

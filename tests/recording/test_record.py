@@ -25,7 +25,7 @@ from tests.demos_for_tests import mounted, simulate_full_disk
 from tests.engines_for_tests import MadeUpEngine
 
 TASK = "reach_target"
-CONFIG = RecordConfig(tasks=(TASK,), episodes=6, variations=2, max_attempts=3, pictures=ImageConfig(products=()))
+CONFIG = RecordConfig(tasks=(TASK,), episodes=6, variations=2, max_attempts=3, images=ImageConfig(products=()))
 
 
 def manifest(root: Path) -> bytes:
@@ -51,7 +51,7 @@ def test_a_recording_holds_what_was_asked_for(tmp_path: Path) -> None:
     report = record(config, tmp_path, engine=SerialEngine())
     assert (report.wanted, report.found, report.recorded, report.missing) == (3, 0, 3, 0)
     verify_task(tmp_path, TASK, structure=True)
-    with config.pictures.environment() as environment:
+    with config.images.environment() as environment:
         task = environment.get_task(TASK)
         for item in plan_items(config):
             stored = read_demo(episode_path(tmp_path, *item.key))
@@ -163,8 +163,8 @@ def test_a_folder_that_is_in_use_is_refused(tmp_path: Path, undisturbed: Path) -
         record(CONFIG, undisturbed, engine=MadeUpEngine())
     with pytest.raises(DatasetConflict, match="seed=0, this is seed=1"):
         record(replace(CONFIG, seed=1), undisturbed, engine=MadeUpEngine(), resume=True)
-    with pytest.raises(DatasetConflict, match="pictures="):
-        record(replace(CONFIG, pictures=ImageConfig()), undisturbed, engine=MadeUpEngine(), resume=True)
+    with pytest.raises(DatasetConflict, match="images="):
+        record(replace(CONFIG, images=ImageConfig()), undisturbed, engine=MadeUpEngine(), resume=True)
     with hold(tmp_path), pytest.raises(DatasetConflict, match="is running"):
         record(CONFIG, tmp_path, engine=MadeUpEngine())
 
@@ -182,7 +182,7 @@ def test_settings_come_back(undisturbed: Path, tmp_path: Path) -> None:
     assert read_recording(undisturbed) == CONFIG
     with pytest.raises(DatasetError, match=r"recording\.json.*does not exist"):
         read_recording(tmp_path)
-    (tmp_path / "recording.json").write_text('{"version": 1, "tasks": ["reach_target"], "pictures": {"zoom": 3}}')
+    (tmp_path / "recording.json").write_text('{"version": 1, "tasks": ["reach_target"], "images": {"zoom": 3}}')
     with pytest.raises(DatasetError, match=r"recording\.json.*zoom"):
         read_recording(tmp_path)
     (tmp_path / "recording.json").write_text('{"version": 7}')

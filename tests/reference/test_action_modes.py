@@ -18,7 +18,7 @@ LISTED = {row[0]: row[1:] for row in rows(part("action_modes", "overview"))}
 
 
 def running(mode: ActionMode) -> Environment:
-    """Return an environment without pictures."""
+    """Return an environment without images."""
     return Environment(mode, obs_config=low_dim_config())
 
 

@@ -87,7 +87,7 @@ class Diary(task_class("push_button")):  # type: ignore[misc]
 
 @pytest.mark.simulation
 def test_the_order_of_an_episode_is_that_of_the_page() -> None:
-    """Layout, place, conditions from the settled instant; tick, conditions, observation; hooks around a leg; cleanup last."""
+    """Layout, place, conditions from the settled instant; tick, conditions, observation; hooks around a segment; cleanup last."""
     with Environment(JointPositionActionMode(), obs_config=low_dim_config()) as environment:
         running = environment.get_task(Diary)
         diary = running.task

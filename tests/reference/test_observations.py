@@ -17,7 +17,7 @@ from tests.reference.support import part, rows
 
 
 def test_every_field_of_observations_has_its_row() -> None:
-    """Joints, hand and task by name; pictures by what they deliver; misc by key, model-based ones by their setting."""
+    """Joints, gripper and task by name; images by what they deliver; misc by key, model-based ones by their setting."""
     found = {row[0] for marker in ("low-dim", "pictures") for row in rows(part("observations", marker))}
     pictures = {name.removeprefix("<camera>") for name in found if name.startswith("<camera>")}
     assert {name for name in FIELDS if name not in found and not name.endswith(tuple(pictures))} == {"ignore_collisions"} - found

@@ -257,7 +257,7 @@ MISTAKES_short_forms = {
     "unnumbered array": ('[[frame]]\nname = "man"\nposes = [[0, 0, 0]]', "[[frame]] 'man', key 'name'", "'piece0'"),
     "padded array": ('[[frame]]\nname = "man00"\nposes = [[0, 0, 0]]', "[[frame]] 'man00', key 'name'", "numbered name"),
     "pose and poses": ('[[frame]]\nname = "a0"\npose = [0, 0, 0]\nposes = [[0, 0, 0]]', "key 'poses'", "Leave one of them out"),
-    "no poses": ('[[frame]]\nname = "a0"\nposes = []', "[[frame]] 'a0', key 'poses'", "one for each thing"),
+    "no poses": ('[[frame]]\nname = "a0"\nposes = []', "[[frame]] 'a0', key 'poses'", "one for each element"),
     "flat poses": ('[[frame]]\nname = "a0"\nposes = [0, 0, 0]', "[[frame]] 'a0', key 'poses'", "[[x, y, z], ...]"),
     "bad pose in an array": ('[[frame]]\nname = "a0"\nposes = [[0, 0, 0], [0, 0]]', "[[frame]] 'a1', key 'pose'", "not 2"),
     "array of waypoints": (

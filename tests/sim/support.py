@@ -89,7 +89,7 @@ def fingers(world: World, amount: float, speed: float = 0.04) -> int:
 
 
 def close_on_cube(world: World) -> None:
-    """Close the hand on the cube of `cube_scene`."""
+    """Close the gripper on the cube of `cube_scene`."""
     world.robot.reset_configuration(ABOVE)
     move(world, AROUND)
     fingers(world, 0.0)

@@ -184,7 +184,7 @@ def test_a_thrown_sleeper_flies_and_one_that_is_pushed_up_falls() -> None:
 
 
 def test_a_colour_wakes_nobody_and_a_grasp_does() -> None:
-    """Looks do not matter to physics."""
+    """Appearance does not matter to physics."""
     with build() as world:
         world.robot.reset_configuration(ABOVE)
         fall_asleep(world)

@@ -56,7 +56,7 @@ def measured(name: str) -> Figures:
 
 
 def gripper(scene: SceneSpec) -> str:
-    """Return what the hand does after each waypoint: `open`, `close`, a fraction, `-` for nothing."""
+    """Return what the gripper does after each waypoint: `open`, `close`, a fraction, `-` for nothing."""
     waypoints = sorted(scene.waypoint, key=lambda waypoint: int(waypoint.name.removeprefix("waypoint")))
     return " ".join("-" if waypoint.gripper is None else str(waypoint.gripper) for waypoint in waypoints)
 

@@ -1,4 +1,4 @@
-"""Small stand-ins for bodies, joints, frames, sensors, arm and hand."""
+"""Small stand-ins for bodies, joints, frames, sensors, arm and gripper."""
 
 from __future__ import annotations
 

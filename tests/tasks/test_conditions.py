@@ -91,7 +91,7 @@ def test_tip_inside_asks_about_the_tip_point() -> None:
 
 
 def test_grasping_means_attached_now() -> None:
-    """Grasped and NothingGrasped look at what the hand holds."""
+    """Grasped and NothingGrasped look at what the gripper holds."""
     gripper = FakeGripper()
     grasped, nothing = Grasped(gripper, FakeBody("cup")), NothingGrasped(gripper)
     assert (grasped.met(), nothing.met()) == (False, True)

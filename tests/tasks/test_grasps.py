@@ -33,7 +33,7 @@ def at(x: float, y: float, **more: object) -> Block:
 
 
 def test_a_block_alone_is_gripped_in_its_middle_across_its_narrow_side() -> None:
-    """The hand points down at its height, or at another one that is asked for."""
+    """The gripper points down at its height, or at another one that is asked for."""
     block = at(0.02, 0.01)
     grasp = easiest_top_grasp([block], [block], TRAY)
     np.testing.assert_allclose(grasp.position, block.position, atol=1e-9)
@@ -44,7 +44,7 @@ def test_a_block_alone_is_gripped_in_its_middle_across_its_narrow_side() -> None
 
 
 def test_fingers_keep_out_of_walls_and_of_other_bodies() -> None:
-    """At a wall the hand turns; the body that lies free is taken first."""
+    """At a wall the gripper turns; the body that lies free is taken first."""
     at_wall = at(0.0, 0.115, name="at_wall")
     assert easiest_top_grasp([at_wall], [at_wall], TRAY).angle != 0.0
     free = at(0.0, -0.05, name="free")

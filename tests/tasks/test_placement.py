@@ -87,7 +87,7 @@ def test_regions_are_drawn_in_proportion_to_their_area() -> None:
     assert 270 <= hits <= 330
 
 
-def test_things_of_one_boundary_do_not_touch_and_keep_their_distance() -> None:
+def test_elements_of_one_boundary_do_not_touch_and_keep_their_distance() -> None:
     """Boxes stay apart, origins too; clear forgets them."""
     boundary = SpawnBoundary([FakeFrame("region", size=(0.6, 0.6, 0.0))])
     rng = np.random.default_rng(0)
@@ -104,7 +104,7 @@ def test_things_of_one_boundary_do_not_touch_and_keep_their_distance() -> None:
 
 
 def test_collisions_may_be_ignored() -> None:
-    """Then things may stand in each other."""
+    """Then elements may stand in each other."""
     boundary = SpawnBoundary([FakeFrame("region", size=(0.11, 0.11, 0.0))])
     rng = np.random.default_rng(0)
     for _ in range(2):
@@ -112,7 +112,7 @@ def test_collisions_may_be_ignored() -> None:
 
 
 def test_a_crowded_or_too_small_region_says_why() -> None:
-    """The error names the thing, its size, the regions and what stands there; the thing has not moved."""
+    """The error names the element, its size, the regions and what stands there; the element has not moved."""
     rng = np.random.default_rng(0)
     boundary = SpawnBoundary([FakeFrame("shelf", size=(0.15, 0.15, 0.0))])
     boundary.sample(FakeBody("first", box=(0.05, 0.05, 0.05)), rng)
@@ -218,14 +218,14 @@ class WorldStandIn:
 
 def sample(**arguments: object) -> object:
     """Place a body with some arguments exchanged."""
-    given = {"thing": FakeBody(), "rng": np.random.default_rng(0), **arguments}
+    given = {"element": FakeBody(), "rng": np.random.default_rng(0), **arguments}
     return SpawnBoundary([REGION]).sample(**given)  # type: ignore[arg-type]
 
 
 WRONG: dict[str, tuple[Callable[[], object], str]] = {
     "regions": (lambda: SpawnBoundary(REGION), "regions has to be a list"),  # type: ignore[arg-type]
     "a body for a region": (lambda: SpawnBoundary(["patch"]), r"entry 0 of regions.*self.world.region"),  # type: ignore[list-item]
-    "a name for a thing": (lambda: sample(thing="cube"), r"thing has to be a body or a frame"),
+    "a name for an element": (lambda: sample(element="cube"), r"element has to be a body or a frame"),
     "a seed for a generator": (lambda: sample(rng=3), r"rng has to be a Generator.*default_rng"),
     "degrees": (lambda: sample(min_rotation=(0.0, 0.0, -1800.0)), "min_rotation has to hold numbers"),
     "turned round": (lambda: sample(max_rotation=(0.0, 0.0, -4.0)), "max_rotation has to be nowhere below min_rotation"),
@@ -245,8 +245,8 @@ WRONG: dict[str, tuple[Callable[[], object], str]] = {
 
 
 @pytest.mark.parametrize(("call", "words"), WRONG.values(), ids=WRONG.keys())
-def test_what_is_no_thing_of_a_world_is_refused(call: Callable[[], object], words: str) -> None:
-    """The error names the argument and says where a task finds the right thing."""
+def test_objects_that_are_no_elements_are_refused(call: Callable[[], object], words: str) -> None:
+    """The error names the argument and says where a task finds the right element."""
     with pytest.raises(InvalidValue, match=words):
         call()
 
@@ -258,7 +258,7 @@ def test_a_boundary_needs_a_region() -> None:
 
 
 def test_a_wanted_body_is_one_of_the_bodies() -> None:
-    """A body that is not named among those in the tray cannot be judged."""
+    """A body that is not named among those in the tray cannot be scored."""
 
     class Bulky(FakeBody):
         def extent_along(self, directions: object) -> np.ndarray:

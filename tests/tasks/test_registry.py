@@ -201,7 +201,7 @@ def test_two_files_of_one_name_are_told_apart(tmp_path: Path) -> None:
 
 
 def test_models_of_its_own_belong_to_a_task(tmp_path: Path) -> None:
-    """The URDF, its mesh, the material of the mesh and the picture of the material."""
+    """The URDF, its mesh, the material of the mesh and the image of the material."""
     models = tmp_path / "models"
     models.mkdir()
     (models / "thing.urdf").write_text(

@@ -184,7 +184,7 @@ def test_graspable_bodies_are_marked_and_replaced(task: Chore) -> None:
 
 
 def test_waypoints_come_in_order_and_stop_where_registered(task: Chore) -> None:
-    """What the hand does is known from the order; skips are cleared by the next episode."""
+    """What the gripper does is known from the order; skips are cleared by the next episode."""
     points = task.get_waypoints()
     assert [w.index for w in points] == [0, 1, 2, 3]
     assert [w.gripper_amount for w in points] == [0.5, 0.0, 0.0, 1.0]

@@ -1,4 +1,4 @@
-"""Waypoints: poses, curves, what the hand does."""
+"""Waypoints: poses, curves, what the gripper does."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def test_a_curve_of_points_passes_them_in_its_frame() -> None:
 
 
 def test_an_arc_sweeps_the_previous_pose_about_its_axis() -> None:
-    """The distance to the axis stays; with twist the hand turns along, in small steps."""
+    """The distance to the axis stays; with twist the gripper turns along, in small steps."""
     frame = FakeFrame(pose=pose_at((1, 0, 0)))
     arc = ArcSpec(axis=(0, 0, 2), angle=np.pi / 2)
     start = pose_at((2, 0, 0.5), roll=0.3)

@@ -12,6 +12,6 @@ from rlbench_pin.environment.presets import low_dim_config, make_environment
 
 @pytest.fixture(scope="package")
 def reach() -> Iterator[TaskEnvironment]:
-    """reach_target without pictures."""
+    """reach_target without images."""
     with make_environment(low_dim_config()) as environment:
         yield environment.get_task("reach_target")

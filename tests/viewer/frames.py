@@ -1,4 +1,4 @@
-"""Frames made by hand, and a drawing that takes note of what it is told."""
+"""Frames made by hand, and a drawing that records its calls."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rlbench_pin.viewer.recording import Frame, Recording, Segment
 RED = (1.0, 0.0, 0.0, 1.0)
 
 
-def frame(number: int, held: tuple[bool, ...] = (False,), bodies: tuple[str, ...] = ("cube",)) -> Frame:
+def frame(number: int, met: tuple[bool, ...] = (False,), bodies: tuple[str, ...] = ("cube",)) -> Frame:
     """Return frame `number` of an episode in which the arm turns its joints by 0.1 rad in each tick."""
     pose = np.array([0.01 * number, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])
     return Frame(
@@ -23,8 +23,8 @@ def frame(number: int, held: tuple[bool, ...] = (False,), bodies: tuple[str, ...
         fingers=np.array([0.04, 0.04]),
         velocities=np.full(7, 2.0),
         torques=np.linspace(0.0, 6.0, 7),
-        held=held,
-        success=all(held),
+        conditions_met=met,
+        success=all(met),
         colors={"cube/base": RED} if number > 5 else {},
     )
 

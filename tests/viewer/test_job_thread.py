@@ -27,7 +27,7 @@ def worker(errors: list[Exception]) -> Iterator[JobThread]:
 
 
 def test_what_waits_is_done_once_as_it_was_asked_last(worker: JobThread) -> None:
-    """Pictures of ten instants that were passed by are not wanted any more."""
+    """Images of ten instants that were passed by are not wanted any more."""
     gate, done = threading.Event(), list[int]()
 
     def wait() -> None:

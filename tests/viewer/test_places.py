@@ -31,9 +31,9 @@ def test_places_are_those_of_the_simulation(task: str) -> None:
         links = {f"{b.name}/{link}": world.body(b.name).link_pose(link) for b in spec.body for link in world.body(b.name).links}
         frames = {name: se3_to_pose(frame.placement()) for name, frame in world.frames.items()}
     assert set(places.links) == set(links)
-    assert set(frames) <= set(places.things)
+    assert set(frames) <= set(places.elements)
     assert max(_apart(pose, places.links[name]) for name, pose in links.items()) < TOLERANCE
-    assert max(_apart(pose, places.things[name]) for name, pose in frames.items()) < TOLERANCE
+    assert max(_apart(pose, places.elements[name]) for name, pose in frames.items()) < TOLERANCE
 
 
 @pytest.mark.simulation
@@ -67,5 +67,5 @@ def test_a_thing_moved_by_hand_takes_its_children_along() -> None:
     body = BodySpec(name="cube", asset="objects/cube/cube.urdf")
     top = FrameSpec(name="top", parent="cube", pose=(0.0, 0.0, 0.1, 0.0, 0.0, 0.0, 1.0))
     places = places_at_rest(SceneSpec(format=2, body=(body,), frame=(top,)), {"cube": np.array([1.0, 2.0, 3.0, 0, 0, 0, 1])})
-    assert places.things["top"][:3].tolist() == pytest.approx([1.0, 2.0, 3.1])
+    assert places.elements["top"][:3].tolist() == pytest.approx([1.0, 2.0, 3.1])
     assert places.links["cube/cube"][:3].tolist() == [1.0, 2.0, 3.0]

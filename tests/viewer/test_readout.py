@@ -37,7 +37,7 @@ def test_marks_say_what_holds_at_the_instant_shown() -> None:
 
 
 def test_names_of_a_scene_are_no_markup() -> None:
-    """Whatever a task calls its things, the page shows it as text."""
+    """Whatever a task calls its elements, the page shows it as text."""
     name = "<img src=x onerror=alert(1)>"
     texts = [
         conditions_html([name], [True], [[True]]),

@@ -67,7 +67,7 @@ def test_a_demonstration_is_recorded(reach: TaskEnvironment) -> None:
     assert recording.instruction == "Move the hand to the red ball."
     assert recording.conditions == ("tip inside goal",)
     assert [(segment.waypoint, segment.begins) for segment in recording.segments] == [("waypoint0", 0)]
-    assert [recording.frames[0].held, recording.frames[-1].held] == [(False,), (True,)]
+    assert [recording.frames[0].conditions_met, recording.frames[-1].conditions_met] == [(False,), (True,)]
     assert recording.frames[-1].success
 
 
@@ -122,8 +122,8 @@ def test_what_a_condition_remembers_is_not_changed_by_looking(reach: TaskEnviron
         recording = record_demonstration(reach, 3, 0)
     assert count.asked == unrecorded > 10
     assert recording.failure is not None
-    assert recording.failure.cause.endswith("but the goal was not reached. What does not hold: Count.")
-    assert recording.frames[-1].held == (True, False)
+    assert recording.failure.cause.endswith("but the goal was not reached. Conditions not met: Count.")
+    assert recording.frames[-1].conditions_met == (True, False)
     assert not recording.frames[-1].success
 
 
@@ -183,7 +183,7 @@ def test_without_actions_the_joint_positions_are_played(reach: TaskEnvironment, 
         assert len(recording.frames) == len(demo)
         assert recording.frames[-1].success
         opening, demo[5].gripper_open = demo[5].gripper_open, None
-        with pytest.raises(DemoError, match="Frame 5 of the demonstration holds neither"):
+        with pytest.raises(DemoError, match="Frame 5 of the demonstration contains neither"):
             recording_of_demo(reach, demo)
         demo[5].gripper_open = opening
     finally:
@@ -204,7 +204,7 @@ def test_a_demonstration_that_misses_its_goal_says_how_far_it_is_off(reach: Task
     assert failure is not None
     assert "does not reach its goal" in failure.cause
     assert "rad from the stored ones" in failure.cause
-    assert "What does not hold: tip inside goal." in failure.cause
+    assert "Conditions not met: tip inside goal." in failure.cause
 
 
 def test_another_task_is_refused(reach: TaskEnvironment, demo: Demo) -> None:

@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+import importlib.util
+
 from rlbench_pin.baselines.classical.policy import ClassicalPolicy, policy
 from rlbench_pin.baselines.classical.recipes import TASKS
+from rlbench_pin.errors import MissingExtra
+
+if importlib.util.find_spec("small_gicp") is None:
+    raise MissingExtra("The classical baseline", "small_gicp", "classical")
 
 __all__ = ["TASKS", "ClassicalPolicy", "policy"]

@@ -1,11 +1,11 @@
-"""The classical baseline: it looks, recognises what the instruction names, and plays the skills of a recipe."""
+"""The classical baseline: it finds the objects of the instruction in the images and executes a recipe of skills."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from rlbench_pin.baselines.classical.recipes import Instruction, find_recipe
-from rlbench_pin.baselines.classical.skills import Driver, Hand, Moves, NothingFound
+from rlbench_pin.baselines.classical.skills import Driver, Gripper, Moves, NothingFound
 from rlbench_pin.baselines.perception import CAMERAS
 from rlbench_pin.environment.actions.modes import Discrete, JointVelocity, MoveArmThenGripper
 from rlbench_pin.environment.observations.config import ObservationConfig
@@ -14,23 +14,23 @@ from rlbench_pin.observation import Observation
 from rlbench_pin.robot import RobotModel, robot_description
 
 TRIES = 3
-"""How often it tries."""
+"""Number of tries."""
 PAUSE = 10
-"""How long it waits whether that was it [ticks]."""
-MOST_TICKS = 800
+"""Time in which a success has to show [ticks]."""
+MAX_TICKS = 800
 """Length of an episode that it suggests [ticks]: three tries."""
-PICTURE = (256, 256)
-"""Width and height of the pictures it asks for [px]."""
+IMAGE_SIZE = (256, 256)
+"""Width and height of the images it asks for [px]."""
 
 
 class ClassicalPolicy:
     """Acts by geometry alone, on colours and depth of the five cameras.
 
-    It knows the arm, the models of the objects, and the sentence. It plans its own motions around
+    It uses the model of the arm, the models of the objects, and the sentence. It plans its own motions around
     what it sees, and its controllers turn them into joint velocities, one action for each tick.
 
     Attributes:
-        action_mode: Joint velocities for a tick, and the hand open or shut.
+        action_mode: Joint velocities for a tick, and the gripper open or shut.
         max_steps: Length of an episode that it suggests [ticks].
         obs_config: Colours and depth, joint and finger positions.
     """
@@ -39,7 +39,7 @@ class ClassicalPolicy:
         """Prepare for episodes."""
         self.action_mode = MoveArmThenGripper(JointVelocity(), Discrete())
         self.obs_config = observation_config()
-        self.max_steps = MOST_TICKS
+        self.max_steps = MAX_TICKS
         self._drivers: dict[tuple[str, float], Driver] = {}
         self._driver: Driver | None = None
         self._instruction, self._rng = Instruction(()), np.random.default_rng(0)
@@ -54,38 +54,38 @@ class ClassicalPolicy:
         self._instruction, self._rng = Instruction.read(instruction), np.random.default_rng(context.seed)
 
     def act(self, observation: Observation) -> np.ndarray:
-        """Return the next action (8,): joint velocities [rad/s], then 1 for an open hand and 0 for a closed one."""
+        """Return the next action (8,): joint velocities [rad/s], then 1 for an open gripper and 0 for a closed one."""
         if self._moves is None:
             assert self._driver is not None, "reset comes first"
-            self._moves = _episode(Hand(self._driver, observation, self._rng), self._instruction)
+            self._moves = _episode(Gripper(self._driver, observation, self._rng), self._instruction)
             tick = next(self._moves)
         else:
             tick = self._moves.send(observation)
         return np.append(tick.velocity, float(tick.is_open))
 
 
-def _episode(hand: Hand, asked: Instruction) -> Moves:
-    """Do what is asked; when that was not it, go home, look, and try again; at last rest."""
+def _episode(gripper: Gripper, asked: Instruction) -> Moves:
+    """Follow the recipe; without success go home and try again, `TRIES` times in all, then stay."""
     for _ in range(TRIES):
         try:
-            yield from find_recipe(asked)(hand, asked)
-            yield from hand.rest(PAUSE)
-            yield from hand.grip(True)
-            yield from hand.go_home()
+            yield from find_recipe(asked)(gripper, asked)
+            yield from gripper.rest(PAUSE)
+            yield from gripper.grip(True)
+            yield from gripper.go_home()
         except NothingFound:
-            yield from hand.rest(PAUSE)
+            yield from gripper.rest(PAUSE)
     while True:
-        yield from hand.rest(1)
+        yield from gripper.rest(1)
 
 
 def observation_config() -> ObservationConfig:
-    """Return what the policy wants to see: nothing that a real robot would not know."""
+    """Return the observations of the policy: only what a real robot can measure."""
     config = ObservationConfig(joint_poses=False)
     config.set_all(False)
     for name in CAMERAS:
         camera = config.camera(name)
         camera.rgb = camera.depth = camera.depth_in_meters = True
-        camera.image_size = PICTURE
+        camera.image_size = IMAGE_SIZE
     config.joint_positions = config.gripper_joint_positions = config.gripper_pose = config.gripper_open = True
     return config
 

@@ -12,7 +12,7 @@ import pinocchio as pin
 from rlbench_pin.baselines.classical.skills import (
     DOWN,
     PAD,
-    Hand,
+    Gripper,
     Moves,
     NothingFound,
     all_down,
@@ -71,26 +71,26 @@ class Instruction:
         return next((word for word in self.words if word in words), None)
 
 
-def things(hand: Hand) -> list[Cloud]:
-    """Return what stands apart, the largest first."""
-    found = clusters(hand.look().things)
+def objects(gripper: Gripper) -> list[Cloud]:
+    """Return the separate objects, the largest first."""
+    found = clusters(gripper.look().objects)
     if not found:
-        raise NothingFound("No thing is seen.")
+        raise NothingFound("No object is seen.")
     return found
 
 
-def everything(hand: Hand) -> Cloud:
+def everything(gripper: Gripper) -> Cloud:
     """Return all that is not table and not arm."""
-    cloud = hand.look().things
+    cloud = gripper.look().objects
     if len(cloud) == 0:
-        raise NothingFound("No thing is seen.")
+        raise NothingFound("No object is seen.")
     return cloud
 
 
 def colored(candidates: Sequence[Cloud], name: str) -> Cloud:
-    """Return the thing whose colour is nearest to a word."""
+    """Return the object whose colour is nearest to a word."""
     if not candidates:
-        raise NothingFound(f"No thing is seen that could be {name}.")
+        raise NothingFound(f"No object is seen that could be {name}.")
     return min(candidates, key=lambda cloud: float(distances(lit_color(cloud.colors), name)))
 
 
@@ -157,37 +157,37 @@ LAPTOP = Lid("laptop/laptop", "screen_hinge", "screen", (1.5, 1.9), 0.014, 0.139
 TOILET = Lid("toilet/toilet", "seat_hinge", "seat", (1.5, 1.8), 0.016, 0.183)
 
 
-def push_drawer(hand: Hand, asked: Instruction) -> Moves:
+def push_drawer(gripper: Gripper, asked: Instruction) -> Moves:
     """Push the drawer that is out back into the chest."""
     level = asked.one_of(LEVELS) or "middle"
     joint = f"drawer_{level}"
-    chest = locate(KnownModel.named("chest/chest_with_stops"), everything(hand), [{joint: s} for s in (0.05, 0.1, 0.15)])
+    chest = locate(KnownModel.named("chest/chest_with_stops"), everything(gripper), [{joint: s} for s in (0.05, 0.1, 0.15)])
     axis, points = world_axis(chest, joint), chest.link_points(f"drawer_{level}_link")
     front, out = _outermost(points, axis.direction), chest.joints[joint]
     stations = [front + (CLEAR + PAD) * axis.direction, front + (PAD - out - 0.01) * axis.direction]
     turns = sloping(-axis.direction, (0.0, 0.3, 0.6, 0.9), (0.0, 0.785, -0.785))
     paths = [[placed(turn, p) for p in stations] for turn in turns]
-    yield from sweep(hand, paths, 0.1 * axis.direction)
-    yield from hand.shift(0.1 * axis.direction)
+    yield from sweep(gripper, paths, 0.1 * axis.direction)
+    yield from gripper.shift(0.1 * axis.direction)
 
 
-def pull_drawer(hand: Hand, asked: Instruction) -> Moves:
+def pull_drawer(gripper: Gripper, asked: Instruction) -> Moves:
     """Grip the handle of a drawer, pull it far out, let go."""
     level = asked.one_of(LEVELS) or "middle"
     joint = f"drawer_{level}"
-    chest = locate(KnownModel.named("chest/chest"), everything(hand), [{joint: s} for s in (0.0, 0.05, 0.1)])
+    chest = locate(KnownModel.named("chest/chest"), everything(gripper), [{joint: s} for s in (0.0, 0.05, 0.1)])
     axis, points = world_axis(chest, joint), chest.link_points(f"drawer_{level}_link")
     bar = _outermost(points, axis.direction) - 0.006 * axis.direction
     far = bar + (0.19 - chest.joints[joint]) * axis.direction
-    level_hands = sloping(-axis.direction, (0.0,), (0.0, 0.4, -0.4, 0.785, -0.785))  # from sloping ones the bar slips
-    turns = [turn for turn in level_hands if abs(turn[2, 1]) > 0.9]
+    level_turns = sloping(-axis.direction, (0.0,), (0.0, 0.4, -0.4, 0.785, -0.785))  # from sloping ones the bar slips
+    turns = [turn for turn in level_turns if abs(turn[2, 1]) > 0.9]
     ways = [[placed(t, bar - 0.1 * t[:, 2]), placed(t, bar), placed(t, far)] for t in turns]
-    yield from pull(hand, hand.choose(ways))
+    yield from pull(gripper, gripper.choose(ways))
 
 
-def push_door(hand: Hand, door: Door) -> Moves:
+def push_door(gripper: Gripper, door: Door) -> Moves:
     """Push an open door about its hinge until it is nearly shut."""
-    found = locate(KnownModel.named(door.model), everything(hand), [{door.joint: s} for s in door.states])
+    found = locate(KnownModel.named(door.model), everything(gripper), [{door.joint: s} for s in door.states])
     axis, points = world_axis(found, door.joint), found.link_points(door.link)
     angle = found.joints[door.joint]
     point, outwards = _on_leaf(points, axis, door.grip)
@@ -197,13 +197,13 @@ def push_door(hand: Hand, door: Door) -> Moves:
     pushing = -arc(Axis(np.zeros(3), axis.direction), outwards, [-0.5 * angle])[0]
     turns = sloping(pushing, (0.0, 0.5, 1.0, 1.57), (0.0, 0.4, -0.4, 0.785, -0.785))
     paths = [[placed(turn, p) for p in (start, *stations[1:])] for turn in turns]
-    yield from sweep(hand, paths, 0.08 * outwards)
-    yield from hand.shift(0.1 * outwards)
+    yield from sweep(gripper, paths, 0.08 * outwards)
+    yield from gripper.shift(0.1 * outwards)
 
 
-def fold_lid(hand: Hand, lid: Lid) -> Moves:
+def fold_lid(gripper: Gripper, lid: Lid) -> Moves:
     """Tip a raised lid over from behind, and press it flat."""
-    found = locate(KnownModel.named(lid.model), everything(hand), [{lid.joint: s} for s in lid.states])
+    found = locate(KnownModel.named(lid.model), everything(gripper), [{lid.joint: s} for s in lid.states])
     axis, points = world_axis(found, lid.joint), found.link_points(lid.link)
     angle = found.joints[lid.joint]
     point, outwards = _on_leaf(points, axis, 0.97)
@@ -211,11 +211,11 @@ def fold_lid(hand: Hand, lid: Lid) -> Moves:
     stations = arc(axis, point + PAD * outwards, -np.linspace(0.0, angle - 0.35, 6))
     turns = both_ways([pointing(DOWN, axis.direction), pointing(DOWN, outwards - outwards[2] * np.array([0.0, 0.0, 1.0]))])
     up = np.array([0.0, 0.0, 0.1])
-    yield from sweep(hand, [[placed(t, p) for p in (start, *stations)] for t in turns], up)
-    yield from hand.shift(up)
+    yield from sweep(gripper, [[placed(t, p) for p in (start, *stations)] for t in turns], up)
+    yield from gripper.shift(up)
     free = np.cross(axis.direction, np.array([0.0, 0.0, 1.0]))
     flat = axis.origin - lid.reach * free + np.array([0.0, 0.0, lid.press])
-    yield from press(hand, flat, all_down())
+    yield from press(gripper, flat, all_down())
 
 
 def world_axis(found: Located, joint: str) -> Axis:
@@ -277,10 +277,10 @@ HOOD_UP = Bar("hooded_grill/hooded_grill", "lid", "hood", (-0.334, 0.0, 0.042), 
 HOOD_DOWN = Bar("hooded_grill/hooded_grill", "lid", "hood", (-0.334, 0.0, 0.042), 1.2, 0.15)
 
 
-def turn_bar(hand: Hand, bar: Bar) -> Moves:
-    """Grip a bar, go about its hinge with it, let go and draw back; the hand turns less than the part."""
+def turn_bar(gripper: Gripper, bar: Bar) -> Moves:
+    """Grip a bar, go about its hinge with it, let go and draw back; the gripper turns less than the part."""
     state = {bar.joint: bar.begin}
-    found = locate(KnownModel.named(bar.model), everything(hand), [state])
+    found = locate(KnownModel.named(bar.model), everything(gripper), [state])
     axis, part = world_axis(found, bar.joint), found.placement * found.model.placement(bar.link, state)
     point = part.act(np.array(bar.middle))
     inwards = part.rotation[:, 0] * (1.0, 1.0, 0.0)
@@ -290,11 +290,11 @@ def turn_bar(hand: Hand, bar: Bar) -> Moves:
     for turn in _across_bar(sloping(inwards / np.linalg.norm(inwards), (0.4, 0.8), (0.0, 0.4, -0.4)), axis.direction):
         for share in (0.1, 0.4):
             turned = [pin.exp3(share * angle * axis.direction) @ turn for angle in angles]
-            held = [placed(t, p) for t, p in zip(turned, points, strict=True)]
-            ways.append([placed(turn, point - 0.1 * turn[:, 2]), placed(turn, point), *held])
-    yield from pull(hand, hand.choose(ways))
-    yield from hand.grip(True)
-    yield from hand.shift(-0.1 * hand.tip.rotation[:, 2])
+            carried = [placed(t, p) for t, p in zip(turned, points, strict=True)]
+            ways.append([placed(turn, point - 0.1 * turn[:, 2]), placed(turn, point), *carried])
+    yield from pull(gripper, gripper.choose(ways))
+    yield from gripper.grip(True)
+    yield from gripper.shift(-0.1 * gripper.tip.rotation[:, 2])
 
 
 def _across_bar(turns: list[FloatArray], bar: FloatArray) -> list[FloatArray]:
@@ -308,21 +308,21 @@ FINGERS = 0.035
 """How far the open fingers reach to each side [m]."""
 
 
-def lift_block_to_ring(hand: Hand, asked: Instruction) -> Moves:
+def lift_block_to_ring(gripper: Gripper, asked: Instruction) -> Moves:
     """Hold the block of the colour where the ring floats."""
-    seen = things(hand)
-    floating = [thing for thing in seen if bottom(thing) > 0.1]
+    seen = objects(gripper)
+    floating = [item for item in seen if bottom(item) > 0.1]
     if not floating:
         raise NothingFound("No floating ring is seen.")
-    block = colored([thing for thing in seen if bottom(thing) < 0.03], asked.colors[0])
+    block = colored([item for item in seen if bottom(item) < 0.03], asked.colors[0])
     middle, yaw, _ = rectangle(block.points)
-    yield from pick(hand, at(middle, 0.0225), _across(yaw, middle, block, seen))
-    yield from touch(hand, floating[0].middle, [hand.tip.rotation, *all_down(16)])
+    yield from pick(gripper, at(middle, 0.0225), _across(yaw, middle, block, seen))
+    yield from touch(gripper, floating[0].middle, [gripper.tip.rotation, *all_down(16)])
 
 
-def lift_cup(hand: Hand, asked: Instruction) -> Moves:
+def lift_cup(gripper: Gripper, asked: Instruction) -> Moves:
     """Grip the cup of the colour at its rim, one finger inside, and raise it."""
-    cups = things(hand)
+    cups = objects(gripper)
     cup = colored(cups, asked.colors[0])
     rest = np.concatenate([other.points for other in cups if other is not cup] or [np.full((1, 3), 9.0)])
     rim = cup.points[cup.points[:, 2] > cup.points[:, 2].max() - 0.006]
@@ -332,56 +332,56 @@ def lift_cup(hand: Hand, asked: Instruction) -> Moves:
     places = [middle + radius * np.array([np.cos(yaw), np.sin(yaw)]) for yaw in yaws]
     best = int(np.argmax([np.linalg.norm(rest[:, :2] - place, axis=1).min() for place in places]))
     point = at(places[best], float(cup.points[:, 2].max() - TABLE_HEIGHT) - 0.012)
-    yield from pick(hand, point, both_ways([down(float(yaws[best]))]), lift=0.2)
+    yield from pick(gripper, point, both_ways([down(float(yaws[best]))]), lift=0.2)
 
 
-def lift_lid(hand: Hand, asked: Instruction) -> Moves:
+def lift_lid(gripper: Gripper, asked: Instruction) -> Moves:
     """Take the lid of the pan by its knob, its highest part, and hold it above."""
-    pan = everything(hand)
+    pan = everything(gripper)
     top = pan.points[:, 2].max()
     knob = pan.where(pan.points[:, 2] > top - 0.01)
     point = np.array([*knob.middle[:2], top - 0.012])
-    yield from pick(hand, point, all_down(), lift=0.14)
+    yield from pick(gripper, point, all_down(), lift=0.14)
 
 
-def bin_paper(hand: Hand, asked: Instruction) -> Moves:
-    """Pick the ball of paper, the palest of the small things, and let it fall into the bin."""
-    seen = things(hand)
-    bin_, small = seen[0], [thing for thing in seen[1:] if thing.size[2] < 0.08]
+def bin_paper(gripper: Gripper, asked: Instruction) -> Moves:
+    """Pick the ball of paper, the palest of the small objects, and let it fall into the bin."""
+    seen = objects(gripper)
+    bin_, small = seen[0], [item for item in seen[1:] if item.size[2] < 0.08]
     paper = colored(small, "white")
     middle = paper.middle[:2]
     turns = _across(0.0, middle, paper, seen, count=12)
-    yield from pick(hand, at(middle, 0.023), turns, lift=0.25)
-    yield from touch(hand, at(bin_.middle[:2], 0.29), [hand.tip.rotation, *all_down(16)])
-    yield from hand.grip(True)
+    yield from pick(gripper, at(middle, 0.023), turns, lift=0.25)
+    yield from touch(gripper, at(bin_.middle[:2], 0.29), [gripper.tip.rotation, *all_down(16)])
+    yield from gripper.grip(True)
 
 
-def meat_off_grill(hand: Hand, asked: Instruction) -> Moves:
+def meat_off_grill(gripper: Gripper, asked: Instruction) -> Moves:
     """Take the piece of meat off the grate, and lay it on the table by a long side of the grill."""
-    cloud = everything(hand)
+    cloud = everything(gripper)
     grill = locate(KnownModel.named("grill/grill"), cloud.between(0.0, 0.142))
     pieces = [piece for piece in clusters(cloud.between(0.147, 0.25), gap=0.01) if piece.size[:2].max() < 0.2]
     middle, yaw = _meat(pieces, asked, GRATE)
     turns = both_ways([down(yaw)]) + both_ways([down(yaw + s) for s in (-0.3, 0.3)])
-    yield from pick(hand, at(middle, 0.155), turns)
+    yield from pick(gripper, at(middle, 0.155), turns)
     side = grill.placement.rotation[:, 1]
     places = [grill.placement.translation + sign * 0.28 * side for sign in (1.0, -1.0)]
     nearest = min(places, key=lambda p: float(np.linalg.norm(p[:2] - np.array([0.2, 0.0]))))
-    yield from place(hand, at(nearest[:2], 0.025), over=0.15)
+    yield from place(gripper, at(nearest[:2], 0.025), over=0.15)
 
 
-def meat_on_grill(hand: Hand, asked: Instruction) -> Moves:
+def meat_on_grill(gripper: Gripper, asked: Instruction) -> Moves:
     """Take the piece of meat from the table, and lay it in the middle of the grate."""
-    seen = things(hand)
+    seen = objects(gripper)
     grill = locate(KnownModel.named("grill/grill"), seen[0])
-    middle, yaw = _meat([thing for thing in seen[1:] if thing.size[2] < 0.08], asked, 0.0)
-    yield from pick(hand, at(middle, 0.015), both_ways([down(yaw + s) for s in (0.0, -0.3, 0.3)]), lift=0.22)
-    yield from place(hand, at(grill.placement.translation[:2], GRATE + 0.018))
+    middle, yaw = _meat([item for item in seen[1:] if item.size[2] < 0.08], asked, 0.0)
+    yield from pick(gripper, at(middle, 0.015), both_ways([down(yaw + s) for s in (0.0, -0.3, 0.3)]), lift=0.22)
+    yield from place(gripper, at(grill.placement.translation[:2], GRATE + 0.018))
 
 
-def unplug(hand: Hand, asked: Instruction) -> Moves:
+def unplug(gripper: Gripper, asked: Instruction) -> Moves:
     """Grip the charger, which is what stands out of the wall, and pull it straight out."""
-    cloud = everything(hand)
+    cloud = everything(gripper)
     panel = locate(KnownModel.named("socket_panel/socket_panel"), cloud)
     local = (cloud.points - panel.placement.translation) @ panel.placement.rotation
     charger = local[(np.abs(local - (-0.06, 0.0, 0.15)) < (0.045, 0.05, 0.05)).all(axis=1)]
@@ -390,8 +390,8 @@ def unplug(hand: Hand, asked: Instruction) -> Moves:
     middle = panel.point(0.5 * (charger.min(axis=0) + charger.max(axis=0)))
     out, across = -panel.placement.rotation[:, 0], panel.placement.rotation[:, 1]
     turns = both_ways([pointing(np.cos(s) * DOWN - np.sin(s) * out, across) for s in (0.0, 0.4, 0.8)])
-    way = hand.choose([[placed(t, middle - 0.1 * t[:, 2]), placed(t, middle), placed(t, middle + 0.12 * out)] for t in turns])
-    yield from pull(hand, way)
+    way = gripper.choose([[placed(t, middle - 0.1 * t[:, 2]), placed(t, middle), placed(t, middle + 0.12 * out)] for t in turns])
+    yield from pull(gripper, way)
 
 
 def _meat(pieces: Sequence[Cloud], asked: Instruction, ground: float) -> tuple[FloatArray, float]:
@@ -405,9 +405,9 @@ def _meat(pieces: Sequence[Cloud], asked: Instruction, ground: float) -> tuple[F
     return middle, yaw if sides[0] < sides[1] else yaw + 0.5 * np.pi
 
 
-def _across(yaw: float, middle: FloatArray, thing: Cloud, others: Sequence[Cloud], count: int = 2) -> list[FloatArray]:
+def _across(yaw: float, middle: FloatArray, item: Cloud, others: Sequence[Cloud], count: int = 2) -> list[FloatArray]:
     """Return downward orientations at a yaw [rad] and turned from it, those first whose fingers have most room."""
-    rest = np.concatenate([o.points for o in others if o is not thing and bottom(o) < 0.1] or [np.full((1, 3), 9.0)])[:, :2]
+    rest = np.concatenate([o.points for o in others if o is not item and bottom(o) < 0.1] or [np.full((1, 3), 9.0)])[:, :2]
     yaws = [yaw + k * np.pi / count for k in range(count)]
     room = []
     for y in yaws:
@@ -422,70 +422,70 @@ PRESSED = 0.0455
 RED, GREEN = (1.0, 0.0, 0.0), (0.0, 0.7, 0.15)
 
 
-def reach_ball(hand: Hand, asked: Instruction) -> Moves:
+def reach_ball(gripper: Gripper, asked: Instruction) -> Moves:
     """Bring the tip to the ball of the colour."""
-    ball = colored([thing for thing in things(hand) if bottom(thing) > 0.02], asked.colors[0])
-    yield from touch(hand, ball.middle, all_down())
+    ball = colored([item for item in objects(gripper) if bottom(item) > 0.02], asked.colors[0])
+    yield from touch(gripper, ball.middle, all_down())
 
 
-def press_buttons(hand: Hand, asked: Instruction) -> Moves:
+def press_buttons(gripper: Gripper, asked: Instruction) -> Moves:
     """Press the caps of the bases of the colours, in their order."""
-    buttons = [(middle, cloud) for cloud in things(hand) for middle in _caps(cloud)]
+    buttons = [(middle, cloud) for cloud in objects(gripper) for middle in _caps(cloud)]
     bases = [_base(middle, cloud) for middle, cloud in buttons]
     for name in asked.colors:
         base = colored(bases, name)
         middle = next(m for (m, _), b in zip(buttons, bases, strict=True) if b is base)
-        yield from press(hand, at(middle, PRESSED), all_down())
+        yield from press(gripper, at(middle, PRESSED), all_down())
 
 
-def press_lamp_button(hand: Hand, asked: Instruction) -> Moves:
+def press_lamp_button(gripper: Gripper, asked: Instruction) -> Moves:
     """Press the red cap of the button of a lamp."""
-    caps = [middle for cloud in things(hand) for middle in _caps(cloud)]
+    caps = [middle for cloud in objects(gripper) for middle in _caps(cloud)]
     if not caps:
         raise NothingFound("No cap of a button is seen.")
-    yield from press(hand, at(caps[0], PRESSED), all_down())
+    yield from press(gripper, at(caps[0], PRESSED), all_down())
 
 
-def flip_switch(hand: Hand, asked: Instruction) -> Moves:
+def flip_switch(gripper: Gripper, asked: Instruction) -> Moves:
     """Push the raised half of the rocker in, sloping down towards the wall."""
     states = [{"rocker_joint": -0.6}, {"rocker_joint": 0.6}]
-    panel = locate(KnownModel.named("switch_panel/switch_panel"), everything(hand), states)
+    panel = locate(KnownModel.named("switch_panel/switch_panel"), everything(gripper), states)
     inwards = panel.placement.rotation[:, 0]
     upper = panel.joints["rocker_joint"] < 0.0
     end = panel.point(np.array([-0.022, 0.0, 0.15 if upper else 0.11]))
     turns = [turn for turn in sloping(inwards, (1.27,)) if abs(turn[2, 1]) < 0.1]  # fingers side by side
     before = -0.06 * inwards
-    yield from sweep(hand, [[placed(turn, end + before), placed(turn, end)] for turn in turns], 0.04 * -inwards)
-    yield from hand.shift(before)
+    yield from sweep(gripper, [[placed(turn, end + before), placed(turn, end)] for turn in turns], 0.04 * -inwards)
+    yield from gripper.shift(before)
 
 
-def shove_block(hand: Hand, asked: Instruction) -> Moves:
+def shove_block(gripper: Gripper, asked: Instruction) -> Moves:
     """Shove the red block onto the green square; look again after each push."""
-    view = hand.look()
+    view = gripper.look()
     square = max(clusters(parts_colored(view.marks, GREEN, 0.4)), key=len, default=None)
     for _ in range(3):
-        block = max(clusters(parts_colored(hand.look().things, RED)), key=len, default=None)
+        block = max(clusters(parts_colored(gripper.look().objects, RED)), key=len, default=None)
         if square is None or block is None:
             raise NothingFound("No red block or no green square is seen.")
         way = square.middle[:2] - block.middle[:2]
         length = float(np.linalg.norm(way))
         if length < 0.02:
             return
-        yield from _shove(hand, block.middle[:2], way / length, length)
+        yield from _shove(gripper, block.middle[:2], way / length, length)
 
 
-def _shove(hand: Hand, block: FloatArray, along: FloatArray, length: float) -> Moves:
+def _shove(gripper: Gripper, block: FloatArray, along: FloatArray, length: float) -> Moves:
     """Push a block of 6 cm at x, y (2,) straight along a direction (2,) over a length [m], and go up."""
     start, up = block - 0.075 * along, np.array([0.0, 0.0, 0.12])
     end = block + (length - 0.04) * along
     forward = np.array([*along, 0.0])
     turns = both_ways([pointing(DOWN, np.cross(forward, DOWN)), pointing(DOWN, forward)])
-    yield from sweep(hand, [[placed(t, at(start, 0.03)), placed(t, at(end, 0.03))] for t in turns], up)
-    yield from hand.shift(up)
+    yield from sweep(gripper, [[placed(t, at(start, 0.03)), placed(t, at(end, 0.03))] for t in turns], up)
+    yield from gripper.shift(up)
 
 
 def _caps(cloud: Cloud) -> list[FloatArray]:
-    """Return the middles x, y (2,) of round red things as high as caps."""
+    """Return the middles x, y (2,) of round red objects as high as caps."""
     level = cloud.between(0.035, 0.05)
     return [
         part.middle[:2]
@@ -500,14 +500,14 @@ def _base(middle: FloatArray, cloud: Cloud) -> Cloud:
     return cloud.where((apart > 0.024) & (apart < 0.045))
 
 
-Play = Callable[[Hand, Instruction], Moves]
+Play = Callable[[Gripper, Instruction], Moves]
 
 
 @dataclass(frozen=True)
 class Recipe:
     """Words and what to do about them."""
 
-    things: str
+    objects: str
     """One of these words, or phrases, occurs: `a|b`."""
     asks: str
     """And one of these; empty asks for nothing more."""
@@ -516,19 +516,19 @@ class Recipe:
 
     def fits(self, asked: Instruction) -> bool:
         """Say whether an instruction asks for this."""
-        return asked.has(self.things) and (not self.asks or asked.has(self.asks))
+        return asked.has(self.objects) and (not self.asks or asked.has(self.asks))
 
 
 def _door(door: Door) -> Play:
-    return lambda hand, asked: push_door(hand, door)
+    return lambda gripper, asked: push_door(gripper, door)
 
 
 def _bar(bar: Bar) -> Play:
-    return lambda hand, asked: turn_bar(hand, bar)
+    return lambda gripper, asked: turn_bar(gripper, bar)
 
 
 def _lid(lid: Lid) -> Play:
-    return lambda hand, asked: fold_lid(hand, lid)
+    return lambda gripper, asked: fold_lid(gripper, lid)
 
 
 _SHUT = "close|shut|shove|push|down|closed|back|bring|fold|swing"
@@ -564,7 +564,7 @@ TASKS = (
     "unplug_charger", "close_drawer", "open_drawer", "close_microwave", "open_microwave", "close_fridge", "open_fridge",
     "close_grill", "open_grill", "close_laptop_lid", "toilet_seat_down",
 )  # fmt: skip
-"""The tasks that the recipes are for, as one evaluates them; the policy itself is told no task and never looks here."""
+"""The tasks that the recipes are for, for evaluations; the policy itself does not read them."""
 
 
 def find_recipe(asked: Instruction) -> Play:

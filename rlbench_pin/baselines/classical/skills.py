@@ -26,11 +26,11 @@ DOWN = np.array([0.0, 0.0, -1.0])
 
 
 class NothingFound(RlbenchPinError):
-    """What an instruction names is not seen, or no recipe is known for it."""
+    """No object of the instruction is seen, or no recipe matches the instruction."""
 
 
 def pointing(direction: FloatArray, across: FloatArray) -> FloatArray:
-    """Return the rotation (3, 3) of a hand that points along `direction`, fingers apart along `across` as far as that goes."""
+    """Return the rotation (3, 3) of a gripper that points along `direction`, fingers apart along `across` as far as that goes."""
     z = np.asarray(direction, dtype=float) / np.linalg.norm(direction)
     y = np.asarray(across, dtype=float) - (z @ across) * z
     y = y / np.linalg.norm(y)
@@ -44,17 +44,17 @@ def both_ways(turns: Sequence[FloatArray]) -> list[FloatArray]:
 
 
 def down(yaw: float) -> FloatArray:
-    """Return the rotation (3, 3) of a hand that points down with its fingers apart along a heading [rad]."""
+    """Return the rotation (3, 3) of a gripper that points down with its fingers apart along a heading [rad]."""
     return pointing(DOWN, np.array([np.cos(yaw), np.sin(yaw), 0.0]))
 
 
 def all_down(count: int = 8) -> list[FloatArray]:
-    """Return rotations of a hand that points down, all around."""
+    """Return rotations of a gripper that points down, all around."""
     return [down(float(yaw)) for yaw in np.linspace(-np.pi, np.pi, count, endpoint=False)]
 
 
 def sloping(direction: FloatArray, slopes: Sequence[float], turns: Sequence[float] = (0.0,)) -> list[FloatArray]:
-    """Return rotations of a hand that points along a level direction, turned about the vertical and sloping down.
+    """Return rotations of a gripper that points along a level direction, turned about the vertical and sloping down.
 
     Args:
         direction: Level direction (3,).
@@ -71,70 +71,70 @@ def sloping(direction: FloatArray, slopes: Sequence[float], turns: Sequence[floa
 
 
 def placed(turn: FloatArray, point: FloatArray) -> pin.SE3:
-    """Return a hand of an orientation (3, 3) whose tip is at a point (3,) [m]."""
+    """Return a gripper of an orientation (3, 3) whose tip is at a point (3,) [m]."""
     return pin.SE3(np.asarray(turn), np.asarray(point, dtype=float))
 
 
 PULLING = 0.1
 """Speed of the tip that pulls at something [m/s]."""
 ABOVE = 0.1
-"""How far before a thing the hand stops first [m]."""
+"""How far before an object the gripper stops first [m]."""
 
 
-def touch(hand: Hand, point: FloatArray, turns: Sequence[FloatArray]) -> Moves:
+def touch(gripper: Gripper, point: FloatArray, turns: Sequence[FloatArray]) -> Moves:
     """Bring the tip to a point (3,), with the first of some orientations (3, 3) that the arm reaches."""
-    yield from hand.go(hand.choose([[placed(turn, point)] for turn in turns]))
+    yield from gripper.go(gripper.choose([[placed(turn, point)] for turn in turns]))
 
 
-def press(hand: Hand, point: FloatArray, turns: Sequence[FloatArray], back: float = ABOVE) -> Moves:
-    """Push the closed fingers to a point (3,) along the hand, and go back by `back` [m]."""
-    way = hand.choose([approach(turn, point, back) for turn in turns])
-    yield from hand.go(way, is_open=False)
-    yield from hand.slide(way.targets[1:])
-    yield from hand.slide(way.targets[:1])
+def press(gripper: Gripper, point: FloatArray, turns: Sequence[FloatArray], back: float = ABOVE) -> Moves:
+    """Push the closed fingers to a point (3,) along the gripper, and go back by `back` [m]."""
+    way = gripper.choose([approach(turn, point, back) for turn in turns])
+    yield from gripper.go(way, is_open=False)
+    yield from gripper.slide(way.targets[1:])
+    yield from gripper.slide(way.targets[:1])
 
 
-def pull(hand: Hand, way: Way) -> Moves:
+def pull(gripper: Gripper, way: Way) -> Moves:
     """Go to the first placement of a way, close the fingers at the second, and take what they hold along the others, gently."""
-    yield from hand.go(way, is_open=True)
-    yield from hand.slide(way.targets[1:2])
-    yield from hand.grip(False)
-    yield from hand.slide(way.targets[2:], PULLING)
+    yield from gripper.go(way, is_open=True)
+    yield from gripper.slide(way.targets[1:2])
+    yield from gripper.grip(False)
+    yield from gripper.slide(way.targets[2:], PULLING)
 
 
-def pick(hand: Hand, point: FloatArray, turns: Sequence[FloatArray], lift: float = ABOVE, back: float = ABOVE) -> Moves:
+def pick(gripper: Gripper, point: FloatArray, turns: Sequence[FloatArray], lift: float = ABOVE, back: float = ABOVE) -> Moves:
     """Close the fingers about a point (3,), and lift what they hold straight up by `lift` [m]."""
     up = np.array([0.0, 0.0, lift])
-    way = hand.choose([[*approach(turn, point, back), placed(turn, point + up)] for turn in turns])
-    yield from hand.go(way, is_open=True)
-    yield from hand.slide(way.targets[1:2])
-    yield from hand.grip(False)
-    yield from hand.slide(way.targets[2:])
+    way = gripper.choose([[*approach(turn, point, back), placed(turn, point + up)] for turn in turns])
+    yield from gripper.go(way, is_open=True)
+    yield from gripper.slide(way.targets[1:2])
+    yield from gripper.grip(False)
+    yield from gripper.slide(way.targets[2:])
 
 
-def place(hand: Hand, point: FloatArray, over: float = ABOVE) -> Moves:
+def place(gripper: Gripper, point: FloatArray, over: float = ABOVE) -> Moves:
     """Bring what is held over a point (3,), lower it there, let go, and go up again by `over` [m]."""
-    turn, up = hand.tip.rotation, np.array([0.0, 0.0, over])
+    turn, up = gripper.tip.rotation, np.array([0.0, 0.0, over])
     turns = [turn @ pin.rpy.rpyToMatrix(0.0, 0.0, yaw) for yaw in (0.0, np.pi, 0.5 * np.pi, -0.5 * np.pi)]
-    way = hand.choose([[placed(t, point + up), placed(t, point)] for t in turns])
-    yield from hand.go(way)
-    yield from hand.slide(way.targets[1:])
-    yield from hand.grip(True)
-    yield from hand.slide(way.targets[:1])
+    way = gripper.choose([[placed(t, point + up), placed(t, point)] for t in turns])
+    yield from gripper.go(way)
+    yield from gripper.slide(way.targets[1:])
+    yield from gripper.grip(True)
+    yield from gripper.slide(way.targets[:1])
 
 
-def sweep(hand: Hand, paths: Sequence[Sequence[pin.SE3]], back: FloatArray, is_open: bool = False) -> Moves:
+def sweep(gripper: Gripper, paths: Sequence[Sequence[pin.SE3]], back: FloatArray, is_open: bool = False) -> Moves:
     """Move along the best of several paths.
 
     Args:
-        hand: The hand.
+        gripper: The gripper.
         paths: Placements of the tip, one after the other; all of them do.
-        back: From where the hand comes to the start of a path, as an offset (3,) [m].
+        back: From where the gripper comes to the start of a path, as an offset (3,) [m].
         is_open: Whether the fingers are open.
     """
-    way = hand.choose([[pin.SE3(path[0].rotation, path[0].translation + back), *path] for path in paths])
-    yield from hand.go(way, is_open)
-    yield from hand.slide(way.targets[1:])
+    way = gripper.choose([[pin.SE3(path[0].rotation, path[0].translation + back), *path] for path in paths])
+    yield from gripper.go(way, is_open)
+    yield from gripper.slide(way.targets[1:])
 
 
 def arc(axis: Axis, point: FloatArray, angles: Iterable[float]) -> list[FloatArray]:
@@ -144,7 +144,7 @@ def arc(axis: Axis, point: FloatArray, angles: Iterable[float]) -> list[FloatArr
 
 
 def approach(turn: FloatArray, point: FloatArray, back: float) -> list[pin.SE3]:
-    """Return two placements of a hand: `back` before a point (3,) along its z, and there [m]."""
+    """Return two placements of a gripper: `back` before a point (3,) along its z, and there [m]."""
     return [placed(turn, point - back * turn[:, 2]), placed(turn, point)]
 
 
@@ -157,7 +157,7 @@ PLANNING = PlannerConfig(
 
 
 class Driver:
-    """What moves one arm: a planner in a world of boxes, a follower of trajectories, and Cartesian control.
+    """Planner in a world of boxes, trajectory follower and Cartesian controller of one arm.
 
     Args:
         arm: The arm.
@@ -168,13 +168,13 @@ class Driver:
         self.arm, self.period = arm, period
         self._planner = MotionPlanner(arm, PLANNING)
         self._following = VelocityFollowing(arm.limits, period)
-        still = PostureObjective(gain=0.0)
-        self._cartesian = DifferentialIK(arm, DifferentialIKConfig(dt=period, posture=still))
+        posture = PostureObjective(gain=0.0)
+        self._cartesian = DifferentialIK(arm, DifferentialIKConfig(dt=period, posture=posture))
         self._world: WorldSnapshot | None = None
 
-    def update(self, things: Cloud, q: FloatArray, fingers: FloatArray) -> None:
+    def update(self, objects: Cloud, q: FloatArray, fingers: FloatArray) -> None:
         """Take what is seen for the world, with the arm at `q` (n,) [rad] and its fingers at `fingers` (2,) [m]."""
-        self._world = as_world(things, q, fingers)
+        self._world = as_world(objects, q, fingers)
         self._planner.update(self._world)
 
     def reach(self, q: FloatArray, target: pin.SE3, rng: np.random.Generator) -> tuple[FloatArray, bool]:
@@ -215,22 +215,22 @@ class Driver:
         return self._cartesian.velocity_for_twist(q, v, twist)
 
     def _meant(self, target: pin.SE3) -> list[str]:
-        """Return the names of the boxes that the hand goes to."""
+        """Return the names of the boxes that the gripper goes to."""
         return [] if self._world is None else near(self._world, target.translation, MEANT)
 
 
 SPEED, TURNING = 0.2, 1.0
 """Of the tip where it slides [m/s], [rad/s]."""
 PACES = 4
-"""A sliding tip reaches its speed in so many ticks, and stops in about as many."""
+"""Ticks in which a sliding tip reaches its speed, and in about which it stops."""
 LAG = 0.015
 """The next station waits until the tip is nearer than this [m]; an angle of 1 rad counts as much as 0.1 m."""
 THERE = 0.002
-"""Nearer than this is there [m]."""
+"""Distance at which a target counts as reached [m]."""
 PATIENCE = 8
-"""How long a motion may stand still before it is given up [ticks]."""
+"""Ticks without progress after which a motion is given up."""
 PLANS = 4
-"""Of so many ways a free motion to the begin is looked for."""
+"""Number of ways for which a free motion to their start is planned."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -244,7 +244,7 @@ class Tick:
 
 
 Moves = Generator[Tick, Observation, None]
-"""What a skill is: it yields actions and is sent what is seen after each."""
+"""A skill: it yields actions and is sent the observation after each."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -257,14 +257,14 @@ class Way:
     """From where the arm is to the first."""
 
 
-class Hand:
-    """The arm with its hand as a skill sees it: what was observed last, and what it may reach from there."""
+class Gripper:
+    """The gripper and its arm as a skill uses them: the last observation, and the motions possible from there."""
 
     def __init__(self, driver: Driver, observation: Observation, rng: np.random.Generator) -> None:
         """Begin with what is seen at the start of an episode."""
         self.seen, self._driver, self._rng = observation, driver, rng
         self.is_open = True
-        self._arm, self._still = driver.arm, np.zeros(driver.arm.size)
+        self._arm, self._zero = driver.arm, np.zeros(driver.arm.size)
         self._view: tuple[Observation, View] | None = None
         self._home = self.joints
 
@@ -294,15 +294,15 @@ class Hand:
 
     def go_home(self) -> Moves:
         """Move freely to where the episode began."""
-        self._driver.update(self.look().things, self.joints, self._fingers)
+        self._driver.update(self.look().objects, self.joints, self._fingers)
         yield from self._follow(self._driver.plan(self.joints, self._home, self._rng)[0])
 
     def slide(self, targets: Sequence[pin.SE3], speed: float = SPEED) -> Moves:
         """Move the tip straight from one placement to the next; wait where it is held back, and give up in time."""
         share = self._driver.period / PACES
-        legs = pairwise([self.tip, *targets])
-        stations = [station for a, b in legs for station in line(a, b, share * speed, share * TURNING)]
-        v, k, pace, late, last = self._still, -1, 0, 0, len(stations) - 1
+        segments = pairwise([self.tip, *targets])
+        stations = [station for a, b in segments for station in line(a, b, share * speed, share * TURNING)]
+        v, k, pace, late, last = self._zero, -1, 0, 0, len(stations) - 1
         while late < PATIENCE:
             if k < last and (k < 0 or apart(self.tip, stations[k]) < LAG):
                 pace, late = min(pace + 1, PACES, 1 + (last - k) // PACES), 0
@@ -320,19 +320,19 @@ class Hand:
         yield from self.slide([pin.SE3(here.rotation, here.translation + np.array(list(by)))])
 
     def grip(self, is_open: bool | None) -> Moves:
-        """Open or close the fingers where the hand is."""
+        """Open or close the fingers where the gripper is."""
         if is_open is not None and is_open != self.is_open:
             self.is_open = is_open
-            yield from self._tick(self._still)
+            yield from self._tick(self._zero)
 
     def rest(self, ticks: int) -> Moves:
         """Stay for some ticks."""
         for _ in range(ticks):
-            yield from self._tick(self._still)
+            yield from self._tick(self._zero)
 
     def _follow(self, motion: Trajectory) -> Moves:
         """Follow a timed motion until it is over and the joints have arrived."""
-        follower, v, late = self._driver.follower(motion), self._still, 0
+        follower, v, late = self._driver.follower(motion), self._zero, 0
         while late < PATIENCE:
             v = follower.command(self.joints, v)
             yield from self._tick(v)
@@ -349,11 +349,11 @@ class Hand:
         """Return the way that the arm can follow farthest; of several, one whose begin is reached without touching anything,
         with the least joint motion.
         """
-        self._driver.update(self.look().things, self.joints, self._fingers)
+        self._driver.update(self.look().objects, self.joints, self._fingers)
         scored = sorted(((*self._follows(way), k) for k, way in enumerate(ways)), key=lambda s: (-s[0], not s[1], s[2], s[4]))
         best: Way | None = None
-        for legs, _, _, start, k in scored[:PLANS]:
-            if start is None or legs < scored[0][0]:
+        for reached, _, _, start, k in scored[:PLANS]:
+            if start is None or reached < scored[0][0]:
                 break
             motion, is_free = self._driver.plan(self.joints, start, self._rng)
             if is_free or best is None:
@@ -372,15 +372,15 @@ class Hand:
             start, is_free = self._driver.reach(self.joints, way[0], self._rng)
         except PlanningError:
             return 0, False, 0.0, None
-        q, legs, motion = start, 1, float(np.abs(start - self.joints).sum())
+        q, reached, motion = start, 1, float(np.abs(start - self.joints).sum())
         for target in way[1:]:
             try:
                 path = straight_path(self._arm, q, se3_to_pose(target))
             except PlanningError:
                 break
             motion += float(np.abs(np.diff(path, axis=0)).sum())
-            q, legs = np.clip(path[-1], self._arm.limits.lower, self._arm.limits.upper), legs + 1
-        return legs, is_free, motion, start
+            q, reached = np.clip(path[-1], self._arm.limits.lower, self._arm.limits.upper), reached + 1
+        return reached, is_free, motion, start
 
     @property
     def _fingers(self) -> FloatArray:

@@ -22,8 +22,8 @@ CHUNK = 20
 """Ticks ahead that commands are predicted for."""
 SECONDS = 0.05
 """A tick [s]."""
-PICTURE = 64
-"""Width and height of the pictures that a network sees [px]."""
+IMAGE_SIZE = 64
+"""Width and height of the images that a network sees [px]."""
 
 
 @dataclass(frozen=True)
@@ -33,9 +33,9 @@ class Examples:
     joints: FloatArray
     """Joint positions at each tick, (n, 7) [rad]."""
     opening: FloatArray
-    """Whether the hand is open, (n, 1)."""
+    """Whether the gripper is open, (n, 1)."""
     task_state: FloatArray
-    """What the task says about its objects, (n, m); m = 0 where pictures are to say it."""
+    """What the task says about its objects, (n, m); m = 0 where the network learns from images."""
     time: FloatArray
     """Time since the start, (n, 1) [s]."""
     episode: np.ndarray
@@ -44,10 +44,10 @@ class Examples:
     """Encoded instructions of each demonstration, (k, size)."""
     targets: FloatArray
     """Commanded joint positions of the next `CHUNK` ticks, (n, CHUNK, 7) [rad]; the last command is held."""
-    hand: FloatArray
+    gripper: FloatArray
     """Commanded opening of the same ticks, (n, CHUNK)."""
-    pictures: np.ndarray
-    """uint8 (n, cameras, PICTURE, PICTURE, 3); no cameras where the task state says where things are."""
+    images: np.ndarray
+    """uint8 (n, cameras, IMAGE_SIZE, IMAGE_SIZE, 3); no cameras where the network learns from the task state."""
     instructions: tuple[str, ...]
     """Every sentence that occurs."""
 
@@ -79,29 +79,29 @@ def make_examples(demos: Sequence[Demo], cameras: Sequence[str] = ()) -> Example
     if not parts:
         raise DatasetError("There are no demonstrations to learn from. `rlbench-pin record` makes some.")
     stacked = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
-    said = [tuple(str(s) for s in demo[0].misc.get("descriptions", ())) or ("",) for demo in demos]
-    sentences = tuple(np.stack([encode_sentence(s) for s in each]) for each in said)
-    return Examples(**stacked, sentences=sentences, instructions=tuple(dict.fromkeys(s for each in said for s in each)))
+    instructions = [tuple(str(s) for s in demo[0].misc.get("descriptions", ())) or ("",) for demo in demos]
+    sentences = tuple(np.stack([encode_sentence(s) for s in each]) for each in instructions)
+    return Examples(**stacked, sentences=sentences, instructions=tuple(dict.fromkeys(s for each in instructions for s in each)))
 
 
-def pictures_of(observation: Observation, cameras: Sequence[str]) -> np.ndarray:
-    """Return the colours of some cameras, uint8 (cameras, PICTURE, PICTURE, 3).
+def images_of(observation: Observation, cameras: Sequence[str]) -> np.ndarray:
+    """Return the colours of some cameras, uint8 (cameras, IMAGE_SIZE, IMAGE_SIZE, 3).
 
     Raises:
         DatasetError: One of them is missing.
     """
     found = [getattr(observation, f"{camera}_rgb", None) for camera in cameras]
-    if any(picture is None for picture in found):
+    if any(image is None for image in found):
         raise DatasetError(f"An observation lacks the colours of one of {list(cameras)}. Record them with `--products rgb`.")
-    return np.stack([resize(np.asarray(p), (PICTURE, PICTURE)) for p in found]) if found else _no_pictures()
+    return np.stack([resize(np.asarray(p), (IMAGE_SIZE, IMAGE_SIZE)) for p in found]) if found else _no_images()
 
 
-def _no_pictures() -> np.ndarray:
-    return np.zeros((0, PICTURE, PICTURE, 3), np.uint8)
+def _no_images() -> np.ndarray:
+    return np.zeros((0, IMAGE_SIZE, IMAGE_SIZE, 3), np.uint8)
 
 
 def _columns(demo: Demo, index: int, cameras: Sequence[str]) -> dict[str, np.ndarray]:
-    """Return the columns of one demonstration; its last frame has no action, so it is no example."""
+    """Return the columns of one demonstration; its last frame has no action, so it is not an example."""
     frames = list(demo)[:-1]
     commands = [o.misc.get("joint_position_action") for o in list(demo)[1:]]
     if not frames or any(c is None for c in commands):
@@ -118,8 +118,8 @@ def _columns(demo: Demo, index: int, cameras: Sequence[str]) -> dict[str, np.nda
         "time": np.arange(len(frames))[:, None] * SECONDS,
         "episode": np.full(len(frames), index),
         "targets": chunks[..., :-1],
-        "hand": chunks[..., -1],
-        "pictures": np.stack([pictures_of(o, cameras) for o in frames]),
+        "gripper": chunks[..., -1],
+        "images": np.stack([images_of(o, cameras) for o in frames]),
     }
 
 
@@ -169,13 +169,13 @@ class ChunkSizes:
     sentence: int = 96
     """Numbers of an encoded sentence."""
     cameras: tuple[str, ...] = field(default=())
-    """Cameras whose pictures it sees."""
+    """Cameras whose images it sees."""
     chunk: int = 20
     """Ticks that it predicts."""
 
 
 class ChunkNetwork(nn.Module):
-    """A residual perceptron over normalised numbers, and for pictures a small convolution that says where features are.
+    """A residual perceptron over normalised numbers, and for images a small convolution that says where features are.
 
     Buffers `mean` and `spread` normalise what goes in, `reach` what comes out; they are stored with the weights.
     """
@@ -197,18 +197,18 @@ class ChunkNetwork(nn.Module):
         self.blocks = nn.ModuleList([_Block() for _ in range(3)])
         self.last = nn.Linear(WIDTH, sizes.chunk * (sizes.joints + 1))
 
-    def forward(self, numbers: Tensor, sentence: Tensor, pictures: Tensor) -> tuple[Tensor, Tensor]:
-        """Return joint commands relative to the joints now, (b, chunk, joints) [rad], and how likely the hand is open.
+    def forward(self, numbers: Tensor, sentence: Tensor, images: Tensor) -> tuple[Tensor, Tensor]:
+        """Return joint commands relative to the joints now, (b, chunk, joints) [rad], and how likely the gripper is open.
 
         Args:
             numbers: Joints, opening, time and task state, (b, n).
             sentence: Encoded instructions, (b, s).
-            pictures: Colours 0..1, (b, cameras, 3, h, w).
+            images: Colours 0..1, (b, cameras, 3, h, w).
 
         Returns:
             Steps, and logits (b, chunk).
         """
-        seen = [eye(pictures[:, i]) for i, eye in enumerate(self.eyes)]
+        seen = [eye(images[:, i]) for i, eye in enumerate(self.eyes)]
         x = self.first(torch.cat([(numbers - self.mean) / self.spread, sentence, *seen], dim=1))
         for block in self.blocks:
             x = block(x)
@@ -239,10 +239,10 @@ class _Eye(nn.Module):
             nn.Conv2d(32, _FEATURES, 3, padding=1),
         )
 
-    def forward(self, picture: Tensor) -> Tensor:
+    def forward(self, image: Tensor) -> Tensor:
         """Return (b, 2 * features): x and y of each feature in -1..1."""
-        strong = self.layers(picture)
+        strong = self.layers(image)
         weight = strong.flatten(2).softmax(dim=2).view_as(strong)
-        x = torch.linspace(-1.0, 1.0, strong.shape[3], device=picture.device)
-        y = torch.linspace(-1.0, 1.0, strong.shape[2], device=picture.device)
+        x = torch.linspace(-1.0, 1.0, strong.shape[3], device=image.device)
+        y = torch.linspace(-1.0, 1.0, strong.shape[2], device=image.device)
         return torch.cat([(weight.sum(2) * x).sum(2), (weight.sum(3) * y).sum(2)], dim=1)

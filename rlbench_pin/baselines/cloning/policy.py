@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from rlbench_pin.baselines.cloning.model import PICTURE, SECONDS, ChunkNetwork, encode_sentence, nearest_sentence, pictures_of
-from rlbench_pin.baselines.cloning.training import KIND, as_pictures, load_cloning, trained_tasks
+from rlbench_pin.baselines.cloning.model import IMAGE_SIZE, SECONDS, ChunkNetwork, encode_sentence, images_of, nearest_sentence
+from rlbench_pin.baselines.cloning.training import KIND, as_images, load_cloning, trained_tasks
 from rlbench_pin.environment import Discrete, JointPosition, MoveArmThenGripper, ObservationConfig, image_config, low_dim_config
 from rlbench_pin.evaluation.policies.policy import PolicyContext
 from rlbench_pin.observation import Observation
 from rlbench_pin.spatial import FloatArray
 
 FADE = 0.1
-"""How fast the say of older chunks falls, per tick; 0 lets all count alike."""
+"""Rate [1/tick] at which the weight of older chunks decays; 0 weights all chunks alike."""
 
 
 class CloningPolicy:
@@ -29,18 +29,18 @@ class CloningPolicy:
     def __init__(self, folder: str | Path, device: str = "cpu") -> None:
         """Read what is in the folder; networks are loaded when their task comes up."""
         self._folder, self._device = Path(folder), device
-        self._said = {task: list(s["instructions"]) for task, s in trained_tasks(self._folder, KIND).items()}
+        self._instructions = {task: list(s["instructions"]) for task, s in trained_tasks(self._folder, KIND).items()}
         cameras = {c for s in trained_tasks(self._folder, KIND).values() for c in s["sizes"]["cameras"]}
         self.action_mode = MoveArmThenGripper(JointPosition(), Discrete())
         self.obs_config = _observation(tuple(sorted(cameras)))
         self._networks: dict[str, tuple[ChunkNetwork, float]] = {}
         self._chunks: list[tuple[FloatArray, FloatArray]] = []
-        self._sentence, self._tick, self._task = encode_sentence(""), 0, next(iter(self._said))
+        self._sentence, self._tick, self._task = encode_sentence(""), 0, next(iter(self._instructions))
 
     def reset(self, instruction: str, context: PolicyContext) -> None:
-        """Choose the network whose demonstrations were told something nearest to the instruction."""
-        owners = [(task, said) for task, all_said in self._said.items() for said in all_said]
-        self._task = owners[nearest_sentence(instruction, [said for _, said in owners])][0]
+        """Choose the network whose demonstrations have the instruction nearest to this one."""
+        owners = [(task, sentence) for task, sentences in self._instructions.items() for sentence in sentences]
+        self._task = owners[nearest_sentence(instruction, [sentence for _, sentence in owners])][0]
         if self._task not in self._networks:
             self._networks[self._task] = load_cloning(self._folder / self._task, self._device)
         self._sentence, self._tick, self._chunks = encode_sentence(instruction), 0, []
@@ -48,8 +48,8 @@ class CloningPolicy:
     def act(self, observation: Observation) -> np.ndarray:
         """Predict a chunk and return the weighted mean of what the last chunks say about this tick, shape (8,)."""
         network, longest = self._networks[self._task]
-        joints, hand = self._predict(network, longest, observation)
-        self._chunks = [(joints, hand), *self._chunks][: len(hand)]
+        joints, gripper = self._predict(network, longest, observation)
+        self._chunks = [(joints, gripper), *self._chunks][: len(gripper)]
         self._tick += 1
         weights = np.exp(-FADE * np.arange(len(self._chunks)))
         weights /= weights.sum()
@@ -58,16 +58,16 @@ class CloningPolicy:
         return np.append(arm, float(grip > 0.5))
 
     def _predict(self, network: ChunkNetwork, longest: float, observation: Observation) -> tuple[FloatArray, FloatArray]:
-        """Return commands (chunk, joints) [rad] and how likely the hand is open (chunk,)."""
+        """Return commands (chunk, joints) [rad] and how likely the gripper is open (chunk,)."""
         sizes = network.sizes
         joints = np.asarray(observation.joint_positions, dtype=float)
         state = np.asarray(observation.task_low_dim_state, dtype=float) if not sizes.cameras else np.zeros(0)
         numbers = np.r_[joints, float(observation.gripper_open or 0.0), min(self._tick * SECONDS, longest), state]
-        pictures = as_pictures(pictures_of(observation, sizes.cameras)[None], torch.device(self._device))
+        images = as_images(images_of(observation, sizes.cameras)[None], torch.device(self._device))
         rows = [torch.as_tensor(v[None], dtype=torch.float32, device=self._device) for v in (numbers, self._sentence)]
         with torch.no_grad():
-            steps, hand = network(rows[0], rows[1], pictures)
-        return joints + steps[0].double().cpu().numpy(), hand[0].sigmoid().double().cpu().numpy()
+            steps, gripper = network(rows[0], rows[1], images)
+        return joints + steps[0].double().cpu().numpy(), gripper[0].sigmoid().double().cpu().numpy()
 
 
 def policy(folder: str, device: str = "cpu") -> CloningPolicy:
@@ -76,7 +76,7 @@ def policy(folder: str, device: str = "cpu") -> CloningPolicy:
 
 
 def _observation(cameras: tuple[str, ...]) -> ObservationConfig:
-    """Return what is observed: joints, hand, task state, and for pictures the colours of some cameras."""
+    """Return what is observed: joints, gripper, task state, and for images the colours of some cameras."""
     if not cameras:
         return low_dim_config()
-    return image_config((2 * PICTURE, 2 * PICTURE), cameras, depth=False, mask=False)
+    return image_config((2 * IMAGE_SIZE, 2 * IMAGE_SIZE), cameras, depth=False, mask=False)

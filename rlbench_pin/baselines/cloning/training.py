@@ -8,7 +8,7 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 import torch
@@ -105,6 +105,7 @@ def trained_tasks(folder: Path, kind: str) -> dict[str, dict[str, Any]]:
 
 Losses = dict[str, torch.Tensor]
 """Name -> loss; `total` is what is minimised."""
+ModuleT = TypeVar("ModuleT", bound=torch.nn.Module)
 CURVE_EVERY = 20
 """Steps between points of the curves."""
 
@@ -129,7 +130,24 @@ class TrainConfig:
     """Steps between checkpoints."""
 
 
-def seeded(make: Callable[[], torch.nn.Module], seed: int) -> torch.nn.Module:
+class Learner(Protocol):
+    """A network that learns from examples."""
+
+    @property
+    def network(self) -> torch.nn.Module:
+        """The network, on the device of the training."""
+        ...
+
+    def losses(self, rng: np.random.Generator, batch: int) -> Losses:
+        """Draw a batch and return its losses."""
+        ...
+
+    def settings(self) -> dict[str, Any]:
+        """Return what the policy has to know beside the weights, for JSON."""
+        ...
+
+
+def seeded(make: Callable[[], ModuleT], seed: int) -> ModuleT:
     """Return a network whose first weights follow from a seed; torch's own generator is as before."""
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(seed)
@@ -152,7 +170,7 @@ def train(
 ) -> bool:
     """Train a network, write it to `model.safetensors`, and return whether it came to its end.
 
-    What was begun goes on from its last checkpoint, and ends with the same bits as if it had never been ended.
+    An interrupted training continues from its last checkpoint and gives byte-identical weights.
 
     Args:
         network: On the device of the settings; a checkpoint's weights replace its own.
@@ -182,6 +200,42 @@ def train(
     write_tensors(folder / MODEL, network.state_dict())
     (folder / CHECKPOINT).unlink(missing_ok=True)
     return True
+
+
+def train_task(
+    kind: str,
+    make_learner: Callable[[Path], Learner],
+    roots: Sequence[Path],
+    task: str,
+    folder: Path,
+    config: TrainConfig,
+    on_step: Callable[[int, float], None],
+    stop: threading.Event | None,
+) -> bool:
+    """Train a model of one task and write it to `folder/task`; an interrupted training continues.
+
+    Args:
+        kind: The kind of the model.
+        make_learner: Makes the learner from the dataset in a folder.
+        roots: Folders of datasets; the first that contains the task is read.
+        task: Its name.
+        folder: Where the folder of its model is made.
+        config: How long, how fast.
+        on_step: Called with how many steps are done, and the loss.
+        stop: When set, the training ends at a checkpoint.
+
+    Returns:
+        Whether it is finished.
+    """
+    place = Path(folder) / task
+    if (place / MODEL).exists() and (place / SETTINGS).exists():
+        return True
+    learner = make_learner(Path(next((r for r in roots if (Path(r) / task).is_dir()), roots[0])))
+    finished = train(learner.network, lambda rng: learner.losses(rng, config.batch), config, place, on_step, stop)
+    if finished:
+        how = asdict(replace(config, device="cpu"))
+        write_settings(place / SETTINGS, kind, {"task": task, **learner.settings(), "train": how})
+    return finished
 
 
 def _step(
@@ -246,8 +300,8 @@ STATE_NOISE = 0.002
 TIME_NOISE = 0.1
 """Spread of what is added to the time [s]."""
 SHIFT = 2
-"""Pixels that pictures are moved by at most, of `PICTURE`."""
-LEAST_SPREAD = 0.02
+"""Pixels that images are moved by at most, of `IMAGE_SIZE`."""
+MIN_SPREAD = 0.02
 """Numbers that vary less are divided by this, so that what is constant in the demonstrations stays near 0."""
 
 
@@ -259,30 +313,37 @@ class ChunkLearner:
         self._examples, self._device = examples, torch.device(device)
         width, state = examples.joints.shape[1], examples.task_state.shape[1]
         sizes = ChunkSizes(width, state, SENTENCE_SIZE, tuple(cameras), CHUNK)
-        network = seeded(lambda: ChunkNetwork(sizes), seed)
-        assert isinstance(network, ChunkNetwork)
-        self.network = network.to(self._device)
+        self.network = seeded(lambda: ChunkNetwork(sizes), seed).to(self._device)
         numbers = np.concatenate([examples.joints, examples.opening, examples.time, examples.task_state], axis=1)
         steps = examples.targets - examples.joints[:, None]
         self._fill(self.network.mean, numbers.mean(axis=0))
-        self._fill(self.network.spread, np.maximum(numbers.std(axis=0), LEAST_SPREAD))
-        self._fill(self.network.reach, np.maximum(steps.std(axis=0), LEAST_SPREAD))
+        self._fill(self.network.spread, np.maximum(numbers.std(axis=0), MIN_SPREAD))
+        self._fill(self.network.reach, np.maximum(steps.std(axis=0), MIN_SPREAD))
         self._numbers, width = numbers, examples.joints.shape[1]
         self._noise = np.r_[np.full(width, JOINT_NOISE), 0.0, TIME_NOISE, np.full(state, STATE_NOISE)]
 
     def losses(self, rng: np.random.Generator, batch: int) -> Losses:
-        """Draw a batch and return the mean errors of commands, in units of their spread, and of the hand."""
+        """Draw a batch and return the mean errors of commands, in units of their spread, and of the gripper."""
         data = self._examples
         rows = rng.integers(len(self._numbers), size=batch)
         numbers = self._numbers[rows] + rng.normal(size=(batch, len(self._noise))) * self._noise
         steps = data.targets[rows] - numbers[:, None, : data.joints.shape[1]]
-        said = [data.sentences[e] for e in data.episode[rows]]
-        sentence = np.stack([each[rng.integers(len(each))] for each in said])
-        seen = as_pictures(shifted(data.pictures[rows], rng), self._device)
-        found, hand = self.network(self._tensor(numbers), self._tensor(sentence), seen)
+        sentences = [data.sentences[e] for e in data.episode[rows]]
+        sentence = np.stack([each[rng.integers(len(each))] for each in sentences])
+        seen = as_images(shifted(data.images[rows], rng), self._device)
+        found, gripper = self.network(self._tensor(numbers), self._tensor(sentence), seen)
         arm = torch.nn.functional.smooth_l1_loss(found / self.network.reach, self._tensor(steps) / self.network.reach, beta=0.1)
-        grip = torch.nn.functional.binary_cross_entropy_with_logits(hand, self._tensor(data.hand[rows]).clamp(0.0, 1.0))
+        grip = torch.nn.functional.binary_cross_entropy_with_logits(gripper, self._tensor(data.gripper[rows]).clamp(0.0, 1.0))
         return {"total": arm + 0.1 * grip, "arm": arm, "hand": grip}
+
+    def settings(self) -> dict[str, Any]:
+        """Return the sizes of the network and what it was trained on."""
+        return {
+            "sizes": asdict(self.network.sizes),
+            "instructions": list(self._examples.instructions),
+            "demonstrations": len(self._examples.sentences),
+            "longest": float(self._examples.time.max()),
+        }
 
     def _tensor(self, values: FloatArray) -> torch.Tensor:
         return torch.as_tensor(values, dtype=torch.float32, device=self._device)
@@ -291,18 +352,18 @@ class ChunkLearner:
         buffer.copy_(self._tensor(values))
 
 
-def shifted(pictures: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Return pictures (b, cameras, h, w, 3), each moved by up to `SHIFT` pixels either way; borders are repeated."""
-    batch, cameras, height, width = pictures.shape[:4]
+def shifted(images: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Return images (b, cameras, h, w, 3), each moved by up to `SHIFT` pixels either way; borders are repeated."""
+    batch, cameras, height, width = images.shape[:4]
     down, right = rng.integers(-SHIFT, SHIFT + 1, size=(2, batch, cameras, 1))
     rows = np.clip(np.arange(height) + down, 0, height - 1)[..., None]
     columns = np.clip(np.arange(width) + right, 0, width - 1)[:, :, None]
-    return pictures[np.arange(batch)[:, None, None, None], np.arange(cameras)[:, None, None], rows, columns]
+    return images[np.arange(batch)[:, None, None, None], np.arange(cameras)[:, None, None], rows, columns]
 
 
-def as_pictures(pictures: np.ndarray, device: torch.device) -> torch.Tensor:
-    """Return uint8 pictures (b, cameras, h, w, 3) as a network sees them: (b, cameras, 3, h, w), 0..1."""
-    return torch.as_tensor(pictures, device=device).movedim(-1, 2).float() / 255.0
+def as_images(images: np.ndarray, device: torch.device) -> torch.Tensor:
+    """Return uint8 images (b, cameras, h, w, 3) as a network sees them: (b, cameras, 3, h, w), 0..1."""
+    return torch.as_tensor(images, device=device).movedim(-1, 2).float() / 255.0
 
 
 def train_cloning(
@@ -316,10 +377,10 @@ def train_cloning(
     on_step: Callable[[int, float], None] = lambda step, loss: None,
     stop: threading.Event | None = None,
 ) -> bool:
-    """Train behaviour cloning of one task and write it to `folder/task`; what was begun there goes on.
+    """Train behaviour cloning of one task and write it to `folder/task`, see `train_task`.
 
     Args:
-        roots: Folders of datasets; the first that holds the task is read.
+        roots: Folders of datasets; the first that contains the task is read.
         task: Its name.
         folder: Where the folder of its model is made.
         config: How long, how fast.
@@ -331,27 +392,11 @@ def train_cloning(
     Returns:
         Whether it is finished.
     """
-    place = Path(folder) / task
-    if (place / MODEL).exists() and (place / SETTINGS).exists():
-        return True
-    root = next((r for r in roots if (Path(r) / task).is_dir()), roots[0])
-    examples = read_examples(Path(root), task, demos, cameras)
-    learner = ChunkLearner(examples, cameras, config.device, config.seed)
-    finished = train(learner.network, lambda rng: learner.losses(rng, config.batch), config, place, on_step, stop)
-    if finished:
-        write_settings(place / SETTINGS, KIND, _settings(task, learner.network.sizes, examples, config))
-    return finished
 
+    def make_learner(root: Path) -> ChunkLearner:
+        return ChunkLearner(read_examples(root, task, demos, cameras), cameras, config.device, config.seed)
 
-def _settings(task: str, sizes: ChunkSizes, examples: Examples, config: TrainConfig) -> dict[str, Any]:
-    return {
-        "task": task,
-        "sizes": asdict(sizes),
-        "instructions": list(examples.instructions),
-        "demonstrations": len(examples.sentences),
-        "longest": float(examples.time.max()),
-        "train": asdict(replace(config, device="cpu")),
-    }
+    return train_task(KIND, make_learner, roots, task, folder, config, on_step, stop)
 
 
 def load_cloning(folder: Path, device: str = "cpu") -> tuple[ChunkNetwork, float]:

@@ -12,7 +12,7 @@ import torch
 from scipy.spatial import cKDTree
 
 from rlbench_pin.baselines.cloning.model import SENTENCE_SIZE, encode_sentence
-from rlbench_pin.baselines.perception import PALETTE, arm_surface, distances
+from rlbench_pin.baselines.perception import PALETTE, arm_surface, camera_points, distances, first_of_cells
 from rlbench_pin.datasets import key_frames, stored_demos
 from rlbench_pin.environment import (
     Discrete,
@@ -67,7 +67,7 @@ def axes_of(pose: FloatArray) -> FloatArray:
 def pose_from(position: FloatArray, axes: FloatArray) -> FloatArray:
     """Return the tip pose (7,) nearest to a position and two axes that need not be orthonormal.
 
-    The z axis, along which the hand points, is kept; the x axis is made orthogonal to it (Gram and Schmidt).
+    The z axis, along which the gripper points, is kept; the x axis is made orthogonal to it (Gram and Schmidt).
     """
     z = axes[3:] / max(float(np.linalg.norm(axes[3:])), 1e-9)
     x = axes[:3] - z * float(axes[:3] @ z)
@@ -96,7 +96,7 @@ FLAT = 0.003
 TABLE_SHARE = 0.1
 """Points of the table that are kept, as a share of the others."""
 IMAGE_SIZE = (256, 256)
-"""Width and height of the pictures [px]."""
+"""Width and height of the images [px]."""
 
 
 @dataclass(frozen=True)
@@ -117,23 +117,23 @@ class Cloud:
 
 
 def cloud_config() -> ObservationConfig:
-    """Return what has to be observed for a cloud: colours and points of the five cameras, joints, hand and tip."""
+    """Return what has to be observed for a cloud: colours and points of the five cameras, joints, gripper and tip."""
     config = image_config(IMAGE_SIZE, CAMERAS, depth=False, mask=False)
     switch_cameras(config, True)
     return config
 
 
 def switch_cameras(config: ObservationConfig, on: bool) -> None:
-    """Ask for colours and points of the five cameras, or for no picture at all."""
+    """Ask for colours and points of the five cameras, or for no image at all."""
     config.set_all_high_dim(False)
     for camera in config.cameras().values():
         camera.rgb = camera.point_cloud = on
 
 
 def make_cloud(observation: Observation, arm: RobotModel, cameras: Sequence[str] = CAMERAS) -> Cloud:
-    """Fuse the pictures of an observation: crop, one point per cell, no arm, little table.
+    """Fuse the images of an observation: crop, one point per cell, no arm, little table.
 
-    Nothing is drawn at random: the same pictures give the same cloud.
+    Nothing is drawn at random: the same images give the same cloud.
 
     Args:
         observation: Colours and points of the cameras, positions of joints and fingers.
@@ -143,11 +143,7 @@ def make_cloud(observation: Observation, arm: RobotModel, cameras: Sequence[str]
     Raises:
         DatasetError: A camera lacks colours or points, or nothing is seen in the box.
     """
-    pairs = [(getattr(observation, f"{c}_point_cloud", None), getattr(observation, f"{c}_rgb", None)) for c in cameras]
-    if any(p is None or c is None for p, c in pairs):
-        raise DatasetError(f"An observation lacks colours or point clouds of one of {list(cameras)}. See `cloud_config`.")
-    points = np.concatenate([np.asarray(p, dtype=np.float32).reshape(-1, 3) for p, _ in pairs])
-    colors = np.concatenate([np.asarray(c, dtype=np.uint8).reshape(-1, 3) for _, c in pairs])
+    points, colors = camera_points(observation, cameras)
     inside = np.flatnonzero(((points > LOW) & (points < HIGH)).all(axis=1))
     rows = inside[thinned(points[inside], CELL)]
     own = arm_surface(arm, np.asarray(observation.joint_positions), np.asarray(observation.gripper_joint_positions))
@@ -155,14 +151,13 @@ def make_cloud(observation: Observation, arm: RobotModel, cameras: Sequence[str]
     if len(rows) == 0:
         raise DatasetError("No camera sees anything above the table but the arm, so there is no cloud.")
     is_table = points[rows, 2] < TABLE_HEIGHT + FLAT
-    things, table = rows[~is_table], np.random.default_rng(0).permutation(rows[is_table])
-    return Cloud(points, colors).where(np.concatenate([things, table[: max(100, int(len(things) * TABLE_SHARE))]]))
+    objects, table = rows[~is_table], np.random.default_rng(0).permutation(rows[is_table])
+    return Cloud(points, colors).where(np.concatenate([objects, table[: max(100, int(len(objects) * TABLE_SHARE))]]))
 
 
 def thinned(points: FloatArray, cell: float) -> np.ndarray:
-    """Return the numbers of the points of which each is the first in its cell of a grid [m]."""
-    cells = np.floor((points - LOW) / cell).astype(np.int64) @ np.array([1, 10_000, 100_000_000])
-    return np.unique(cells, return_index=True)[1]
+    """Return the rows of the points that are the first in their cell of a grid [m], cells ordered by z, y, x."""
+    return first_of_cells((points - LOW)[:, ::-1], cell)
 
 
 def near(points: FloatArray, middle: FloatArray, radius: float, count: int, rng: np.random.Generator) -> np.ndarray:
@@ -174,18 +169,18 @@ def near(points: FloatArray, middle: FloatArray, radius: float, count: int, rng:
     return np.resize(np.argsort(far)[:count], count)
 
 
-MOST_STEPS = 24
-"""Key frames that are told apart by their number; later ones count as the last."""
-CONTEXT = SENTENCE_SIZE + 9 + 1 + 3 + MOST_STEPS
-"""Numbers that say what to do and how the hand stands."""
+MAX_STEPS = 24
+"""Key frames with a number of their own; later ones count as the last."""
+CONTEXT = SENTENCE_SIZE + 9 + 1 + 3 + MAX_STEPS
+"""Size of the encoded instruction, the state of the gripper and the number of the step."""
 NAMED = 4
-"""Colours of a sentence that count, in their order; a point is told how like it is to each."""
+"""Colours of a sentence that count, in their order; each point has its likeness to each as a feature."""
 LIKENESS = 3.0
 """How fast likeness falls with the distance of two colours."""
 POINT = 3 + 3 + NAMED + 1
 """Numbers of a point: position, colour, likeness, whether it is the tip."""
 NEIGHBOURS = 8
-"""Nearest points that a point is told about, itself among them."""
+"""Nearest points that a point exchanges features with, itself among them."""
 OVERVIEW = Frame(np.array([0.2, 0.0, TABLE_HEIGHT + 0.2]), np.eye(3))
 """From where the whole scene is seen."""
 WHOLE, WHOLE_CELL = 512, 0.01
@@ -195,24 +190,24 @@ CLOSE, CLOSE_RADIUS = 256, 0.08
 
 
 @dataclass(frozen=True, eq=False)
-class Told:
-    """What is known at one moment beside the cloud."""
+class Conditioning:
+    """Inputs of a network beside the cloud: instruction, tip, gripper and number of the step."""
 
     sentence: str
     """What to do."""
     tip: FloatArray
     """Pose of the tip, (7,)."""
     opening: float
-    """Whether the hand is open."""
+    """Whether the gripper is open."""
     step: int
     """Number of key frames behind."""
 
     def row(self, frame: Frame, sentence: FloatArray) -> FloatArray:
         """Return it as numbers, as seen from a frame, (CONTEXT,), with the sentence encoded already."""
-        number = np.zeros(MOST_STEPS)
-        number[min(self.step, MOST_STEPS - 1)] = 1.0
-        hand = [frame.points(self.tip[:3]), frame.axes(axes_of(self.tip)), [self.opening]]
-        return np.concatenate([sentence, *hand, frame.rotation[2], number])
+        number = np.zeros(MAX_STEPS)
+        number[min(self.step, MAX_STEPS - 1)] = 1.0
+        gripper = [frame.points(self.tip[:3]), frame.axes(axes_of(self.tip)), [self.opening]]
+        return np.concatenate([sentence, *gripper, frame.rotation[2], number])
 
 
 @dataclass(frozen=True, eq=False)
@@ -236,15 +231,15 @@ class Sight:
         return points, torch.as_tensor(np.stack([s.neighbours for s in sights]), device=device), context
 
 
-def sight(cloud: Cloud, told: Told, frame: Frame) -> Sight:
+def sight(cloud: Cloud, conditioning: Conditioning, frame: Frame) -> Sight:
     """Return a sample of a cloud with the tip as one more point, as seen from a frame."""
-    world = np.concatenate([cloud.points, told.tip[None, :3]])
+    world = np.concatenate([cloud.points, conditioning.tip[None, :3]])
     colors = np.concatenate([cloud.colors / 255.0, np.zeros((1, 3))])
     flag = np.zeros((len(world), 1))
     flag[-1] = 1.0
-    rows = np.concatenate([frame.points(world), colors, likeness(colors, told.sentence), flag], axis=1)
+    rows = np.concatenate([frame.points(world), colors, likeness(colors, conditioning.sentence), flag], axis=1)
     near_by = cKDTree(world).query(world, k=NEIGHBOURS)[1]
-    return Sight(rows.astype(np.float32), near_by, told.row(frame, encode_sentence(told.sentence)))
+    return Sight(rows.astype(np.float32), near_by, conditioning.row(frame, encode_sentence(conditioning.sentence)))
 
 
 def likeness(colors: FloatArray, sentence: str) -> FloatArray:
@@ -288,22 +283,22 @@ class Example:
     tip: FloatArray
     """Pose of the tip, (7,)."""
     opening: float
-    """Whether the hand is open."""
+    """Whether the gripper is open."""
     step: int
     """Number of key frames behind."""
     target: FloatArray
     """Next key frame: tip pose, opening, whether collisions are ignored, (9,)."""
     sentences: tuple[str, ...]
-    """What its demonstration was told to do, in several words."""
+    """Instructions of its demonstration."""
 
 
 def read_key_frames(
     root: Path, task: str, demos: int = -1, on_demo: Callable[[int, int], None] = lambda done, total: None
 ) -> list[Example]:
-    """Read the first demonstrations of a task, spread over its variations, play them again and look at their key frames.
+    """Read the first demonstrations of a task, spread over its variations, replay them and observe their key frames.
 
-    Pictures need not be stored: the demonstrations start from their state and repeat their actions, and the cameras look at the
-    start and at each key frame. A dataset without pictures takes a hundredth of the space and a fifth of the time.
+    Images need not be stored: the demonstrations start from their state and repeat their actions, and the cameras are
+    drawn at the start and at each key frame. A dataset without images takes a hundredth of the space and a fifth of the time.
 
     Args:
         root: Folder of a dataset.
@@ -351,11 +346,11 @@ def demo_examples(demo: Demo, seen: Iterable[Observation], arm: RobotModel) -> l
         seen: What the cameras see at its start and at every key frame but the last.
         arm: Model of the arm.
     """
-    said = tuple(str(s) for s in demo[0].misc.get("descriptions", ())) or ("",)
+    sentences = tuple(str(s) for s in demo[0].misc.get("descriptions", ())) or ("",)
     examples, rng = [], np.random.default_rng(0)
     for step, (target, observation) in enumerate(zip(key_frame_actions(demo), seen, strict=True)):
         cloud = make_cloud(observation, arm)
         close = cloud.where(np.unique(near(cloud.points, target[:3], CLOSE_RADIUS + MARGIN, KEPT, rng)))
         tip, opening = np.asarray(observation.gripper_pose), float(observation.gripper_open or 0.0)
-        examples.append(Example(overview(cloud), close, tip, opening, step, target, said))
+        examples.append(Example(overview(cloud), close, tip, opening, step, target, sentences))
     return examples

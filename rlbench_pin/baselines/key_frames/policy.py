@@ -12,9 +12,9 @@ from rlbench_pin.baselines.cloning.training import trained_tasks
 from rlbench_pin.baselines.key_frames.examples import (
     OVERVIEW,
     Cloud,
+    Conditioning,
     Frame,
     Sight,
-    Told,
     close_up,
     cloud_config,
     make_cloud,
@@ -58,14 +58,14 @@ class KeyFramePolicy:
         """Read what is in the folder; networks are loaded when their task comes up."""
         self._folder, self._device = Path(folder), torch.device(device)
         trained = trained_tasks(self._folder, KIND)
-        self._known = [(said, task, length) for task, s in trained.items() for said, length in s["key_frames"].items()]
+        self._known = [(sentence, task, length) for task, s in trained.items() for sentence, length in s["key_frames"].items()]
         self.action_mode, self.obs_config = key_frame_mode(), cloud_config()
         self._networks: dict[str, torch.nn.ModuleDict] = {}
         self._arm: RobotModel | None = None
 
     def reset(self, instruction: str, context: PolicyContext) -> None:
-        """Choose the networks whose demonstrations were told something nearest to the instruction."""
-        _, self._task, self._length = self._known[nearest_sentence(instruction, [said for said, _, _ in self._known])]
+        """Choose the networks whose demonstrations have the instruction nearest to this one."""
+        _, self._task, self._length = self._known[nearest_sentence(instruction, [sentence for sentence, _, _ in self._known])]
         if self._task not in self._networks:
             self._networks[self._task] = load_key_frames(self._folder / self._task, str(self._device))
         if self._arm is None or self._arm.description.name != context.robot:
@@ -81,9 +81,9 @@ class KeyFramePolicy:
         if self._step == HOME:
             assert self._home is not None, "the first action is never the way back"
             return np.concatenate([self._home, [1.0, 0.0]])
-        pose, hand = self._next(observation)
+        pose, gripper = self._next(observation)
         pose[:3] += self._rng.normal(scale=NUDGE, size=3) * (self._round + max(0, self._refused - CLUSTERS + 1))
-        return np.concatenate([pose, hand])
+        return np.concatenate([pose, gripper])
 
     def _count(self, observation: Observation) -> None:
         """Find out whether the last action was refused, which leaves every joint as it was, and where the episode stands."""
@@ -99,27 +99,27 @@ class KeyFramePolicy:
         self._joints = joints
 
     def _next(self, observation: Observation) -> tuple[FloatArray, FloatArray]:
-        """Return the next tip pose (7,), then whether the hand is open and collisions are ignored (2,)."""
+        """Return the next tip pose (7,), then whether the gripper is open and collisions are ignored (2,)."""
         assert self._arm is not None, "reset comes first"
         cloud = make_cloud(observation, self._arm)
         tip, opening = np.asarray(observation.gripper_pose, dtype=float), float(observation.gripper_open or 0.0)
-        told = Told(self._instruction, tip, opening, self._step)
-        votes = self._votes("coarse", whole(overview(cloud), np.random.default_rng(0)), told, OVERVIEW)
+        conditioning = Conditioning(self._instruction, tip, opening, self._step)
+        votes = self._votes("coarse", whole(overview(cloud), np.random.default_rng(0)), conditioning, OVERVIEW)
         found = clusters(votes)
         pose = OVERVIEW.pose(*found[min(self._refused, len(found) - 1)])
-        return self._close(cloud, told, pose), (votes.hand[0] > 0.0).double().cpu().numpy()
+        return self._close(cloud, conditioning, pose), (votes.gripper[0] > 0.0).double().cpu().numpy()
 
-    def _close(self, cloud: Cloud, told: Told, pose: FloatArray) -> FloatArray:
+    def _close(self, cloud: Cloud, conditioning: Conditioning, pose: FloatArray) -> FloatArray:
         """Return a tip pose after two closer looks at its surroundings."""
         for _ in range(2):
             frame = Frame.of_tip(pose)
-            votes = self._votes("fine", close_up(cloud, frame.origin, np.random.default_rng(0)), told, frame)
+            votes = self._votes("fine", close_up(cloud, frame.origin, np.random.default_rng(0)), conditioning, frame)
             pose = frame.pose(*clusters(votes)[0])
         return pose
 
-    def _votes(self, name: str, cloud: Cloud, told: Told, frame: Frame) -> Votes:
+    def _votes(self, name: str, cloud: Cloud, conditioning: Conditioning, frame: Frame) -> Votes:
         with torch.no_grad():
-            votes: Votes = self._networks[self._task][name](*Sight.batch([sight(cloud, told, frame)], self._device))
+            votes: Votes = self._networks[self._task][name](*Sight.batch([sight(cloud, conditioning, frame)], self._device))
         return votes
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -20,17 +20,16 @@ from rlbench_pin.baselines.cloning.training import (
     fill_network,
     read_settings,
     seeded,
-    train,
-    write_settings,
+    train_task,
 )
 from rlbench_pin.baselines.key_frames.examples import (
     CONTEXT,
     OVERVIEW,
     POINT,
+    Conditioning,
     Example,
     Frame,
     Sight,
-    Told,
     axes_of,
     close_up,
     read_key_frames,
@@ -43,7 +42,7 @@ from rlbench_pin.spatial import FloatArray
 
 WIDTH = 64
 MODES = 2
-"""Votes of each point; a hand with two fingers can often come from either side."""
+"""Votes of each point; a gripper with two fingers can often come from either side."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +58,7 @@ class Scales:
     gap: float
     """Distance of neighbouring points [m]."""
     rest: tuple[float, ...]
-    """Axes of a hand to begin from (6,)."""
+    """Axes of a gripper to begin from (6,)."""
 
 
 COARSE = Scales(0.015, 0.15, 0.5, 0.05, (1.0, 0.0, 0.0, 0.0, 0.0, -1.0))
@@ -77,8 +76,8 @@ class Votes:
     """Position of the tip, (b, v, 3) [m]."""
     axes: Tensor
     """x and z axis of the tip, not yet orthonormal, (b, v, 6)."""
-    hand: Tensor
-    """Logits that the hand is open and that collisions are ignored, (b, 2)."""
+    gripper: Tensor
+    """Logits that the gripper is open and that collisions are ignored, (b, 2)."""
     scales: Scales
     """Of the densities."""
 
@@ -90,7 +89,7 @@ class Votes:
 
 
 class VoteNetwork(nn.Module):
-    """Convolutions over neighbouring points (Wang et al. 2019), told what to do by sentence, hand and number of the step.
+    """Convolutions over neighbouring points (Wang et al. 2019), conditioned on sentence, gripper and number of the step.
 
     Args:
         scales: What is large and small to it.
@@ -111,18 +110,18 @@ class VoteNetwork(nn.Module):
         where, rest = points[..., :3], points[..., 3:]
         away = (where - where[:, -1:]) / self.scales.scene
         x = self.first(torch.cat([where / self.scales.scene, rest, away, away.norm(dim=-1, keepdim=True)], dim=-1))
-        told = self.context(context)
+        conditioning = self.context(context)
         place = where / self.scales.gap
-        x = self.layers[0](x, place, neighbours, told)
-        x = self.layers[1](x, place, neighbours, told)
-        x, _ = self.look[0](x, told)
-        x = self.layers[2](x, place, neighbours, told)
-        x, seen = self.look[1](x, told)
+        x = self.layers[0](x, place, neighbours, conditioning)
+        x = self.layers[1](x, place, neighbours, conditioning)
+        x, _ = self.look[0](x, conditioning)
+        x = self.layers[2](x, place, neighbours, conditioning)
+        x, seen = self.look[1](x, conditioning)
         out = self.votes(x).unflatten(-1, (MODES, 10))
         position = (where[:, :, None] + 0.4 * self.scales.scene * out[..., 1:4]).flatten(1, 2)
         axes = (out[..., 4:] + out.new_tensor(self.scales.rest)).flatten(1, 2)
-        hand = self.hand(torch.cat([seen, told], dim=-1))
-        return Votes(out[..., 0].flatten(1).log_softmax(dim=1), position, axes, hand, self.scales)
+        gripper = self.hand(torch.cat([seen, conditioning], dim=-1))
+        return Votes(out[..., 0].flatten(1).log_softmax(dim=1), position, axes, gripper, self.scales)
 
 
 class _EdgeLayer(nn.Module):
@@ -136,16 +135,16 @@ class _EdgeLayer(nn.Module):
         self.told = nn.Linear(128, 2 * WIDTH)
         self.out = nn.Linear(WIDTH, WIDTH)
 
-    def forward(self, x: Tensor, place: Tensor, neighbours: Tensor, told: Tensor) -> Tensor:
+    def forward(self, x: Tensor, place: Tensor, neighbours: Tensor, conditioning: Tensor) -> Tensor:
         """Return the features after the layer, (b, n, WIDTH)."""
         normed, at = self.norm(x), self.offset(place)
         pooled = torch.relu(strongest_neighbour(self.other(normed) + at, neighbours) + self.own(normed) - at)
-        scale, shift = self.told(told)[:, None].chunk(2, dim=-1)
+        scale, shift = self.told(conditioning)[:, None].chunk(2, dim=-1)
         return x + self.out(torch.relu(pooled * (1.0 + scale) + shift))  # type: ignore[no-any-return]
 
 
 class _Overview(nn.Module):
-    """Tell every point what all points together look like: the strongest features, and those that attention picks."""
+    """Adds a summary of all points to every point: the strongest features, and those that attention picks."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -153,11 +152,11 @@ class _Overview(nn.Module):
         self.mix = nn.Sequential(nn.Linear(5 * WIDTH + 128, 128), nn.GELU(), nn.Linear(128, WIDTH))
         self.back = nn.Linear(2 * WIDTH, WIDTH)
 
-    def forward(self, x: Tensor, told: Tensor) -> tuple[Tensor, Tensor]:
+    def forward(self, x: Tensor, conditioning: Tensor) -> tuple[Tensor, Tensor]:
         """Return the features of the points, (b, n, WIDTH), and the overview, (b, WIDTH)."""
         features = torch.relu(self.features(x))
         picked = torch.einsum("bnh,bnw->bhw", self.score(x).softmax(dim=1), features).flatten(1)
-        seen = self.mix(torch.cat([features.amax(dim=1), picked, told], dim=-1))
+        seen = self.mix(torch.cat([features.amax(dim=1), picked, conditioning], dim=-1))
         spread = seen[:, None].expand(-1, x.shape[1], -1)
         return x + self.back(torch.relu(torch.cat([x, spread], dim=-1))), seen
 
@@ -202,29 +201,35 @@ class KeyFrameLearner:
         if not examples:
             raise DatasetError("There are no demonstrations to learn from. `rlbench-pin record` makes some.")
         self._examples, self._device = examples, torch.device(device)
-        network = seeded(make_networks, seed)
-        assert isinstance(network, torch.nn.ModuleDict)
-        self.network = network.to(self._device)
+        self.network = seeded(make_networks, seed).to(self._device)
 
     def losses(self, rng: np.random.Generator, batch: int) -> Losses:
-        """Draw a batch and return the negative logarithms of the densities at the key frames, and the error of the hand."""
+        """Draw a batch and return the negative logarithms of the densities at the key frames, and the error of the gripper."""
         drawn = [self._examples[row] for row in rng.integers(len(self._examples), size=batch)]
-        told = [Told(e.sentences[rng.integers(len(e.sentences))], e.tip, e.opening, e.step) for e in drawn]
-        frames = {"coarse": [_moved(rng) for _ in drawn], "fine": [_beside(e.target[:7], rng) for e in drawn]}
+        conditioning = [Conditioning(e.sentences[rng.integers(len(e.sentences))], e.tip, e.opening, e.step) for e in drawn]
+        frames = {"coarse": [_moved(rng) for _ in drawn], "fine": [_near(e.target[:7], rng) for e in drawn]}
         clouds = {
             "coarse": [whole(e.whole, rng) for e in drawn],
             "fine": [close_up(e.close, f.origin, rng) for e, f in zip(drawn, frames["fine"], strict=True)],
         }
-        hand = self._tensor([e.target[7:].clip(0.0, 1.0) for e in drawn])
+        gripper = self._tensor([e.target[7:].clip(0.0, 1.0) for e in drawn])
         losses: Losses = {}
         for name, network in self.network.items():
-            sights = [sight(*seen) for seen in zip(clouds[name], told, frames[name], strict=True)]
+            sights = [sight(*seen) for seen in zip(clouds[name], conditioning, frames[name], strict=True)]
             votes: Votes = network(*Sight.batch(sights, self._device))
             position = [f.points(e.target[:3]) for e, f in zip(drawn, frames[name], strict=True)]
             axes = [f.axes(axes_of(e.target[:7])) for e, f in zip(drawn, frames[name], strict=True)]
             losses[name] = -votes.log_density(self._tensor(position), self._tensor(axes)).mean()
-            losses[f"{name} hand"] = torch.nn.functional.binary_cross_entropy_with_logits(votes.hand, hand)
+            losses[f"{name} hand"] = torch.nn.functional.binary_cross_entropy_with_logits(votes.gripper, gripper)
         return {"total": torch.stack(list(losses.values())).sum(), **losses}
+
+    def settings(self) -> dict[str, Any]:
+        """Return what the networks were trained on: most key frames by instruction, and how many demonstrations."""
+        lengths: dict[str, int] = {}
+        for example in self._examples:
+            for sentence in example.sentences:
+                lengths[sentence] = max(lengths.get(sentence, 0), example.step + 1)
+        return {"key_frames": lengths, "demonstrations": sum(e.step == 0 for e in self._examples)}
 
     def _tensor(self, rows: Sequence[FloatArray]) -> torch.Tensor:
         return torch.as_tensor(np.stack(rows), dtype=torch.float32, device=self._device)
@@ -236,7 +241,7 @@ def _moved(rng: np.random.Generator) -> Frame:
     return Frame(OVERVIEW.origin + shift, turn(np.array([0.0, 0.0, rng.uniform(-TURN, TURN)])))
 
 
-def _beside(pose: FloatArray, rng: np.random.Generator) -> Frame:
+def _near(pose: FloatArray, rng: np.random.Generator) -> Frame:
     """Return the frame of a tip pose that misses another by about as much as the first network does."""
     frame = Frame.of_tip(pose)
     return Frame(frame.origin + rng.normal(scale=MISSED, size=3), frame.rotation @ turn(rng.normal(scale=TILTED, size=3)))
@@ -253,10 +258,10 @@ def train_key_frames(
     on_step: Callable[[int, float], None] = lambda step, loss: None,
     stop: threading.Event | None = None,
 ) -> bool:
-    """Train key-frame cloning of one task and write it to `folder/task`; what was begun there goes on.
+    """Train key-frame cloning of one task and write it to `folder/task`, see `train_task`.
 
     Args:
-        roots: Folders of datasets; the first that holds the task is read.
+        roots: Folders of datasets; the first that contains the task is read.
         task: Its name.
         folder: Where the folder of its model is made.
         config: How long, how fast.
@@ -268,29 +273,11 @@ def train_key_frames(
     Returns:
         Whether it is finished.
     """
-    place = Path(folder) / task
-    if (place / MODEL).exists() and (place / SETTINGS).exists():
-        return True
-    root = next((r for r in roots if (Path(r) / task).is_dir()), roots[0])
-    examples = read_key_frames(Path(root), task, demos, on_demo)
-    learner = KeyFrameLearner(examples, config.device, config.seed)
-    finished = train(learner.network, lambda rng: learner.losses(rng, config.batch), config, place, on_step, stop)
-    if finished:
-        write_settings(place / SETTINGS, KIND, _settings(task, examples, config))
-    return finished
 
+    def make_learner(root: Path) -> KeyFrameLearner:
+        return KeyFrameLearner(read_key_frames(root, task, demos, on_demo), config.device, config.seed)
 
-def _settings(task: str, examples: Sequence[Example], config: TrainConfig) -> dict[str, Any]:
-    lengths: dict[str, int] = {}
-    for example in examples:
-        for sentence in example.sentences:
-            lengths[sentence] = max(lengths.get(sentence, 0), example.step + 1)
-    return {
-        "task": task,
-        "key_frames": lengths,
-        "demonstrations": sum(e.step == 0 for e in examples),
-        "train": asdict(replace(config, device="cpu")),
-    }
+    return train_task(KIND, make_learner, roots, task, folder, config, on_step, stop)
 
 
 def load_key_frames(folder: Path, device: str = "cpu") -> torch.nn.ModuleDict:

@@ -18,7 +18,14 @@ from stable_baselines3.common.vec_env import VecNormalize
 from stable_baselines3.sac.policies import ContinuousCritic, SACPolicy
 from torch import Tensor, nn
 
-from rlbench_pin.baselines.reinforcement.environment import LEAST_LEG, TICKS, LearningEnv, ReinforcementConfig, as_unit, features
+from rlbench_pin.baselines.reinforcement.environment import (
+    MIN_CHECKPOINT_STEPS,
+    TICKS,
+    LearningEnv,
+    ReinforcementConfig,
+    as_unit,
+    features,
+)
 from rlbench_pin.errors import DemoError
 from rlbench_pin.observation import Demo
 
@@ -112,10 +119,10 @@ class ImitatingSac(SAC):
     """SAC that keeps its actor near demonstrations, where it has some; entropy is not part of what its critics learn.
 
     Attributes:
-        is_actor_still: Whether the critics alone learn.
+        is_actor_frozen: Whether the critics alone learn.
     """
 
-    is_actor_still = False
+    is_actor_frozen = False
     replay_buffer: HalfDemonstrations
 
     def train(self, gradient_steps: int, batch_size: int = 256) -> None:
@@ -125,7 +132,7 @@ class ImitatingSac(SAC):
         for step in range(gradient_steps):
             batch = self.replay_buffer.sample(batch_size, env=self._vec_normalize_env)
             losses["critic_loss"] = self._fit_critics(batch)
-            if step % ACTOR_EVERY == 0 and not self.is_actor_still:
+            if step % ACTOR_EVERY == 0 and not self.is_actor_frozen:
                 losses |= self._improve_actor(batch)
             polyak_update(self.critic.parameters(), self.critic_target.parameters(), self.tau)
         for name, loss in losses.items():
@@ -134,7 +141,7 @@ class ImitatingSac(SAC):
     def _fit_critics(self, batch: ReplayBufferSamples) -> float:
         with torch.no_grad():
             actions, _ = self.actor.action_log_prob(batch.next_observations)
-            later = _least(self.critic_target(batch.next_observations, actions))
+            later = _smallest(self.critic_target(batch.next_observations, actions))
             target = batch.rewards + (1.0 - batch.dones) * self.gamma * later
         found = self.critic(batch.observations, batch.actions)
         loss = torch.stack([nn.functional.mse_loss(each, target) for each in found]).sum()
@@ -147,7 +154,7 @@ class ImitatingSac(SAC):
         surplus = (likelihood + self.target_entropy).detach().mean()
         _step(self.ent_coef_optimizer, -(self.log_ent_coef * surplus).sum())
         weight = self.log_ent_coef.detach().exp()
-        loss = (weight * likelihood[:, None] - _least(self.critic(batch.observations, actions))).mean()
+        loss = (weight * likelihood[:, None] - _smallest(self.critic(batch.observations, actions))).mean()
         if self.replay_buffer.demonstrations is not None:
             shown = slice(len(batch.actions) - len(batch.actions) // 2, None)
             mean, _, _ = self.actor.get_action_dist_params(batch.observations[shown])
@@ -156,7 +163,7 @@ class ImitatingSac(SAC):
         return {"actor_loss": float(loss.detach()), "ent_coef": float(weight)}
 
 
-def _least(values: tuple[Tensor, ...]) -> Tensor:
+def _smallest(values: tuple[Tensor, ...]) -> Tensor:
     return torch.cat(values, dim=1).min(dim=1, keepdim=True).values
 
 
@@ -169,7 +176,7 @@ def _step(optimizer: torch.optim.Optimizer | None, loss: Tensor) -> None:
 
 FIRST_SEED = 2**32
 """Seed of the first demonstration; training draws below 2^31."""
-MOST_TRIES = 3
+MAX_TRIES = 3
 """Demonstrations that are tried for each that is wanted."""
 NOISE = 0.15
 """Spread of what is added to the actions of the arm, so that there is experience beside the path as well."""
@@ -215,7 +222,7 @@ def gather(env: LearningEnv, count: int, on_demo: Callable[[int, int], None] = l
         DemoError: Too few succeed.
     """
     found: list[Experience] = []
-    for index in range(MOST_TRIES * count):
+    for index in range(MAX_TRIES * count):
         outcome = env.task.try_demo(seed=FIRST_SEED + index, variation=index % env.task.variation_count())
         if outcome.demo is None:
             continue
@@ -227,15 +234,15 @@ def gather(env: LearningEnv, count: int, on_demo: Callable[[int, int], None] = l
         if len(found) == count:
             return Experience.joined(found)
     raise DemoError(
-        f"{len(found)} of {MOST_TRIES * count} demonstrations succeed with the actions of the learner; {count} are wanted."
+        f"{len(found)} of {MAX_TRIES * count} demonstrations succeed with the actions of the learner; {count} are wanted."
         " Longer episodes may help: --episode-steps."
     )
 
 
 def follow(env: LearningEnv, demo: Demo, rng: np.random.Generator) -> Experience | None:
-    """Follow joints and hand of a demonstration, with noise; None where that does not succeed within an episode.
+    """Follow joints and gripper of a demonstration, with noise; None where that does not succeed within an episode.
 
-    The noise is made good by the decisions after it, and means nothing on average: the mean action is the right one.
+    Later decisions correct the noise, whose mean is zero: the mean action is the right one.
     """
     seen, rows = env.reset_to(demo), []
     for index in range(TICKS, 2 * len(demo), TICKS):
@@ -261,10 +268,10 @@ PPO_SETTINGS: Mapping[str, Any] = {"batch_size": 128, "n_epochs": 10, "learning_
 SAC_SETTINGS: Mapping[str, Any] = {
     "batch_size": 256,
     "buffer_size": 100_000,
-    "train_freq": LEAST_LEG,
+    "train_freq": MIN_CHECKPOINT_STEPS,
     "gradient_steps": 16,
 }
-SAC_FROM_NOTHING: Mapping[str, Any] = {"learning_rate": 1e-3, "learning_starts": 1000, "ent_coef": "auto_0.1"}
+SAC_FROM_SCRATCH: Mapping[str, Any] = {"learning_rate": 1e-3, "learning_starts": 1000, "ent_coef": "auto_0.1"}
 """Decisions at random first; the goal of entropy is the usual one, minus the numbers of an action."""
 SAC_AFTER_IMITATION: Mapping[str, Any] = {
     "learning_rate": 3e-4,
@@ -278,7 +285,7 @@ SPREAD = -0.5
 CLONED_RATE = 1e-4
 """Learning rate of PPO after imitation: large steps forget what was imitated."""
 WARM_UP: Mapping[str, int] = {"ppo": 2, "sac": 1}
-"""Legs in which the values of an imitating policy are learned, and it stays as it is."""
+"""Segments in which the values of an imitating policy are learned, and it stays as it is."""
 
 Model: TypeAlias = PPO | ImitatingSac
 
@@ -288,14 +295,14 @@ def make_model(config: ReinforcementConfig, env: VecNormalize) -> Model:
     networks: dict[str, Any] = {"net_arch": list(NETWORK), "optimizer_kwargs": {"fused": True}}
     common: dict[str, Any] = {"gamma": DISCOUNT, "seed": config.seed % 2**31, "device": config.device, "verbose": 0}
     if config.algorithm == "sac":
-        common |= SAC_AFTER_IMITATION if config.demonstrations else SAC_FROM_NOTHING
+        common |= SAC_AFTER_IMITATION if config.demonstrations else SAC_FROM_SCRATCH
         return ImitatingSac(
             NormedCritics, env, replay_buffer_class=HalfDemonstrations, policy_kwargs=networks, **SAC_SETTINGS, **common
         )
     settings = {**PPO_SETTINGS, **({"learning_rate": CLONED_RATE} if config.demonstrations else {})}
-    settings["batch_size"] = min(settings["batch_size"], config.leg)
+    settings["batch_size"] = min(settings["batch_size"], config.segment)
     networks["log_std_init"] = SPREAD
-    return PPO("MlpPolicy", env, n_steps=config.leg // config.workers, policy_kwargs=networks, **settings, **common)
+    return PPO("MlpPolicy", env, n_steps=config.segment // config.workers, policy_kwargs=networks, **settings, **common)
 
 
 def teach(model: Model, env: VecNormalize, experience: Experience, steps: int) -> None:
@@ -309,12 +316,12 @@ def teach(model: Model, env: VecNormalize, experience: Experience, steps: int) -
         model.replay_buffer.hold(experience)
 
 
-def hold_still(model: Model, still: bool) -> None:
+def freeze_policy(model: Model, frozen: bool) -> None:
     """Let a model change its values alone, or all of its weights."""
     if isinstance(model, ImitatingSac):
-        model.is_actor_still = still
+        model.is_actor_frozen = frozen
         return
     policy = model.policy
     assert isinstance(policy, ActorCriticPolicy)
     for weight in (*policy.mlp_extractor.policy_net.parameters(), *policy.action_net.parameters(), policy.log_std):
-        weight.requires_grad_(not still)
+        weight.requires_grad_(not frozen)

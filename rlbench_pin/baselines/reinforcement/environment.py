@@ -15,21 +15,21 @@ from rlbench_pin.observation import Demo, Observation
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_flag, as_seed, as_whole
 
-LEAST_LEG = 8
-"""Decisions of a leg in one environment at least: SAC learns after so many."""
+MIN_CHECKPOINT_STEPS = 8
+"""Decisions of a segment in one environment at least: SAC learns after so many."""
 Algorithm = Literal["ppo", "sac"]
 ALGORITHMS = ("ppo", "sac")
 EPISODE_STEPS: Mapping[str, int] = {"reach_target": 30}
 """Decisions of a training episode for tasks that need fewer than others."""
 LONG_EPISODE = 50
 """Decisions of a training episode for all other tasks: 7.5 s."""
-LEG = 2048
-"""Decisions between two check points. Each leg begins with new episodes and generators of its own."""
+CHECKPOINT_STEPS = 2048
+"""Decisions between two checkpoints. Each segment begins with new episodes and generators of its own."""
 
 
 @dataclass(frozen=True)
 class ReinforcementConfig:
-    """How a task is learned by trial.
+    """Settings of reinforcement learning on one task.
 
     Raises:
         UnknownName: There is no such algorithm.
@@ -41,7 +41,7 @@ class ReinforcementConfig:
     task: str
     """Name of the task."""
     steps: int = 20_000
-    """Decisions of training, rounded up to whole legs."""
+    """Decisions of training, rounded up to whole segments."""
     shaped: bool = False
     """Pay the task's own reward at each step, and 1 for success; otherwise 1 for success alone."""
     demonstrations: int = 0
@@ -56,25 +56,25 @@ class ReinforcementConfig:
     """Where torch computes: `cpu`, `cuda`, `cuda:1`."""
     episode_steps: int | None = None
     """Decisions of a training episode at most; None is 30 for `reach_target` and 50 for others."""
-    leg_steps: int = LEG
-    """Decisions between two check points; PPO learns once in each leg. Rounded down to a multiple of the environments."""
+    checkpoint_steps: int = CHECKPOINT_STEPS
+    """Decisions between two checkpoints; PPO learns once in each segment. Rounded down to a multiple of the environments."""
     validate_every: int = 2
-    """Legs between two looks at how well the most likely action does."""
+    """Segments between two validations of the most likely action."""
     validation_episodes: int = 20
-    """Episodes of each look, always the same, which training does not meet."""
+    """Episodes of each validation; their seeds are fixed and do not occur in training."""
 
     def __post_init__(self) -> None:
         """Check every number."""
         if self.algorithm not in ALGORITHMS:
             raise UnknownName("algorithm", str(self.algorithm), ALGORITHMS)
-        for name in ("steps", "workers", "leg_steps", "imitation_steps", "validate_every", "validation_episodes"):
+        for name in ("steps", "workers", "checkpoint_steps", "imitation_steps", "validate_every", "validation_episodes"):
             as_whole(getattr(self, name), name, InvalidArgument, least=1)
         as_whole(self.demonstrations, "demonstrations", InvalidArgument, least=0)
         as_flag(self.shaped, "shaped", InvalidArgument)
         as_seed(self.seed, "seed", InvalidArgument)
-        if self.leg_steps < LEAST_LEG * self.workers:
-            hint = f"has to be at least {LEAST_LEG} for each of the {self.workers} environments"
-            raise InvalidArgument("leg_steps", self.leg_steps, hint)
+        if self.checkpoint_steps < MIN_CHECKPOINT_STEPS * self.workers:
+            hint = f"has to be at least {MIN_CHECKPOINT_STEPS} for each of the {self.workers} environments"
+            raise InvalidArgument("checkpoint_steps", self.checkpoint_steps, hint)
         if self.episode_steps is None:
             object.__setattr__(self, "episode_steps", EPISODE_STEPS.get(self.task, LONG_EPISODE))
         as_whole(self.episode_steps, "episode_steps", InvalidArgument, least=1)
@@ -86,17 +86,17 @@ class ReinforcementConfig:
         return self.episode_steps
 
     @property
-    def leg(self) -> int:
-        """Steps between two check points, a multiple of the environments."""
-        return self.leg_steps // self.workers * self.workers
+    def segment(self) -> int:
+        """Steps between two checkpoints, a multiple of the environments."""
+        return self.checkpoint_steps // self.workers * self.workers
 
     @property
-    def legs(self) -> int:
-        """How many legs there are."""
-        return -(-self.steps // self.leg)
+    def segments(self) -> int:
+        """How many segments there are."""
+        return -(-self.steps // self.segment)
 
     def identity(self) -> dict[str, Any]:
-        """Return what must be the same for a training to go on: all but its length, its device and how it is watched."""
+        """Return the settings that a resumed training must share: all but its length, its device and its validation."""
         names = (
             "algorithm",
             "task",
@@ -105,10 +105,9 @@ class ReinforcementConfig:
             "imitation_steps",
             "seed",
             "workers",
-            "leg_steps",
             "episode_steps",
         )
-        return {name: getattr(self, name) for name in names}
+        return {**{name: getattr(self, name) for name in names}, "leg_steps": self.checkpoint_steps}
 
 
 REACH = 0.05
@@ -120,7 +119,7 @@ TICKS = 3
 
 
 def features(observation: Observation) -> np.ndarray:
-    """Return joints [rad], opening of the hand, pose of the tip, state of the task, and its first place seen from the tip [m].
+    """Return joints [rad], opening of the gripper, pose of the tip, state of the task, and its first place seen from the tip [m].
 
     Args:
         observation: With the low-dimensional fields.
@@ -131,15 +130,15 @@ def features(observation: Observation) -> np.ndarray:
     tip = np.asarray(observation.gripper_pose, dtype=np.float64)
     state = np.asarray(observation.task_low_dim_state, dtype=np.float64)
     joints = np.asarray(observation.joint_positions, dtype=np.float64)
-    hand = float(observation.gripper_open or 0.0)
-    return np.concatenate([joints, [hand], tip, state, state[:3] - tip[:3]]).astype(np.float32)
+    gripper = float(observation.gripper_open or 0.0)
+    return np.concatenate([joints, [gripper], tip, state, state[:3] - tip[:3]]).astype(np.float32)
 
 
 def as_command(unit: FloatArray, high: FloatArray) -> FloatArray:
     """Return an action of `JointPositionActionMode`.
 
     Args:
-        unit: A difference for each joint and the hand, open above 0, between -1 and 1, shape (joints + 1,).
+        unit: A difference for each joint and the gripper, open above 0, between -1 and 1, shape (joints + 1,).
         high: Highest value of each number of the action; the last is the position of an open finger [m].
     """
     values = np.clip(np.asarray(unit, dtype=np.float64), -1.0, 1.0)
@@ -152,7 +151,7 @@ def as_unit(joints: FloatArray, target: FloatArray, is_open: bool) -> FloatArray
     Args:
         joints: Where the joints are [rad].
         target: Where they should be a decision later [rad].
-        is_open: Whether the hand should be open.
+        is_open: Whether the gripper should be open.
     """
     return np.append(np.clip((target - joints) / (TICKS * REACH), -1.0, 1.0), 1.0 if is_open else -1.0)
 
@@ -160,7 +159,7 @@ def as_unit(joints: FloatArray, target: FloatArray, is_open: bool) -> FloatArray
 TRAINING_SEEDS = 2**31
 """Training draws the seeds of its episodes below this, so that it never meets one of an evaluation."""
 VALIDATION_SEED = 2**52
-"""Episode i of a look at a policy has this seed plus i."""
+"""Seed of episode 0 of a validation; episode i has this seed plus i."""
 SHAPED = 0.1
 """The share of the task's own reward that is paid: with it an episode that fails costs about what success pays."""
 TRIES = 10

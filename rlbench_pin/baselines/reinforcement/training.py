@@ -38,8 +38,8 @@ from rlbench_pin.baselines.reinforcement.algorithms import (
     Experience,
     ImitatingSac,
     Model,
+    freeze_policy,
     gather,
-    hold_still,
     make_model,
     teach,
 )
@@ -54,18 +54,18 @@ CURVE = "curve.json"
 
 @dataclass(frozen=True)
 class CurvePoint:
-    """How far a leg of the training came."""
+    """Results of one segment of a training."""
 
     steps: int
-    """Decisions of training so far; 0 before the first leg."""
+    """Decisions of training so far; 0 before the first segment."""
     episodes: int
-    """Episodes that ended in this leg."""
+    """Episodes that ended in this segment."""
     reward: float | None
     """Their reward in the mean; None without one."""
     success: float | None
     """The share of them that succeeded, while exploring; None without one."""
     successes: int | None = None
-    """Validation episodes that the most likely action won; None where there were none after this leg."""
+    """Validation episodes in which the most likely action succeeded; None where there were none after this segment."""
     of: int = 0
     """Validation episodes, on seeds that training does not meet."""
 
@@ -87,7 +87,7 @@ def write_curve(folder: Path, points: Sequence[CurvePoint]) -> None:
 
 
 def read_curve(folder: Path | str) -> list[CurvePoint]:
-    """Return the curve of a training so far, a point for each leg and one before the first.
+    """Return the curve of a training so far, a point for each segment and one before the first.
 
     Args:
         folder: Of the task, in the folder of the models.
@@ -111,9 +111,9 @@ def _rounded(interval: tuple[float, float] | None) -> list[float] | None:
 
 _FIXED = {"svg.hashsalt": "rlbench_pin", "svg.fonttype": "none", "font.family": "DejaVu Sans", "font.size": 9.0}
 _WIDTH, _HEIGHT = 6.4, 3.2
-"""Size of the picture [inch]."""
+"""Size of the image [inch]."""
 WINDOW = 5
-"""Legs over which successes while exploring are averaged."""
+"""Segments over which successes while exploring are averaged."""
 
 
 def draw_curves(path: Path | str, curves: Mapping[str, Sequence[CurvePoint]]) -> Path:
@@ -130,7 +130,7 @@ def draw_curves(path: Path | str, curves: Mapping[str, Sequence[CurvePoint]]) ->
     path = check_plot(path, len(curves))
     empty = next((name for name, points in curves.items() if not points), None)
     if empty is not None:
-        raise InvalidValue("curve", empty, "has no points yet: a training writes one after each leg")
+        raise InvalidValue("curve", empty, "has no points yet: a training writes one after each segment")
     kind, written = path.suffix.lower()[1:], io.BytesIO()
     with rc_context(_FIXED):
         metadata: dict[str, Any] = {"Date": None} if kind == "svg" else {"Software": None}
@@ -146,7 +146,7 @@ def _figure(curves: Mapping[str, Sequence[CurvePoint]]) -> Figure:
         if explored:
             steps, successes, episodes = np.array(explored, dtype=float).T
             axes.plot(steps, _smooth(successes * episodes) / _smooth(episodes), color=color, linewidth=1.2)
-        _draw_looks(axes, color, points)
+        _draw_validation(axes, color, points)
         axes.plot([], [], "o-", color=color, markersize=4, label=name)
     axes.set_ylim(0.0, 1.0)
     axes.set_xlim(left=0.0)
@@ -160,16 +160,16 @@ def _figure(curves: Mapping[str, Sequence[CurvePoint]]) -> Figure:
     return figure
 
 
-def _draw_looks(axes: Axes, color: str, points: Sequence[CurvePoint]) -> None:
+def _draw_validation(axes: Axes, color: str, points: Sequence[CurvePoint]) -> None:
     """Draw validation as dots with intervals."""
-    looks = [(p.steps, p.validation, *p.interval) for p in points if p.validation is not None and p.interval is not None]
-    steps, rates, low, high = np.array(looks, dtype=float).reshape(-1, 4).T
+    validated = [(p.steps, p.validation, *p.interval) for p in points if p.validation is not None and p.interval is not None]
+    steps, rates, low, high = np.array(validated, dtype=float).reshape(-1, 4).T
     axes.vlines(steps, low, high, colors=color, linewidth=0.8, clip_on=False, zorder=3)
     axes.plot(steps, rates, "o", color=color, markersize=4, clip_on=False, zorder=3)
 
 
 def _smooth(values: np.ndarray) -> np.ndarray:
-    """Return sums over the last legs, shape (n,)."""
+    """Return sums over the last segments, shape (n,)."""
     sums = np.concatenate([[0.0], np.cumsum(values)])
     ends = np.arange(1, len(sums))
     return np.asarray(sums[ends] - sums[np.maximum(ends - WINDOW, 0)])
@@ -182,26 +182,26 @@ _SHOWN = ("seen", "then", "actions", "rewards", "ends")
 Tensors = dict[str, torch.Tensor]
 
 
-def write_checkpoint(folder: Path, config: ReinforcementConfig, model: Model, env: VecNormalize, legs: int) -> None:
-    """Write everything that the training goes on from.
+def write_checkpoint(folder: Path, config: ReinforcementConfig, model: Model, env: VecNormalize, segments: int) -> None:
+    """Write everything that a resumed training needs.
 
     Args:
         folder: Of the task.
         config: What is trained.
         model: As it is now.
         env: Its environments, with the statistics of what was seen.
-        legs: How many legs are done.
+        segments: How many segments are done.
     """
     tensors = {**_learned(model), **_statistics(env)}
     if isinstance(model, ImitatingSac):
         tensors["log_ent_coef"] = model.log_ent_coef  # type: ignore[assignment]
         tensors |= _buffer(model.replay_buffer)
-    state = {"legs": legs, "steps": model.num_timesteps, "config": config.identity()}
+    state = {"legs": segments, "steps": model.num_timesteps, "config": config.identity()}
     write_tensors(folder / CHECKPOINT, tensors, state=json.dumps(state, sort_keys=True))  # one note: several have no order
 
 
 def read_checkpoint(folder: Path, config: ReinforcementConfig, model: Model, env: VecNormalize) -> int:
-    """Bring a new model to where a training was, and return how many legs were done; 0 where there is no check point.
+    """Restore a model from the checkpoint, and return how many segments were done; 0 where there is no checkpoint.
 
     Raises:
         ModelFileError: The file is damaged, or of other settings.
@@ -309,21 +309,21 @@ def _fill(model: ImitatingSac, tensors: Tensors) -> None:
         buffer.hold(Experience(*(tensors[f"shown/{name}"].numpy() for name in _SHOWN)))
 
 
-PICTURE = "curve.png"
+CURVE_IMAGE = "curve.png"
 
 
 @dataclass(frozen=True)
 class TrainingProgress:
-    """Where a training is."""
+    """Progress of a training."""
 
     steps: int
     """Decisions so far."""
     total: int
     """Decisions in all."""
     point: CurvePoint | None
-    """The last leg; None before it ends."""
+    """The last segment; None before it ends."""
     note: str = ""
-    """What is done beside acting and learning."""
+    """Current work other than acting and learning."""
 
 
 OnProgress = Callable[[TrainingProgress], None]
@@ -337,106 +337,116 @@ def train_reinforcement(
 ) -> bool:
     """Train a task into a folder of its name, and return whether it came to its end.
 
-    What was begun there goes on from its last check point, and on the CPU ends with the same weights as if it had never been
-    ended; with more steps than before, it is prolonged.
+    An interrupted training continues from its last checkpoint; on the CPU it ends with the same weights as an uninterrupted one.
+    With more steps than before, it is prolonged.
 
     Args:
         config: What is trained.
         out: Folder of the models; the task's is in it.
-        on_progress: Called after every step, and after each leg.
-        stop: Ends the training within a step; the leg is begun again when it goes on.
+        on_progress: Called after every step, and after each segment.
+        stop: Ends the training within a step; the segment is begun again when it goes on.
 
     Raises:
-        ModelFileError: The check point is damaged, or of other settings.
+        ModelFileError: The checkpoint is damaged, or of other settings.
         DemoError: Too few demonstrations succeed.
         TaskEnvironmentError: The task has no shaped reward.
     """
-    with _one_thread(), closing(LearningEnv(config.task, config.shaped, config.longest)) as judge, closing(_envs(config)) as env:
-        training = _Training(config, Path(out) / config.task, env, judge, on_progress)
-        return all(training.do(leg, stop) for leg in range(training.begin(), config.legs))
+    with (
+        _one_thread(),
+        closing(LearningEnv(config.task, config.shaped, config.longest)) as eval_env,
+        closing(_envs(config)) as env,
+    ):
+        training = _Training(config, Path(out) / config.task, env, eval_env, on_progress)
+        return all(training.do(segment, stop) for segment in range(training.begin(), config.segments))
 
 
 class _Training:
     """A model, its environments and its curve."""
 
     def __init__(
-        self, config: ReinforcementConfig, folder: Path, env: VecNormalize, judge: LearningEnv, on_progress: OnProgress
+        self, config: ReinforcementConfig, folder: Path, env: VecNormalize, eval_env: LearningEnv, on_progress: OnProgress
     ) -> None:
-        self._config, self._folder, self._env, self._judge, self._tell = config, folder, env, judge, on_progress
+        self._config, self._folder, self._env, self._eval_env, self._report = (
+            config,
+            folder,
+            env,
+            eval_env,
+            on_progress,
+        )
         self._model = make_model(config, env)
-        self._total = config.legs * config.leg
+        self._total = config.segments * config.segment
         self._points: list[CurvePoint] = []
-        self._instructions = _instructions(judge)
+        self._instructions = _instructions(eval_env)
 
     def begin(self) -> int:
-        """Read the check point, or gather demonstrations and learn from them; return how many legs are done."""
+        """Read the checkpoint, or gather demonstrations and learn from them; return how many segments are done."""
         config, model = self._config, self._model
         done = read_checkpoint(self._folder, config, model, self._env)
         self._points = read_curve(self._folder)[: done + 1] if done else []
         if done == 0:
             if config.demonstrations:
-                experience = gather(self._judge, config.demonstrations, self._tell_demonstrations)
+                experience = gather(self._eval_env, config.demonstrations, self._report_demonstrations)
                 teach(model, self._env, experience, config.imitation_steps)
             self._keep(CurvePoint(0, 0, None, None, *self._validate()))
         model.set_logger(configure(str(self._folder / "tensorboard"), ["tensorboard"]))
         return done
 
-    def do(self, leg: int, stop: threading.Event | None) -> bool:
-        """Act and learn for one leg, from new episodes, with generators that follow from seed and leg; False when stopped."""
+    def do(self, segment: int, stop: threading.Event | None) -> bool:
+        """Act and learn for one segment, with new episodes and generators seeded by seed and segment; False when stopped."""
         config, model = self._config, self._model
-        watch = _Watch(self._total, self._tell, stop)
+        watch = _Watch(self._total, self._report, stop)
         model.set_env(self._env, force_reset=True)
-        model.set_random_seed(int(np.random.SeedSequence([config.seed, leg]).generate_state(1)[0] >> 1))
-        hold_still(model, config.demonstrations > 0 and leg < WARM_UP[config.algorithm])
-        model.learn(config.leg, callback=watch, reset_num_timesteps=False, log_interval=4)
+        model.set_random_seed(int(np.random.SeedSequence([config.seed, segment]).generate_state(1)[0] >> 1))
+        freeze_policy(model, config.demonstrations > 0 and segment < WARM_UP[config.algorithm])
+        model.learn(config.segment, callback=watch, reset_num_timesteps=False, log_interval=4)
         if watch.is_stopped:
             return False
-        looks = (leg + 1) % config.validate_every == 0 or leg + 1 == config.legs
-        point = watch.point(self._validate() if looks else (None, 0))
+        validated = (segment + 1) % config.validate_every == 0 or segment + 1 == config.segments
+        point = watch.point(self._validate() if validated else (None, 0))
         _log(model, point)
         self._keep(point)
-        write_checkpoint(self._folder, config, model, self._env, leg + 1)
+        write_checkpoint(self._folder, config, model, self._env, segment + 1)
         return True
 
     def _keep(self, point: CurvePoint) -> None:
-        """Write a point, and the model where no look before was better."""
+        """Write a point, and the model where no earlier validation was better."""
         best = max((p.validation or 0.0 for p in self._points), default=0.0)
         self._points.append(point)
         write_curve(self._folder, self._points)
         if point.validation is not None:
-            draw_curves(self._folder / PICTURE, {f"{self._config.algorithm} {self._config.task}": self._points})
+            draw_curves(self._folder / CURVE_IMAGE, {f"{self._config.algorithm} {self._config.task}": self._points})
             if point.validation >= best:
                 write_model(self._folder, self._config, self._model, self._env, self._instructions)
-        self._tell(TrainingProgress(self._model.num_timesteps, self._total, point))
+        self._report(TrainingProgress(self._model.num_timesteps, self._total, point))
 
     def _validate(self) -> tuple[int, int]:
-        return validate(self._model, self._env, self._judge, self._config.validation_episodes)
+        return validate(self._model, self._env, self._eval_env, self._config.validation_episodes)
 
-    def _tell_demonstrations(self, found: int, wanted: int) -> None:
-        self._tell(TrainingProgress(0, self._total, None, f"demonstration {found} of {wanted}"))
+    def _report_demonstrations(self, found: int, wanted: int) -> None:
+        self._report(TrainingProgress(0, self._total, None, f"demonstration {found} of {wanted}"))
 
 
-def validate(model: Model, env: VecNormalize, judge: LearningEnv, episodes: int) -> tuple[int, int]:
+def validate(model: Model, env: VecNormalize, eval_env: LearningEnv, episodes: int) -> tuple[int, int]:
     """Return in how many episodes the most likely action succeeded, and of how many; nothing is learned from it."""
     successes = 0
     for index in range(episodes):
-        seen, info = judge.reset(options={"episode": VALIDATION_SEED + index})
+        seen, info = eval_env.reset(options={"episode": VALIDATION_SEED + index})
         over = False
         while not over:
             action, _ = model.predict(env.normalize_obs(seen), deterministic=True)  # type: ignore[arg-type]
-            seen, _, ended, cut, info = judge.step(action)
+            seen, _, ended, cut, info = eval_env.step(action)
             over = ended or cut
         successes += bool(info["is_success"])
     return successes, episodes
 
 
 class _Watch(BaseCallback):
-    """Counts steps and episodes of one leg, and ends it when asked to."""
+    """Counts steps and episodes of one segment, and ends it when asked to."""
 
     def __init__(self, total: int, on_progress: OnProgress, stop: threading.Event | None) -> None:
         super().__init__()
         self.is_stopped = False
-        self._total, self._tell, self._stop = total, on_progress, stop
+        self._total, self._report, self._stop = total, on_progress, stop
         self._rewards: list[float] = []
         self._successes: list[bool] = []
 
@@ -445,12 +455,12 @@ class _Watch(BaseCallback):
             if "episode" in info:
                 self._rewards.append(float(info["episode"]["r"]))
                 self._successes.append(bool(info["is_success"]))
-        self._tell(TrainingProgress(self.num_timesteps, self._total, None))
+        self._report(TrainingProgress(self.num_timesteps, self._total, None))
         self.is_stopped = self._stop is not None and self._stop.is_set()
         return not self.is_stopped
 
     def point(self, validation: tuple[int | None, int]) -> CurvePoint:
-        """Return what the leg came to."""
+        """Return the results of the segment."""
         if not self._rewards:
             return CurvePoint(self.num_timesteps, 0, None, None, *validation)
         reward, success = float(np.mean(self._rewards)), float(np.mean(self._successes))
@@ -481,11 +491,11 @@ def _env(task: str, shaped: bool, longest: int) -> Monitor:
     return Monitor(LearningEnv(task, shaped, longest), info_keywords=("is_success",))
 
 
-def _instructions(judge: LearningEnv) -> list[str]:
+def _instructions(eval_env: LearningEnv) -> list[str]:
     """Return the instructions of a task, of every variation, each once."""
     found: dict[str, None] = {}
-    for variation in range(judge.task.variation_count()):
-        instructions, _ = judge.task.reset(seed=0, variation=variation)
+    for variation in range(eval_env.task.variation_count()):
+        instructions, _ = eval_env.task.reset(seed=0, variation=variation)
         found |= dict.fromkeys(instructions)
     return list(found)
 

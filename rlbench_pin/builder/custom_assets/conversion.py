@@ -21,7 +21,7 @@ from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.evaluation.policies.policy_server import Channel, WireError
 from rlbench_pin.processes.child import ChildProcess, connect_to_owner, limit_memory
 
-LONGEST = 180.0
+TIME_LIMIT = 180.0
 """Time limit of a conversion [s]."""
 MEMORY = 6 * 2**30
 """Address space of the subprocess in addition to its libraries [bytes]."""
@@ -29,12 +29,12 @@ MEMORY = 6 * 2**30
 
 @dataclass(frozen=True)
 class Job:
-    """What to make of a file."""
+    """An uploaded file, and the asset to make of it."""
 
     name: str
     """Name of the file in the browser."""
     folder: str
-    """Folder of the task, in which meshes are looked up."""
+    """Folder of the task, which is searched for meshes."""
     scale: float
     """Factor on all lengths."""
     mass: float
@@ -47,7 +47,7 @@ def convert(job: Job, data: bytes, note: OnNote) -> CustomAsset:
     """Return the asset of a mesh, a URDF file, or an archive with one URDF file and its meshes.
 
     Args:
-        job: What to make of it.
+        job: The file, and the asset to make of it.
         data: Content of the file.
         note: Called with each step of the work.
 
@@ -77,11 +77,11 @@ class Conversion:
     """A running conversion.
 
     Args:
-        job: What to make of the file.
+        job: The file, and the asset to make of it.
         data: Content of the file.
         on_note: Called with the present step and its duration, every second.
         on_end: Called once, with the asset or the error. Both are called in a thread of their own.
-        longest: Time limit [s].
+        time_limit: Time limit [s].
     """
 
     def __init__(
@@ -90,9 +90,9 @@ class Conversion:
         data: bytes,
         on_note: Callable[[str], None],
         on_end: Callable[[CustomAsset | RlbenchPinError], None],
-        longest: float = LONGEST,
+        time_limit: float = TIME_LIMIT,
     ) -> None:
-        self._job, self._on_note, self._on_end, self._longest = job, on_note, on_end, longest
+        self._job, self._on_note, self._on_end, self._time_limit = job, on_note, on_end, time_limit
         self._ended = ""
         self._child = ChildProcess("rlbench_pin.builder.custom_assets.conversion")
         threading.Thread(target=self._run, args=(data,), name="conversion", daemon=True).start()
@@ -118,11 +118,11 @@ class Conversion:
     def _run(self, data: bytes) -> None:
         channel = Channel(self._child.connection)
         try:
-            found: CustomAsset | RlbenchPinError = self._exchange(channel, data)
+            found: CustomAsset | RlbenchPinError = self._request(channel, data)
         except RlbenchPinError as error:
             found = error
         except TimeoutError:
-            self._end(f"it takes longer than {self._longest:g} s")
+            self._end(f"it takes longer than {self._time_limit:g} s")
             found = self._failure()
         except (EOFError, OSError, WireError, KeyError):
             found = self._failure()
@@ -131,13 +131,13 @@ class Conversion:
             channel.close()
         self._on_end(found)
 
-    def _exchange(self, channel: Channel, data: bytes) -> CustomAsset:
+    def _request(self, channel: Channel, data: bytes) -> CustomAsset:
         """Send the file, report the duration every second, and return the answer; end the subprocess at the time limit."""
         start, step = time.monotonic(), f"Reading '{self.name}'"
-        channel.send({"job": asdict(self._job), "data": data}, self._longest)
-        while (left := start + self._longest - time.monotonic()) > 0.0:
+        channel.send({"job": asdict(self._job), "data": data}, self._time_limit)
+        while (left := start + self._time_limit - time.monotonic()) > 0.0:
             if not select.select([self._child.connection], [], [], min(1.0, left))[0]:
-                self._on_note(f"{step}: {time.monotonic() - start:.0f} s of at most {self._longest:g} s")
+                self._on_note(f"{step}: {time.monotonic() - start:.0f} s of at most {self._time_limit:g} s")
                 continue
             answer = channel.receive(left)
             if "error" in answer:

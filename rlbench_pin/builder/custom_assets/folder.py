@@ -1,4 +1,4 @@
-"""Files in the folder of a task: no path leads out of it; the meshes that a URDF file names are looked up there."""
+"""Files in the folder of a task: no path leads out of it; the meshes of a URDF file are searched there."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
 from rlbench_pin.builder.custom_assets.uploads import UploadRefused
-from rlbench_pin.builder.server import LARGEST_UPLOAD
+from rlbench_pin.builder.server import MAX_UPLOAD_SIZE
 from rlbench_pin.errors import RlbenchPinError, StorageError
 from rlbench_pin.values import as_path
 
 MESHES = (".obj", ".stl")
 """Endings of mesh files."""
-_MOST_FILES = 5000
-_DEEPEST = 5
+_MAX_FILES = 5000
+_MAX_DEPTH = 5
 
 
 class OutsideFolder(RlbenchPinError):
@@ -173,17 +173,17 @@ def folder_meshes(root: Path) -> MeshSource:
     folder, names = Folder(root), list[str]()
     for here, below, files in os.walk(folder.root):
         depth = len(Path(here).relative_to(folder.root).parts)
-        below[:] = [name for name in below if not name.startswith(".") and depth < _DEEPEST]
+        below[:] = [name for name in below if not name.startswith(".") and depth < _MAX_DEPTH]
         for name in files:
             if name.lower().endswith(MESHES) and not name.startswith("."):
                 names.append((Path(here) / name).relative_to(folder.root).as_posix())
-        if len(names) > _MOST_FILES:
+        if len(names) > _MAX_FILES:
             break
 
     def read(name: str) -> bytes:
         file = folder.path(name)
         with file.open("rb") as stream:
-            return stream.read(LARGEST_UPLOAD + 1)
+            return stream.read(MAX_UPLOAD_SIZE + 1)
 
     return MeshSource("the folder of the task", names, read)
 

@@ -13,13 +13,13 @@ from rlbench_pin.builder.custom_assets.uploads import UploadedMesh, UploadRefuse
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_number
 
-MOST_PARTS = 32
+MAX_PARTS = 32
 """Convex parts of a mesh at most."""
 _CONVEX = 0.98
 """A mesh that fills at least this share of its hull is convex."""
-LARGEST = 2.0
+MAX_EXTENT = 2.0
 """Extent along each axis at most [m]."""
-FLAT = 1e-4
+MIN_THICKNESS = 1e-4
 """Thickness of a solid at least [m]."""
 DENSITY = 500.0
 """Density of solids without a given mass, that of wood [kg/m^3]."""
@@ -109,10 +109,10 @@ def check_extent(name: str, extent: FloatArray) -> None:
     Raises:
         UploadRefused: It is larger than 2 m, or has no size.
     """
-    if extent.max() > LARGEST:
+    if extent.max() > MAX_EXTENT:
         hint = "Give a smaller scale: 0.001 where the file is in millimetres."
-        raise UploadRefused(name, f"it would be {_size(extent)} m large, the limit is {LARGEST:g} m", hint)
-    if extent.max() < FLAT:
+        raise UploadRefused(name, f"it would be {_size(extent)} m large, the limit is {MAX_EXTENT:g} m", hint)
+    if extent.max() < MIN_THICKNESS:
         raise UploadRefused(name, f"it would be {_size(extent)} m large, which is nothing", "Give a larger scale.")
 
 
@@ -131,14 +131,14 @@ def convex_parts(name: str, mesh: trimesh.Trimesh) -> list[trimesh.Trimesh]:
         UploadRefused: It is flat.
     """
     hull = _hull(mesh)
-    if hull is None or min(hull.bounding_box_oriented.primitive.extents) < FLAT:
+    if hull is None or min(hull.bounding_box_oriented.primitive.extents) < MIN_THICKNESS:
         size = _size(mesh.bounds[1] - mesh.bounds[0])
         raise UploadRefused(name, f"it is flat: {size} m", "Give it a thickness of a tenth of a millimetre or more.")
     if mesh.is_watertight and mesh.volume > _CONVEX * hull.volume:
         return [hull]
     coacd.set_log_level("off")
     found = coacd.run_coacd(
-        coacd.Mesh(np.asarray(mesh.vertices), np.asarray(mesh.faces)), threshold=0.05, max_convex_hull=MOST_PARTS, seed=0
+        coacd.Mesh(np.asarray(mesh.vertices), np.asarray(mesh.faces)), threshold=0.05, max_convex_hull=MAX_PARTS, seed=0
     )
     parts = [_hull(trimesh.Trimesh(vertices, faces)) for vertices, faces in found]
     return [part for part in parts if part is not None and part.volume > 0.0] or [hull]

@@ -14,14 +14,14 @@ from pathlib import PurePosixPath
 import numpy as np
 import trimesh
 
-from rlbench_pin.builder.server import LARGEST_UPLOAD
+from rlbench_pin.builder.server import MAX_UPLOAD_SIZE
 from rlbench_pin.errors import RlbenchPinError
 
-MOST_TRIANGLES = 200_000
+MAX_TRIANGLES = 200_000
 """Triangles of a mesh at most."""
-MOST_FILES = 2000
+MAX_FILES = 2000
 """Entries of an archive at most."""
-LARGEST_CONTENT = 4 * LARGEST_UPLOAD
+MAX_CONTENT_SIZE = 4 * MAX_UPLOAD_SIZE
 """Unpacked size of all files of an archive at most [bytes]."""
 _BROKEN = (zipfile.BadZipFile, zlib.error, lzma.LZMAError, OSError, EOFError, RuntimeError, NotImplementedError, ValueError)
 _STEM = re.compile(r"[^a-z0-9_]+")
@@ -48,7 +48,7 @@ def upload_stem(name: str) -> str:
     """Return a file name without folder and ending, in lower case letters, digits and `_`."""
     stem = name.replace("\\", "/").rpartition("/")[2].rpartition(".")[0] or name
     stem = _STEM.sub("_", stem.lower()).strip("_")[:60]
-    return stem if stem[:1].isalpha() else f"thing_{stem}".rstrip("_")
+    return stem if stem[:1].isalpha() else f"object_{stem}".rstrip("_")
 
 
 def check_size(name: str, size: int) -> None:
@@ -57,9 +57,9 @@ def check_size(name: str, size: int) -> None:
     Raises:
         UploadRefused: It is too large or empty.
     """
-    if size > LARGEST_UPLOAD or size == 0:
+    if size > MAX_UPLOAD_SIZE or size == 0:
         hint = "Reduce it first, for instance with the decimation of Blender or MeshLab."
-        raise UploadRefused(name, f"it is empty or larger than {LARGEST_UPLOAD // 2**20} MB", hint)
+        raise UploadRefused(name, f"it is empty or larger than {MAX_UPLOAD_SIZE // 2**20} MB", hint)
 
 
 def read_mesh(name: str, data: bytes) -> UploadedMesh:
@@ -83,8 +83,8 @@ def read_mesh(name: str, data: bytes) -> UploadedMesh:
         ) from error
     if not isinstance(loaded, trimesh.Trimesh) or len(loaded.faces) == 0:
         raise UploadRefused(name, "it has no triangles")
-    if len(loaded.faces) > MOST_TRIANGLES:
-        raise UploadRefused(name, f"it has {len(loaded.faces)} triangles, the limit is {MOST_TRIANGLES}", "Reduce it first.")
+    if len(loaded.faces) > MAX_TRIANGLES:
+        raise UploadRefused(name, f"it has {len(loaded.faces)} triangles, the limit is {MAX_TRIANGLES}", "Reduce it first.")
     if not np.isfinite(loaded.vertices).all() or not np.abs(loaded.vertices).max() < 1e6:
         raise UploadRefused(name, "a vertex is not a finite number, or farther away than 1000 km")
     loaded.merge_vertices()
@@ -100,10 +100,10 @@ def _check_lines(name: str, ending: str, data: bytes) -> None:
             raise UploadRefused(name, "a line has more than 100000 characters")
     else:
         faces = int.from_bytes(data[80:84], "little") if not data.lstrip().startswith(b"solid") else data.count(b"endfacet")
-        if b"facet" not in data[:1000] and (present := (len(data) - 84) // 50) < faces <= MOST_TRIANGLES:
+        if b"facet" not in data[:1000] and (present := (len(data) - 84) // 50) < faces <= MAX_TRIANGLES:
             raise UploadRefused(name, f"it declares {faces} triangles, and has {max(present, 0)}", "Export it again.")
-    if faces > MOST_TRIANGLES:
-        raise UploadRefused(name, f"it has {faces} faces, the limit is {MOST_TRIANGLES}", "Reduce it first.")
+    if faces > MAX_TRIANGLES:
+        raise UploadRefused(name, f"it has {faces} faces, the limit is {MAX_TRIANGLES}", "Reduce it first.")
 
 
 def read_archive(name: str, data: bytes, endings: tuple[str, ...]) -> dict[str, bytes]:
@@ -129,8 +129,8 @@ def read_archive(name: str, data: bytes, endings: tuple[str, ...]) -> dict[str, 
 def _wanted(name: str, archive: zipfile.ZipFile, endings: tuple[str, ...]) -> dict[str, zipfile.ZipInfo]:
     """Check all entries, and return the wanted ones by their paths."""
     infos = archive.infolist()
-    if len(infos) > MOST_FILES:
-        raise UploadRefused(name, f"it has {len(infos)} files, the limit is {MOST_FILES}")
+    if len(infos) > MAX_FILES:
+        raise UploadRefused(name, f"it has {len(infos)} files, the limit is {MAX_FILES}")
     found: dict[str, zipfile.ZipInfo] = {}
     for info in infos:
         path = _checked_path(name, info)
@@ -140,8 +140,8 @@ def _wanted(name: str, archive: zipfile.ZipFile, endings: tuple[str, ...]) -> di
             if str(path) in found:
                 raise UploadRefused(name, f"it has '{path}' twice")
             found[str(path)] = info
-    if sum(info.file_size for info in found.values()) > LARGEST_CONTENT:
-        raise UploadRefused(name, f"its files have more than {LARGEST_CONTENT // 2**20} MB unpacked")
+    if sum(info.file_size for info in found.values()) > MAX_CONTENT_SIZE:
+        raise UploadRefused(name, f"its files have more than {MAX_CONTENT_SIZE // 2**20} MB unpacked")
     return found
 
 
@@ -161,11 +161,11 @@ def _checked_path(name: str, info: zipfile.ZipInfo) -> PurePosixPath:
 def _contents(name: str, archive: zipfile.ZipFile, entries: dict[str, zipfile.ZipInfo]) -> dict[str, bytes]:
     """Unpack entries; their declared sizes are not trusted."""
     contents: dict[str, bytes] = {}
-    left = LARGEST_CONTENT
+    left = MAX_CONTENT_SIZE
     for path, info in entries.items():
         with archive.open(info) as stream:
-            contents[path] = stream.read(min(left, LARGEST_UPLOAD) + 1)
+            contents[path] = stream.read(min(left, MAX_UPLOAD_SIZE) + 1)
         left -= len(contents[path])
-        if left < 0 or len(contents[path]) > LARGEST_UPLOAD:
-            raise UploadRefused(name, f"'{path}' is too large unpacked: the limit is {LARGEST_UPLOAD // 2**20} MB a file")
+        if left < 0 or len(contents[path]) > MAX_UPLOAD_SIZE:
+            raise UploadRefused(name, f"'{path}' is too large unpacked: the limit is {MAX_UPLOAD_SIZE // 2**20} MB a file")
     return contents

@@ -1,4 +1,4 @@
-"""Assets made of a URDF file: links, joints, shapes and colours written anew, collision meshes decomposed into convex parts."""
+"""Assets made of a URDF file: rewritten links, joints, shapes and colours; collision meshes decomposed into convex parts."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import trimesh
 
 from rlbench_pin.builder.custom_assets.folder import MeshSource
 from rlbench_pin.builder.custom_assets.mesh_asset import (
-    LARGEST,
+    MAX_EXTENT,
     MOMENTS,
     CustomAsset,
     Inertia,
@@ -28,9 +28,9 @@ from rlbench_pin.values import as_number
 
 OnNote = Callable[[str], None]
 """Called with each step of the work."""
-HEAVIEST = 1000.0
+MAX_MASS = 1000.0
 """Mass of a link at most [kg]."""
-_MOST_SHAPES, _MOST_TRIANGLES = 500, 400_000
+_MAX_SHAPES, _MAX_TRIANGLES = 500, 400_000
 _TINY = Inertia(1e-3, np.zeros(3), 1e-7 * np.eye(3))
 """Inertia of a link without mass and shapes."""
 _ROUND = 24
@@ -52,7 +52,7 @@ def urdf_asset(name: str, data: bytes, source: MeshSource, scale: float, mass: f
         InvalidValue: Scale or mass are not above 0.
     """
     scale = as_number(scale, "scale", above=0.0, most=1e4)
-    mass = None if mass is None else as_number(mass, "mass [kg]", above=0.0, most=HEAVIEST)
+    mass = None if mass is None else as_number(mass, "mass [kg]", above=0.0, most=MAX_MASS)
     root, link_names, joint_names = checked_model(name, data)
     links, joints = root.findall("link"), root.findall("joint")
     stem = upload_stem(name)
@@ -79,7 +79,7 @@ def _add_inertia(link: Element, inertia: Inertia, factor: float) -> None:
 
 
 class _Builder:
-    """Writes links and joints anew; `files` has the meshes written so far, by name."""
+    """Rewrites links and joints; `files` has the meshes written so far, by name."""
 
     def __init__(self, name: str, source: MeshSource, scale: float, note: OnNote, root: Element) -> None:
         self._name, self._source, self._scale, self._note = name, source, scale, note
@@ -142,14 +142,14 @@ class _Builder:
 
     def _shape_of(self, element: Element) -> Element | None:
         self._shapes += 1
-        if self._shapes > _MOST_SHAPES:
-            raise UploadRefused(self._name, f"it has more than {_MOST_SHAPES} shapes")
+        if self._shapes > _MAX_SHAPES:
+            raise UploadRefused(self._name, f"it has more than {_MAX_SHAPES} shapes")
         geometry = element.find("geometry")
         return geometry[0] if geometry is not None and len(geometry) else None
 
     def _primitive(self, shape: Element) -> tuple[Element, trimesh.Trimesh]:
         """Return a scaled primitive, as an element and as a mesh."""
-        positive, most = self._numbers.positive, LARGEST / self._scale
+        positive, most = self._numbers.positive, MAX_EXTENT / self._scale
         if shape.tag == "box":
             size = self._scale * np.array(positive(shape, "size", 3, "", most))
             return Element("box", size=format_numbers(size)), trimesh.creation.box(size)
@@ -182,8 +182,8 @@ class _Builder:
             mesh.apply_transform(np.diag([*(self._scale * np.array(key[1])), 1.0]))
             check_extent(file, mesh.bounds[1] - mesh.bounds[0])
             self._triangles += len(mesh.faces)
-            if self._triangles > _MOST_TRIANGLES:
-                raise UploadRefused(self._name, f"its meshes have more than {_MOST_TRIANGLES} triangles", "Reduce them first.")
+            if self._triangles > _MAX_TRIANGLES:
+                raise UploadRefused(self._name, f"its meshes have more than {_MAX_TRIANGLES} triangles", "Reduce them first.")
             self._read[key] = mesh
         return self._read[key], stem
 
@@ -232,8 +232,8 @@ class _Builder:
         inertial = link.find("inertial")
         given = None if inertial is None else inertial.find("mass")
         mass = 0.0 if given is None else self._numbers.one(given, "value", "0", least=0.0)
-        if mass > HEAVIEST:
-            raise UploadRefused(self._name, f"a link has {mass:g} kg", f"The limit is {HEAVIEST:g} kg.")
+        if mass > MAX_MASS:
+            raise UploadRefused(self._name, f"a link has {mass:g} kg", f"The limit is {MAX_MASS:g} kg.")
         if inertial is not None and mass > 0.0:
             moments = self._moments(inertial.find("inertia"))
             xyz, rpy = self._place(inertial)

@@ -11,13 +11,13 @@ from xml.parsers import expat
 
 from rlbench_pin.builder.custom_assets.uploads import UploadRefused
 
-LARGEST_TEXT = 4 * 1024 * 1024
+MAX_TEXT_SIZE = 4 * 1024 * 1024
 """Size of a URDF file at most [bytes]."""
 JOINTS = ("fixed", "revolute", "continuous", "prismatic")
 """Accepted joint types."""
-_MOST_ELEMENTS = 20_000
-_DEEPEST = 32
-_MOST_LINKS = 200
+_MAX_ELEMENTS = 20_000
+_MAX_DEPTH = 32
+_MAX_LINKS = 200
 _OTHER = re.compile(r"[^A-Za-z0-9_]+")
 
 
@@ -29,8 +29,8 @@ class _Limits:
 
     def start(self, tag: str, attributes: object) -> None:
         self._depth, self._count = self._depth + 1, self._count + 1
-        if self._depth > _DEEPEST or self._count > _MOST_ELEMENTS:
-            problem = f"it has more than {_MOST_ELEMENTS} elements, or more than {_DEEPEST} inside one another"
+        if self._depth > _MAX_DEPTH or self._count > _MAX_ELEMENTS:
+            problem = f"it has more than {_MAX_ELEMENTS} elements, or more than {_MAX_DEPTH} inside one another"
             raise UploadRefused(self._name, problem)
 
     def end(self, tag: str) -> None:
@@ -38,7 +38,7 @@ class _Limits:
 
     def declare(self, *declaration: object) -> None:
         hint = "Remove <!DOCTYPE ...>: a URDF file needs none."
-        raise UploadRefused(self._name, "it declares a document type, or entities, which could stand for anything", hint)
+        raise UploadRefused(self._name, "it declares a document type or entities", hint)
 
 
 def parse_xml(name: str, data: bytes) -> ElementTree.Element:
@@ -47,8 +47,8 @@ def parse_xml(name: str, data: bytes) -> ElementTree.Element:
     Raises:
         UploadRefused: It is no XML, too large, too deep, or declares entities.
     """
-    if len(data) > LARGEST_TEXT:
-        raise UploadRefused(name, f"it has {len(data) / 2**20:.0f} MB of XML, the limit is {LARGEST_TEXT // 2**20} MB")
+    if len(data) > MAX_TEXT_SIZE:
+        raise UploadRefused(name, f"it has {len(data) / 2**20:.0f} MB of XML, the limit is {MAX_TEXT_SIZE // 2**20} MB")
     limits, parser = _Limits(name), expat.ParserCreate()
     parser.StartElementHandler, parser.EndElementHandler = limits.start, limits.end
     parser.StartDoctypeDeclHandler = parser.EntityDeclHandler = limits.declare
@@ -137,8 +137,8 @@ def check_tree(urdf: str, links: Mapping[str, str], joints: Sequence[Element]) -
     Raises:
         UploadRefused: They do not, or a joint has an unknown type.
     """
-    if not links or len(links) > _MOST_LINKS:
-        raise UploadRefused(urdf, f"it has {len(links)} links; 1 to {_MOST_LINKS} are allowed")
+    if not links or len(links) > _MAX_LINKS:
+        raise UploadRefused(urdf, f"it has {len(links)} links; 1 to {_MAX_LINKS} are allowed")
     parents: dict[str, str] = {}
     for joint in joints:
         name, kind = joint.get("name", ""), joint.get("type", "")

@@ -1,4 +1,4 @@
-"""What forms can edit of the Python of a task; everything else in it keeps its bytes."""
+"""The parts of a task's Python file that forms can edit; the rest of the file keeps its bytes."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ _TAKEN = frozenset({"world", "robot", "gripper", "round"})
 _PLAIN_F_STRING = re.compile(r"""f(["'])(?!\1)(.*)\1""")
 _ESCAPED_QUOTE = re.compile(r"""\\(["'])""")
 _FIELD = re.compile(r"\{([^{}]*)\}")
-_TABLE, _TABLE_WORDS = "SENTENCES", '"""What is said in each variation."""'
+_TABLE, _TABLE_WORDS = "SENTENCES", '"""Instructions of each variation."""'
 
 
 # Docstrings and constants of the class ----------------------------------------------------------------------------------------
@@ -173,7 +173,7 @@ def _graspable_items(calls: list[ast.Call]) -> ListNode | None:
 
 @dataclass(frozen=True, eq=False)
 class _Said:
-    """The statement that returns the sentences, their lists, and the table that contains them, if any."""
+    """The statement that returns the instructions, their lists, and the table that contains them, if any."""
 
     answer: ast.Return
     groups: list[ListNode]
@@ -181,7 +181,7 @@ class _Said:
 
 
 def _read_sentences(task: TaskClass) -> Sentences | None:
-    """Return the sentences; None when they are not literals."""
+    """Return the instructions; None when they are not literals."""
     said = _said(task)
     if said is None:
         return None
@@ -190,7 +190,7 @@ def _read_sentences(task: TaskClass) -> Sentences | None:
 
 
 def _with_sentences(task: TaskClass, new: Sentences) -> str | None:
-    """Return the Python with other sentences and their number of variations; None when it cannot express them."""
+    """Return the Python with other instructions and their number of variations; None when it cannot express them."""
     said, source = _said(task), task.source
     if said is None:
         return None
@@ -224,7 +224,7 @@ def _in_one_list(task: TaskClass, said: _Said, group: Sequence[str]) -> str:
 
 
 def _in_table(task: TaskClass, said: _Said, groups: Sequence[Sequence[str]]) -> str | None:
-    """Return a table with a list for each variation, which `return` looks up."""
+    """Return a table with a list for each variation, which the `return` statement indexes."""
     source, body = task.source, task.source.tree.body
     if said.table is not None:
         indent = " " * said.table.statement.col_offset
@@ -277,7 +277,7 @@ def _variation(task: TaskClass) -> str:
 
 
 def _sentence(source: Source, node: ast.expr) -> str | None:
-    """Return a sentence as people read it; `{...}` in an f-string stays as it is written."""
+    """Return the text of a sentence; `{...}` in an f-string stays as it is written."""
     if not isinstance(node, ast.JoinedStr):
         return text_of(node)
     found = _PLAIN_F_STRING.fullmatch(source.part(node))
@@ -398,12 +398,12 @@ _FIELDS: Mapping[str, tuple[Callable[[TaskClass], Any], Callable[[TaskClass, Any
 
 @dataclass(frozen=True)
 class Behaviour:
-    """What forms show of the Python; a field is None where it is not written in a form that can be edited.
+    """The values that forms show of the Python; a field is None where it is not written in a form that can be edited.
 
     Attributes:
         title: Docstring of the file.
         description: Docstring of the class: what varies, and what counts as success.
-        instructions: The sentences: one group for all variations, or one for each.
+        instructions: The instructions: one group for all variations, or one for each.
         variation_count: Number of variations.
         solved_by_chance: Whether random actions may reach the goal now and then.
         graspable: Names of the bodies that the gripper may hold, `<body>/<link>` for one link alone.
@@ -475,7 +475,7 @@ def _checked(name: str, value: Any) -> Any:
         case "instructions":
             groups = as_several(value, name)
             if not groups:
-                raise InvalidValue(name, value, "has to have one group of sentences at least")
+                raise InvalidValue(name, value, "has to have at least one group of instructions")
             return tuple(tuple(as_text(sentence, "sentence") for sentence in as_several(group, name)) for group in groups)
         case "placements":
             return tuple(as_record(item, SpawnForm, f"entry {k} of {name}") for k, item in enumerate(as_several(value, name)))
@@ -502,11 +502,11 @@ def without_names(python: str, names: Collection[str]) -> str:
 
 
 def _without(part: Any, names: Collection[str]) -> Any:
-    """Return a part of a field without what names elements; None where nothing is left."""
+    """Return a part of a field without its references to elements; None where nothing is left."""
     if isinstance(part, SpawnForm):
-        things = tuple(spawned for spawned in part.things if not _is_about(spawned.thing, names))
+        elements = tuple(spawned for spawned in part.elements if not _is_about(spawned.element, names))
         regions = tuple(region for region in part.regions if region not in names)
-        return replace(part, regions=regions, things=things) if regions and (things or not part.things) else None
+        return replace(part, regions=regions, elements=elements) if regions and (elements or not part.elements) else None
     return None if _is_about(part, names) else part
 
 

@@ -1,4 +1,4 @@
-"""Conditions in the Python of a task: what forms show of them, and how they change the lists that a task registers."""
+"""Conditions in the Python of a task: read them for forms, and change the lists that a task registers."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ _KINDS: Mapping[str, ParameterKind] = {
 }
 """Type of an argument -> its kind."""
 _ARGUMENT = re.compile(r"^    (?=\w+:)", re.MULTILINE)
-"""Where the description of an argument begins in a docstring."""
+"""Start of the description of an argument in a docstring."""
 
 
 @cache
@@ -178,8 +178,8 @@ def _condition_kind(cls: type[Condition]) -> ConditionKind | None:
 
 # Expressions as forms ---------------------------------------------------------------------------------------------------------
 
-_DEEPEST = 12
-"""Names that stand for names."""
+_MAX_DEPTH = 12
+"""Longest chain of names that are assigned to each other."""
 _RADIANS = ("np.deg2rad", "np.radians", "math.radians")
 _NUMBERS: Mapping[str, float] = {"np.pi": math.pi, "math.pi": math.pi}
 _OPERATORS: Mapping[type[ast.operator], Callable[[float, float], float]] = {
@@ -211,7 +211,7 @@ class Reader:
         if isinstance(node, ast.Call) and (form := self._condition(node, depth)) is not None:
             return form
         bound = self.bindings.get(ast.unparse(node)) if isinstance(node, ast.Name | ast.Attribute) else None
-        if bound is not None and depth < _DEEPEST:
+        if bound is not None and depth < _MAX_DEPTH:
             found = self.read(bound.value, depth + 1)
             if not _is_computed(found):
                 return found
@@ -253,7 +253,7 @@ class Reader:
         if isinstance(node, ast.Name | ast.Attribute):
             name = ast.unparse(node)
             bound = self.bindings.get(name)
-            return _NUMBERS.get(name) if bound is None or depth > _DEEPEST else self._number(bound.value, depth + 1)
+            return _NUMBERS.get(name) if bound is None or depth > _MAX_DEPTH else self._number(bound.value, depth + 1)
         return None
 
     def _condition(self, node: ast.Call, depth: int) -> ConditionForm | None:

@@ -39,7 +39,7 @@ _NEW_SCENE = """\
 format = 2                                  # lengths [m], angles [rad], heights from the table top
 
 [placement]
-footprint = [0.3, 0.3]                      # the patch of table that the task needs
+footprint = [0.3, 0.3]                      # x and y size of the area on the table that the task needs
 """
 _NEW_PYTHON = Template('''\
 """$title."""
@@ -55,11 +55,11 @@ class $cls(Task):
     """$title."""
 
     def init_task(self) -> None:
-        """Look things up, and say what success is."""
+        """Look up the elements of the scene, and define success."""
         self.register_success_conditions([])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Lay out the episode, and return the sentences."""
+        """Set up the episode, and return the instructions."""
         return ["$title."]
 ''')
 
@@ -92,7 +92,7 @@ class _Reading:
         """The scene with the places of its parts, or raise EditRefused when it is not valid TOML."""
         if self.parsed is None:
             problem = self.error.problem if isinstance(self.error, SceneFileError) else str(self.error)
-            raise EditRefused("edit the scene", problem, "Mend the text first.")
+            raise EditRefused("edit the scene", problem, "Correct the text first.")
         return self.parsed
 
     @cached_property
@@ -204,12 +204,12 @@ class TaskDocument:
 
     @property
     def problems(self) -> tuple[Problem, ...]:
-        """What is wrong with the two texts, the scene first."""
+        """Problems of the two texts, those of the scene first."""
         return self._reading.problems
 
     @property
     def behaviour(self) -> Behaviour:
-        """What forms can edit of the Python."""
+        """The parts of the Python that forms can edit."""
         return self._reading.behaviour
 
     @property
@@ -229,7 +229,7 @@ class TaskDocument:
 
     @property
     def left(self) -> tuple[str, ...]:
-        """Lines of Python that the last edit could not rename."""
+        """Lines of Python that the last renaming did not change."""
         return self._left
 
     @property
@@ -280,7 +280,7 @@ class TaskDocument:
         """Delete an element; later waypoints are renumbered.
 
         Raises:
-            HasDependants: Another element hangs on it, or the Python names it.
+            HasDependants: Another element is attached to it, or the Python names it.
         """
         self._edit(f"delete {name}", operations.deleted, name, with_dependants)
 
@@ -297,7 +297,7 @@ class TaskDocument:
         self._edit(f"parent of {name}", operations.attached, name, parent, pose, merge=merge)
 
     def rename(self, old: str, new: str) -> tuple[str, ...]:
-        """Rename an element wherever it is named; return the lines of Python that name it in a way that was left."""
+        """Rename an element in both files; return the lines of Python that name it in a way that cannot be renamed."""
         return self._edit(f"rename {old}", operations.renamed_everywhere, old, new).left
 
     def set_scene_text(self, text: str, merge: str = "") -> None:
@@ -309,7 +309,7 @@ class TaskDocument:
         self.take("edit the Python as text", (self.scene_text, typed_text(text, "Python text", self._saved[1])), merge)
 
     def set_behaviour(self, field: str, value: Any, merge: str = "") -> None:
-        """Change what a form shows of the Python, such as `instructions`; hand-written parts stay as they are.
+        """Change one field of the behaviour, such as `instructions`; hand-written parts of the Python do not change.
 
         Raises:
             EditRefused: The Python is not of a form that can be edited so.

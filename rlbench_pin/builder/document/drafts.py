@@ -1,4 +1,4 @@
-"""Drafts: unsaved edits in a hidden file beside the task, `.<task>.draft`, offered when the task is next opened."""
+"""Drafts: unsaved edits in a hidden file next to the task, `.<task>.draft`; the builder offers them when it opens the task."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from pathlib import Path
 from typing import Any
 
 from rlbench_pin.builder.document.document import TaskDocument
-from rlbench_pin.builder.document.storage import LARGEST_FILE, Pair, alone_in, write_whole
+from rlbench_pin.builder.document.storage import MAX_FILE_SIZE, Pair, alone_in, write_whole
 from rlbench_pin.builder.document.texts import Texts
 
 WAIT = 1.0
 """Time from the first edit until a draft is written with all edits since then [s]."""
-MOST_DRAFTS = 3
-"""Of one task: the current one, and earlier ones about which nobody has decided."""
+MAX_DRAFTS = 3
+"""Drafts of one task at most: the current one, and earlier ones that were neither taken nor dropped."""
 _FORMAT = 1
-_LARGEST = 8 * MOST_DRAFTS * LARGEST_FILE
+_MAX_SIZE = 8 * MAX_DRAFTS * MAX_FILE_SIZE
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Draft:
     Attributes:
         texts: Of the scene and of the Python.
         saved: Digests of the files at that time; empty for one that did not exist.
-        written: Date and time, as people read it.
+        written: Date and time as text.
     """
 
     texts: Texts
@@ -48,8 +48,8 @@ class DraftKeeper:
 
     Attributes:
         file: The file of the drafts.
-        offered: Earlier drafts about which somebody has to decide, the latest first.
-        news: Message for people about the file, such as that it could not be written; usually empty.
+        offered: Earlier drafts that were neither taken nor dropped, the latest first.
+        news: Message for the user about the file, such as that it could not be written; usually empty.
     """
 
     def __init__(self, document: TaskDocument, on_written: Callable[[], None], wait: float = WAIT) -> None:
@@ -81,7 +81,7 @@ class DraftKeeper:
 
     def keep(self) -> None:
         """Schedule a draft if something has changed since the last one; remove it at once where all is saved."""
-        drafts = (*self._of_now(), *self.offered)[:MOST_DRAFTS]
+        drafts = (*self._of_now(), *self.offered)[:MAX_DRAFTS]
         with self._lock:
             if _without_times(drafts) == _without_times(self._wanted) or self._closed:
                 return
@@ -101,7 +101,7 @@ class DraftKeeper:
             self._closed = True
 
     def _of_now(self) -> tuple[Draft, ...]:
-        """Return the draft of the texts as they stand; none where nothing would be lost."""
+        """Return a draft of the present texts; none when all edits are saved."""
         document = self._document
         is_new = document.saved == (None, None)
         if not document.unsaved or (is_new and document.texts == self._first):
@@ -136,7 +136,7 @@ class DraftKeeper:
         others = [draft for draft in self._found() if draft not in self._written]
         if others:
             self.news = f"Another task builder has '{self._document.name}' open: its draft is kept beside this one."
-        drafts = (*self._wanted[:1], *others, *self._wanted[1:])[:MOST_DRAFTS]
+        drafts = (*self._wanted[:1], *others, *self._wanted[1:])[:MAX_DRAFTS]
         if drafts:
             write_whole(self.file, _content(self._document.name, drafts))
         else:
@@ -180,8 +180,8 @@ def _read(file: Path) -> bytes:
     if file.is_symlink() or not file.is_file():
         raise ValueError("it is no file")
     with file.open("rb") as stream:
-        content = stream.read(_LARGEST + 1)
-    if len(content) > _LARGEST:
+        content = stream.read(_MAX_SIZE + 1)
+    if len(content) > _MAX_SIZE:
         raise ValueError("it is too large")
     return content
 
@@ -191,9 +191,9 @@ def _drafts(name: str, content: bytes) -> list[Draft]:
     said: Any = json.loads(content)
     if said["format"] != _FORMAT or said["task"] != name or not isinstance(said["drafts"], list):
         raise ValueError(f"it is no draft of '{name}'")
-    drafts = [Draft(_two(d["files"]), _two(d["saved"]), str(d["written"])[:40]) for d in said["drafts"][:MOST_DRAFTS]]
+    drafts = [Draft(_two(d["files"]), _two(d["saved"]), str(d["written"])[:40]) for d in said["drafts"][:MAX_DRAFTS]]
     for text in (text for draft in drafts for text in draft.texts):
-        if len(text.encode()) > LARGEST_FILE:
+        if len(text.encode()) > MAX_FILE_SIZE:
             raise ValueError("a text is too large")
     return drafts
 

@@ -29,7 +29,7 @@ class EditRefused(DocumentError):
 
 
 class HasDependants(EditRefused):
-    """An element is needed by others, so it is not deleted without them."""
+    """An element is not deleted, because others depend on it."""
 
     def __init__(self, name: str, dependants: Sequence[str], mentions: Sequence[str]) -> None:
         self.name, self.dependants, self.mentions = name, tuple(dependants), tuple(mentions)

@@ -47,7 +47,7 @@ class Edited:
     Attributes:
         texts: Scene and Python afterwards.
         name: Name of the element.
-        left: Lines of Python that name it in another way, and were left as they are.
+        left: Lines of Python that name it in a way that cannot be renamed; they did not change.
     """
 
     texts: Texts
@@ -123,7 +123,7 @@ def duplicated(scene: SceneText, python: str, name: str) -> Edited:
 
 
 def deleted(scene: SceneText, python: str, name: str, with_dependants: bool) -> Edited:
-    """Delete an element, perhaps with its descendants and what forms say of them; later waypoints are renumbered."""
+    """Delete an element, perhaps with its descendants and all conditions that name them; later waypoints are renumbered."""
     scene.find(name)
     hanging = dependants(scene, name)
     lines = mentions(source_or_none(python), name)
@@ -226,7 +226,7 @@ def _renumbered(scene: SceneText, python: str, shift: Mapping[str, str]) -> tupl
 def _number(waypoint: str) -> int:
     digits = waypoint.removeprefix("waypoint")
     if not digits.isdecimal():
-        raise EditRefused("renumber the waypoints", f"'{waypoint}' has no number.", "Mend its name in the text.")
+        raise EditRefused("renumber the waypoints", f"'{waypoint}' has no number.", "Correct its name in the text.")
     return int(digits)
 
 
@@ -234,4 +234,4 @@ def _source(python: str, edit: str) -> Source:
     try:
         return Source(python)
     except PythonSyntaxError as error:
-        raise EditRefused(edit, f"the Python cannot be read, {error}.", "Mend it first.") from error
+        raise EditRefused(edit, f"the Python cannot be read, {error}.", "Correct it first.") from error

@@ -29,14 +29,14 @@ class SpawnedForm:
     """An element that is placed at random.
 
     Attributes:
-        thing: A body or a frame.
+        element: A body or a frame.
         min_rotation: Lower bound of the rotation; None for any yaw.
         max_rotation: Upper bound of the rotation; None for any yaw.
         min_distance: Least distance from elements that were placed before [m]; None for 1 cm.
         ignore_collisions: Whether collisions with elements that were placed before are allowed.
     """
 
-    thing: Named | Written
+    element: Named | Written
     min_rotation: Rotation | None = None
     max_rotation: Rotation | None = None
     min_distance: float | None = None
@@ -48,7 +48,7 @@ class SpawnForm:
     """Names of regions, and the elements that are placed in them in order."""
 
     regions: tuple[str, ...]
-    things: tuple[SpawnedForm, ...] = ()
+    elements: tuple[SpawnedForm, ...] = ()
 
 
 @dataclass(eq=False)
@@ -91,7 +91,7 @@ def with_placements(task: TaskClass, new: Sequence[SpawnForm]) -> str | None:
         name = next(n for n in ("self.boundary", *(f"self.boundary{k}" for k in range(2, 99))) if n not in taken)
         taken.append(name)
         made = laid_out(f"{_BOUNDARY}({_regions(form)})", indent, len(f"{indent}{name} = "))
-        samples = (_sample(name, thing, names, indent) for thing in form.things)
+        samples = (_sample(name, element, names, indent) for element in form.elements)
         changes.append(task.into_init(f"{indent}{name} = {made}\n"))
         changes.append(source.above(last, f"{indent}{name}.clear()\n{''.join(samples)}"))
     return source.edited(changes)
@@ -169,13 +169,13 @@ def _changed(task: TaskClass, boundary: _Boundary, form: SpawnForm, last: ast.st
     source, old, changes = task.source, boundary.form(), list[Replacement]()
     if form.regions != old.regions:
         changes.append((*source.span(boundary.regions), _regions(form)))
-    if form.things == old.things:
+    if form.elements == old.elements:
         return changes
     free, lines = list(boundary.samples), ""
-    for thing in form.things:
-        same = next((sample for sample in free if sample[1] == thing), None)
+    for element in form.elements:
+        same = next((sample for sample in free if sample[1] == element), None)
         if same is None:
-            lines += _sample(boundary.name, thing, names, " " * last.col_offset)
+            lines += _sample(boundary.name, element, names, " " * last.col_offset)
         else:
             free.remove(same)
             lines += source.text[slice(*source.line_span(same[0]))]
@@ -195,7 +195,7 @@ def _regions(form: SpawnForm) -> str:
 
 def _sample(boundary: str, form: SpawnedForm, names: dict[Named, str], indent: str) -> str:
     """Return the line that samples a place for an element."""
-    parts = [expression(form.thing, names), "rng"]
+    parts = [expression(form.element, names), "rng"]
     for key in ("min_rotation", "max_rotation"):
         rotation: Rotation | None = getattr(form, key)
         if rotation is not None:

@@ -1,4 +1,4 @@
-"""What is wrong with the two files of a task, and in which line."""
+"""Problems of the two files of a task, each with its line."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def python_problems(text: str, name: str, spec: SceneSpec | None) -> Iterator[Pr
     try:
         source = Source(text)
     except PythonSyntaxError as error:
-        yield Problem("task", error.line, f"This is no Python: {error.problem}.")
+        yield Problem("task", error.line, f"This is not valid Python: {error.problem}.")
         return
     wanted = camel_case(name)
     classes = [node for node in source.tree.body if isinstance(node, ast.ClassDef)]
@@ -112,7 +112,7 @@ def _unknown(lookup: Lookup, spec: SceneSpec) -> Problem | None:
 
 
 def _known(kind: str, spec: SceneSpec) -> Collection[str]:
-    """Return the names that a look-up of a kind finds."""
+    """Return the names of the elements of a kind."""
     bodies = {body.name for body in spec.body}
     match kind:
         case "body":

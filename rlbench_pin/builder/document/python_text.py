@@ -18,8 +18,8 @@ from rlbench_pin.builder.document.texts import Replacement, replaced
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 ListNode = ast.List | ast.Tuple
 INDENT = "    "
-_LONGEST_LINE = 130
-_DEEPEST = 100
+_MAX_LINE_LENGTH = 130
+_MAX_DEPTH = 100
 """Levels of a tree."""
 LOOKUPS = ("body", "joint", "frame", "region", "sensor")
 """`self.world.body(name)` and so on."""
@@ -38,7 +38,7 @@ _VOCABULARY = "rlbench_pin.tasks"
 
 
 class PythonSyntaxError(ValueError):
-    """A text is not valid Python; says in which line and why."""
+    """A text is not valid Python; the message names the line and the cause."""
 
     def __init__(self, line: int | None, problem: str) -> None:
         self.line, self.problem = line, problem
@@ -61,7 +61,7 @@ class Source:
         except (ValueError, RecursionError, MemoryError) as error:
             raise PythonSyntaxError(None, str(error) or "it is nested too deeply") from error
         level: list[ast.AST] = [self.tree]
-        for _ in range(_DEEPEST):
+        for _ in range(_MAX_DEPTH):
             level = [child for node in level for child in ast.iter_child_nodes(node)]
         if deep := next((node for node in level if isinstance(node, ast.expr | ast.stmt)), None):
             raise PythonSyntaxError(deep.lineno, "it is nested too deeply")
@@ -130,7 +130,7 @@ class Source:
         return [(start, end, listed(new, indent, len(before), self._line_end(end) - end, brackets))]
 
     def _fits(self, start: int, end: int, new: str) -> bool:
-        return len(self.indent_before(start)) + len(new) + self._line_end(end) - end <= _LONGEST_LINE
+        return len(self.indent_before(start)) + len(new) + self._line_end(end) - end <= _MAX_LINE_LENGTH
 
     def _line_end(self, place: int) -> int:
         end = self.text.find("\n", place)
@@ -190,10 +190,10 @@ class TaskClass:
     def bindings(self, function: Function | None) -> dict[str, Binding]:
         """Return the values of names in a method: constants, attributes from `init_task`, local names."""
         local = dict(_once(_assignments(function.body), function)) if function is not None else {}
-        return {**self._lasting, **{name: bound for name, bound in local.items() if "." not in name}}
+        return {**self._own_names, **{name: bound for name, bound in local.items() if "." not in name}}
 
     @cached_property
-    def _lasting(self) -> dict[str, Binding]:
+    def _own_names(self) -> dict[str, Binding]:
         constants = dict(_once(_assignments(self.source.tree.body), self.source.tree))
         own = {f"self.{name}": bound for name, bound in _once(_assignments(self.node.body), self.node)}
         kept = dict(_once(_assignments(self.init.body), self.node))
@@ -265,7 +265,7 @@ def laid_out(text: str, indent: str, before: int, behind: int = 0) -> str:
         before: Number of characters before it in that line.
         behind: Number of characters behind its end.
     """
-    if before + len(text) + behind <= _LONGEST_LINE or "\n" in text:
+    if before + len(text) + behind <= _MAX_LINE_LENGTH or "\n" in text:
         return text
     node = ast.parse(text, mode="eval").body
     if isinstance(node, ListNode) and node.elts:
@@ -276,7 +276,7 @@ def laid_out(text: str, indent: str, before: int, behind: int = 0) -> str:
     opening = len(ast.get_source_segment(text, node.func) or "")
     head, inner = text[: opening + 1], text[opening + 1 : -1]
     parts: list[ast.expr | ast.keyword] = [*node.args, *node.keywords]
-    if len(deeper) + len(inner) <= _LONGEST_LINE:
+    if len(deeper) + len(inner) <= _MAX_LINE_LENGTH:
         return f"{head}\n{deeper}{inner}\n{indent})"
     if len(parts) == 1:
         return f"{head}\n{deeper}{laid_out(inner, deeper, len(deeper))}\n{indent})"
@@ -358,7 +358,7 @@ def _import(names: Iterable[str]) -> str:
     """Return an import statement: constants, then classes, then functions."""
     ordered = sorted(names, key=lambda name: (0 if name.isupper() else 1 if name[:1].isupper() else 2, name))
     line = f"from {_VOCABULARY} import {', '.join(ordered)}"
-    if len(line) <= _LONGEST_LINE:
+    if len(line) <= _MAX_LINE_LENGTH:
         return line
     return f"from {_VOCABULARY} import (\n{''.join(f'    {name},' + chr(10) for name in ordered)})"
 
@@ -396,7 +396,7 @@ def _bound_names(source: Source) -> set[str]:
 
 @dataclass(frozen=True)
 class Lookup:
-    """A literal name that the Python looks up; `kind` is `body`, `joint`, ..., or `graspable`."""
+    """A reference to an element by its literal name; `kind` is `body`, `joint`, ..., or `graspable`."""
 
     kind: str
     name: str
@@ -404,7 +404,7 @@ class Lookup:
 
 
 def lookups(source: Source) -> tuple[Lookup, ...]:
-    """Return the names that are looked up in the world, where they are string literals."""
+    """Return the references to elements of the world by string literals."""
     found = []
     for node in ast.walk(source.tree):
         if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Attribute) or not node.args:

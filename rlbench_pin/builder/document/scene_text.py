@@ -30,7 +30,7 @@ _TOKEN = re.compile(
     r'''"""(?:\\.|[^\\])*?"{3,5}|\'\'\'.*?\'{3,5}|"(?:\\.|[^"\\\n])*"|'[^'\n]*'|#[^\n]*|[\[\]{},\n]''',
     re.DOTALL,
 )
-"""What matters for where a value ends: texts, comments, brackets, commas, ends of lines."""
+"""Tokens that decide where a value ends: strings, comments, brackets, commas, ends of lines."""
 _COMMENT = re.compile(r"([ \t]+)#")
 _NUMBERED = re.compile(r"(.*[^0-9])([0-9]{1,9})")
 _EXACT = 1e-12

@@ -31,7 +31,7 @@ _FINE = 1e-3
 """Sizes below this keep two significant digits [m]."""
 _NICE_ANGLE, _NEAR_NICE = math.pi / 12.0, 1e-4
 """Angles as near to a multiple of 15 degrees are written as that [rad]."""
-_LONGEST_LINE = 120
+_MAX_LINE_LENGTH = 120
 _SAME_ROTATION, _EXACT_ROTATION = 2e-6, 1e-10
 """Quaternions whose components differ by less are the same rotation."""
 _LOCKED = 1e-6
@@ -93,11 +93,11 @@ def literal(value: object, column: int = 0) -> str:
         return tomlkit.item(value).as_string()
     parts = [literal(part) for part in value]
     text = f"[{', '.join(parts)}]"
-    if column + len(text) <= _LONGEST_LINE or not any(isinstance(part, list) for part in value):
+    if column + len(text) <= _MAX_LINE_LENGTH or not any(isinstance(part, list) for part in value):
         return text
     lines, line = "", "   "
     for part in parts:
-        if len(line) + len(part) + 2 > _LONGEST_LINE and line.strip():
+        if len(line) + len(part) + 2 > _MAX_LINE_LENGTH and line.strip():
             lines, line = f"{lines}{line}\n", "   "
         line += f" {part},"
     return f"[\n{lines}{line}\n]"

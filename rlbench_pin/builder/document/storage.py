@@ -1,6 +1,6 @@
 """The two files of a task on disk: read together, written together or not at all.
 
-A save first writes a journal beside the files, `.<task>.saving.json`, with both new contents and digests of the old ones. Then
+A save first writes a journal next to the files, `.<task>.saving.json`, with both new contents and digests of the old ones. Then
 each file is replaced, and the journal is removed. The next opening finishes a save whose journal is left, unless a file has
 been changed since.
 """
@@ -23,11 +23,11 @@ from rlbench_pin.builder.document.texts import Texts
 from rlbench_pin.errors import InvalidValue, StorageError
 from rlbench_pin.values import as_text
 
-LARGEST_FILE = 4_000_000
+MAX_FILE_SIZE = 4_000_000
 """Largest size of a file of a task [bytes]."""
 _JOURNAL_FORMAT = 1
 _PATIENCE = 5.0
-"""How long to wait for another builder that writes into the same folder [s]."""
+"""Time limit for another builder that writes into the same folder [s]."""
 Contents = tuple[bytes | None, bytes | None]
 """Of the scene file and the Python file; None for one that does not exist."""
 
@@ -81,7 +81,7 @@ def _on_disk(pair: Pair) -> Contents:
 
 
 def changed_files(pair: Pair, known: Contents) -> tuple[Path, ...]:
-    """Return the files whose content is not the known one."""
+    """Return the files whose content is not the expected one."""
     files = zip(pair.files, _on_disk(pair), known, strict=True)
     return tuple(file for file, content, expected in files if content != expected)
 
@@ -144,7 +144,7 @@ def _locked(descriptor: int) -> bool:
 
 def write_whole(path: Path, content: bytes) -> None:
     """Replace one file atomically, or raise OSError."""
-    _write_beside(path, content)
+    _write_temporary(path, content)
     _put_in_place(path)
 
 
@@ -187,7 +187,7 @@ def _finish(pair: Pair, contents: tuple[bytes, bytes]) -> None:
     """Replace both files; a failure before the first is replaced leaves nothing behind."""
     try:
         for path, content in zip(pair.files, contents, strict=True):
-            _write_beside(path, content)
+            _write_temporary(path, content)
     except BaseException:
         for path in pair.files:
             _part(path).unlink(missing_ok=True)
@@ -199,8 +199,8 @@ def _finish(pair: Pair, contents: tuple[bytes, bytes]) -> None:
     _sync_folder(pair.folder)
 
 
-def _write_beside(path: Path, content: bytes) -> None:
-    """Write the new content of a file to a temporary file beside it, and flush it to the disk."""
+def _write_temporary(path: Path, content: bytes) -> None:
+    """Write the new content to a temporary file in the same folder, and flush it to the disk."""
     part = _part(path)
     try:
         with part.open("wb") as file:
@@ -242,8 +242,8 @@ def _read(path: Path) -> bytes:
     try:
         if not path.is_file():
             raise TaskFilesError(path, "it does not exist.", "A task is a pair `<task>.toml` and `<task>.py` in one folder.")
-        if (size := path.stat().st_size) > LARGEST_FILE:
-            raise TaskFilesError(path, f"it has {size} bytes.", f"A file of a task has at most {LARGEST_FILE}.")
+        if (size := path.stat().st_size) > MAX_FILE_SIZE:
+            raise TaskFilesError(path, f"it has {size} bytes.", f"A file of a task has at most {MAX_FILE_SIZE}.")
         return path.read_bytes()
     except OSError as error:
         raise StorageError(path, error) from error

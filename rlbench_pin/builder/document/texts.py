@@ -85,7 +85,7 @@ class History:
         """Add an edit, unless it changes nothing.
 
         Args:
-            name: What people call it.
+            name: Its name on the buttons *Undo* and *Redo*.
             texts: The texts after it.
             merge: The edit becomes one with the edit right before it if both have this key; empty for an edit of its own.
         """

@@ -10,7 +10,7 @@ from rlbench_pin.builder.custom_assets.conversion import Conversion, Job
 from rlbench_pin.builder.custom_assets.folder import Folder
 from rlbench_pin.builder.custom_assets.mesh_asset import CustomAsset
 from rlbench_pin.builder.custom_assets.uploads import UploadRefused, check_size, upload_stem
-from rlbench_pin.builder.custom_assets.urdf_file import LARGEST_TEXT, checked_model
+from rlbench_pin.builder.custom_assets.urdf_file import MAX_TEXT_SIZE, checked_model
 from rlbench_pin.builder.view.catalogue import PRIMITIVES, SIZES, Asset, catalogue, primitive_urdf, search, thumbnail
 from rlbench_pin.builder.view.placing import free_place, in_frame
 from rlbench_pin.builder.view.session import Session
@@ -22,7 +22,7 @@ from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import COLORS
 
 _PAGE_SIZE = 6
-_MOST_FILES = 40
+_MAX_FILES = 40
 _SENSOR: dict[str, object] = {"shape": "sphere", "size": (0.06,)}
 
 
@@ -163,7 +163,7 @@ class Adding:
 
         def add(file: str) -> None:
             with self._folder().path(file).open("rb") as stream:
-                checked_model(file, stream.read(LARGEST_TEXT + 1))
+                checked_model(file, stream.read(MAX_TEXT_SIZE + 1))
             self._add_body(f"./{file}", {})
 
         panel.note("A URDF file with meshes in the folder of the task, or a ZIP file with one URDF file and its meshes.")
@@ -175,7 +175,7 @@ class Adding:
         folder = self._session.document.folder
         files = sorted(file.relative_to(folder).as_posix() for pattern in ("*.urdf", "*/*.urdf") for file in folder.glob(pattern))
         panel.note(f"URDF files in the folder of the task: {len(files)}")
-        for file in files[:_MOST_FILES]:
+        for file in files[:_MAX_FILES]:
             panel.button(f"Add {file}", lambda file=file: add(file))  # type: ignore[misc]
 
     def _show_scale(self, panel: Panel) -> None:

@@ -29,7 +29,7 @@ Put = Callable[[Conditions], None]
 """Receives changed conditions."""
 SetField = Callable[[str], Callable[[Any], None]]
 """Returns a function that sets a field of the behaviour."""
-_LOCKED = "The Python says this in a way that no form can edit; see *Files*."
+_LOCKED = "No form can edit this part of the Python; see *Files*."
 _NO_ROTATION = (0.0, 0.0, 0.0)
 _FIRST: Mapping[str, Argument] = {"number": 0.1, "whole": 1, "flag": False, "numbers": (1.0, 0.0, 0.0)}
 _KIND_NAMES = {"place": "body or frame", "conditions": "condition", "places": "body or frame"}
@@ -136,11 +136,11 @@ def _show_placements(panel: Panel, session: Session, forms: tuple[SpawnForm, ...
 def _show_spawn(panel: Panel, session: Session, form: SpawnForm, put: Callable[[tuple[SpawnForm, ...]], None]) -> None:
     def show_body(name: str) -> None:
         body = Named("body", name)
-        spawned = next((s for s in form.things if s.thing == body), None)
-        rest = tuple(s for s in form.things if s.thing != body)
+        spawned = next((s for s in form.elements if s.element == body), None)
+        rest = tuple(s for s in form.elements if s.element != body)
 
         def change(wanted: bool) -> None:
-            put((replace(form, things=(*rest, SpawnedForm(body)) if wanted else rest),))
+            put((replace(form, elements=(*rest, SpawnedForm(body)) if wanted else rest),))
 
         folder.checkbox(name, spawned is not None, change)
         if spawned is not None:
@@ -155,7 +155,7 @@ def _show_spawn(panel: Panel, session: Session, form: SpawnForm, put: Callable[[
 def _show_spawned(panel: Panel, form: SpawnForm, spawned: SpawnedForm, put: Callable[[tuple[SpawnForm, ...]], None]) -> None:
     def change(**values: Any) -> None:
         new = replace(spawned, **values)
-        put((replace(form, things=tuple(new if s.thing == spawned.thing else s for s in form.things)),))
+        put((replace(form, elements=tuple(new if s.element == spawned.element else s for s in form.elements)),))
 
     def set_rotation(word: str) -> None:
         bound = None if word == "any yaw" else _NO_ROTATION

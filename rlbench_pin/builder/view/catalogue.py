@@ -34,7 +34,7 @@ Primitive = Literal["box", "cylinder", "sphere"]
 PRIMITIVES: tuple[Primitive, ...] = ("box", "cylinder", "sphere")
 SIZES = {"box": ("x", "y", "z"), "cylinder": ("diameter", "height"), "sphere": ("diameter",)}
 """Names of the sizes [m]."""
-_LARGEST = 2.0
+_MAX_SIZE = 2.0
 
 
 @dataclass(frozen=True)
@@ -173,7 +173,7 @@ def primitive_urdf(name: str, kind: Primitive, size: Sequence[float], mass: floa
     words = SIZES[as_choice(kind, "kind", PRIMITIVES)]
     if len(size) != len(words):
         raise InvalidValue("size", size, f"has to be {', '.join(words)} [m]")
-    lengths = [as_number(value, f"{word} [m]", above=0.0, most=_LARGEST) for word, value in zip(words, size)]
+    lengths = [as_number(value, f"{word} [m]", above=0.0, most=_MAX_SIZE) for word, value in zip(words, size)]
     mass = as_number(mass, "mass [kg]", above=0.0, most=100.0)
     rgba = " ".join(f"{as_number(share, 'colour', least=0.0, most=1.0):g}" for share in (*color[:3], 1.0))
     return _text(as_text(name, "name"), _shape(kind, lengths), mass, _moments(kind, lengths, mass), rgba)

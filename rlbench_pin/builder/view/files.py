@@ -35,7 +35,7 @@ def show_files(panel: Panel, session: Session, widen: Callable[[], None]) -> Non
     _show_file(panel, session, "task", f"{document.name}.py", document.python_text)
     if changed:
         panel.note(f"{changed} changed on disk.")
-        panel.button("Take over what is on disk", lambda: session.do(lambda d: d.reload()), "orange")
+        panel.button("Load the files from disk", lambda: session.do(lambda d: d.reload()), "orange")
         panel.button("Save over it", lambda: session.do(lambda d: d.save(over=True)), "red")
 
 

@@ -26,8 +26,8 @@ GRID = 0.01
 _YAW_STEP = np.radians(15.0)
 _LENGTH_DECIMALS, _ANGLE_DECIMALS = 4, 2
 _STEP, _GAP = 0.05, 0.01
-_BESIDE, _INSIDE = 0.02, 0.03
-"""Tolerances beside a body and below its top for a drop onto it; the gizmo is seldom hit exactly [m]."""
+_MARGIN_BESIDE, _MARGIN_BELOW = 0.02, 0.03
+"""Tolerances beside a body and below its top for a drop onto it [m]."""
 
 # Poses as numbers ----------------------------------------------------------------------------------------------------
 
@@ -213,9 +213,9 @@ class DropTargets:
         found = [
             (box[1, 2], name)
             for name, box in self._boxes.items()
-            if (box[0, :2] - _BESIDE <= point[:2]).all()
-            and (point[:2] <= box[1, :2] + _BESIDE).all()
-            and (point[2] >= box[1, 2] - _INSIDE or (box[0] <= point).all() and (point <= box[1]).all())
+            if (box[0, :2] - _MARGIN_BESIDE <= point[:2]).all()
+            and (point[:2] <= box[1, :2] + _MARGIN_BESIDE).all()
+            and (point[2] >= box[1, 2] - _MARGIN_BELOW or (box[0] <= point).all() and (point <= box[1]).all())
         ]
         return max(found)[1] if found else ""
 

@@ -22,7 +22,7 @@ SHAPES = ("box", "cylinder", "sphere")
 _DROP_HINT = "Drop an element over a body to attach it: the body in the yellow box. The element keeps its pose in the world."
 _FILE_COLOR, _OTHER_COLOR = "as in its file", "another"
 _MOVABLE = ("revolute", "continuous", "prismatic")
-_HALF_TURN, _SMALLEST = 3.1416, 0.001
+_HALF_TURN, _MIN_SIZE = 3.1416, 0.001
 
 
 def show_properties(panel: Panel, session: Session, snap_now: Callable[[], None]) -> None:
@@ -96,7 +96,7 @@ def _show_confirmation(panel: Panel, session: Session, needed: HasDependants) ->
         session.do(lambda document: document.delete(needed.name, with_dependants=True))
 
     panel.note("\n".join(lines))
-    panel.button("Delete with all that depends on it", delete, "red")
+    panel.button("Delete with all dependants", delete, "red")
     panel.button("Keep it", keep)
 
 
@@ -110,7 +110,7 @@ def _rename(session: Session, old: str, new: str) -> None:
     session.do_and_select(rename)
     if left:
         lines = "\n".join(f"line {line}" for line in left)
-        session.tell("Renamed", f"The Python still names '{old}' in lines that were not changed:\n{lines}", bad=True)
+        session.show_message("Renamed", f"The Python still names '{old}' in lines that were not changed:\n{lines}", bad=True)
 
 
 # Parent and pose -----------------------------------------------------------------------------------------------------
@@ -233,7 +233,7 @@ def _show_body(panel: Panel, session: Session, body: BodySpec) -> None:
     if body.color is not None:
         color = next((word for word, rgb in palette.items() if rgb == tuple(body.color[:3])), _OTHER_COLOR)
     options = (_FILE_COLOR, *palette, *([_OTHER_COLOR] if color == _OTHER_COLOR else []))
-    panel.dropdown("Colour", color, options, set_color, "The palette from which variations draw")
+    panel.dropdown("Colour", color, options, set_color, "The palette of the variations")
     panel.number("Scale", body.scale, lambda value: change("scale", round(value, 4)), 0.05, 0.0001, 100.0)
     try:
         joints = [j for j in read_urdf(resolve_asset(session.spec, body.asset)).joints if j.kind in _MOVABLE]
@@ -260,7 +260,7 @@ def _show_joint(panel: Panel, session: Session, body: BodySpec, joint: UrdfJoint
     with panel.folder(joint.name) as folder:
         folder.slider(f"Starts at [{unit}]", round(spec.position, 4), slide, low, max(high, low + 0.001))
         folder.number("Friction", spec.friction, lambda value: change("friction", round(value, 4)), 0.01, 0.0)
-        folder.checkbox("Locked", spec.locked, lambda value: change("locked", value), "Held until the task unlocks it")
+        folder.checkbox("Locked", spec.locked, lambda value: change("locked", value), "Locked until the task unlocks it")
 
 
 # Regions and sensors -------------------------------------------------------------------------------------------------
@@ -271,7 +271,7 @@ def _show_region(panel: Panel, session: Session, region: RegionSpec) -> None:
 
     def change(value: Vector3) -> None:
         x, y, z = (round(abs(v), 4) for v in value)
-        new = max(x, _SMALLEST), max(y, _SMALLEST), z
+        new = max(x, _MIN_SIZE), max(y, _MIN_SIZE), z
         session.do(lambda document: document.set(region.name, "size", new, merge=f"size of {region.name}"))
 
     panel.vector("Size x y z [m]", (size[0], size[1], size[2]), change, hint="Flat if its height is 0")
@@ -281,7 +281,7 @@ def _show_sensor(panel: Panel, session: Session, sensor: SensorSpec) -> None:
     name, size = sensor.name, sensor.size
 
     def resize(number: int, value: float) -> None:
-        new = tuple(round(max(abs(value), _SMALLEST), 4) if k == number else v for k, v in enumerate(size))
+        new = tuple(round(max(abs(value), _MIN_SIZE), 4) if k == number else v for k, v in enumerate(size))
         session.do(lambda document: document.set(name, "size", new, merge=f"size of {name}"))
 
     def reshape(shape: str) -> None:
@@ -292,4 +292,4 @@ def _show_sensor(panel: Panel, session: Session, sensor: SensorSpec) -> None:
     panel.dropdown("Shape", sensor.shape, SHAPES, reshape)
     words = {"box": ("x", "y", "z"), "cylinder": ("Diameter", "Length"), "sphere": ("Diameter",)}[sensor.shape]
     for number, word in enumerate(words):
-        panel.number(f"{word} [m]", size[number], lambda value, k=number: resize(k, value), 0.01, _SMALLEST)  # type: ignore[misc]
+        panel.number(f"{word} [m]", size[number], lambda value, k=number: resize(k, value), 0.01, _MIN_SIZE)  # type: ignore[misc]

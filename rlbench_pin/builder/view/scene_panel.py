@@ -39,11 +39,11 @@ class Drafts:
             panel.note(f"⚠ {self._keeper.news}")
         if self._keeper.offered:
             panel.note(self._description(self._keeper.offered[0]))
-            panel.button("Take up the draft", self._take, "orange", "One edit, which can be undone")
-            panel.button("Drop the draft", self._drop)
+            panel.button("Apply the draft", self._take, "orange", "One edit, which can be undone")
+            panel.button("Discard the draft", self._drop)
 
     def close(self) -> None:
-        """Write what is not written yet."""
+        """Write the unsaved edits to the draft."""
         self._keeper.close()
 
     def _description(self, draft: Draft) -> str:

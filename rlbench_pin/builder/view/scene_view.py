@@ -36,7 +36,7 @@ GRIPPERS = ("all", "selected", "none")
 GREEN, AMBER, RED, WHITE, GRAY = (60, 180, 75), (255, 170, 0), (220, 50, 47), (170, 180, 190), (120, 120, 120)
 _VERDICT_COLORS = {"free": GREEN, "collides": AMBER, "unreachable": RED}
 _PATH, _REGION, _SENSOR, _SELECTED = (30, 90, 200), (50, 110, 220), (150, 70, 200), (255, 200, 0)
-_GIZMO_SIZE, _THINNEST, _REACH_HEIGHT = 0.14, 0.002, 0.003  # [m]
+_GIZMO_SIZE, _MIN_THICKNESS, _REACH_HEIGHT = 0.14, 0.002, 0.003  # [m]
 _EMPTY = SceneSpec(format=2)
 _Unseen: TypeAlias = FrameSpec | RegionSpec | SensorSpec
 _Node: TypeAlias = FrameHandle | BoxHandle | CylinderHandle | IcosphereHandle
@@ -261,7 +261,7 @@ class Volumes:
         elif isinstance(element, SensorSpec) and element.shape == "cylinder":
             node = self._scene.add_cylinder(path, 0.5 * diameter, size[1], color, opacity=0.3, cast_shadow=False)
         else:
-            edges = (size[0], size[1], max(_THINNEST, size[2])) if len(size) == 3 else (diameter,) * 3
+            edges = (size[0], size[1], max(_MIN_THICKNESS, size[2])) if len(size) == 3 else (diameter,) * 3
             node = self._scene.add_box(path, color, edges, opacity=0.3, cast_shadow=False)
         node.on_click(lambda _: self._on_pick(element.name))  # type: ignore[union-attr]
         return node

@@ -49,7 +49,7 @@ class Session:
         selected: Name of the selected element; `root` is the placement of the task, empty is none.
         snap: Snapping of dragged elements.
         drops_onto: Whether an element that is dropped over a body is attached to it.
-        pending_deletion: A deletion that waits for a confirmation, because other elements depend on the element.
+        pending_deletion: A deletion that needs a confirmation, because other elements depend on the element.
         typed: Files with typed text that is not applied.
     """
 
@@ -71,7 +71,7 @@ class Session:
 
     @property
     def behaviour(self) -> Behaviour:
-        """What forms can edit of the Python file, cached until the file changes."""
+        """The parts of the Python file that forms can edit, cached until the file changes."""
         text = self.document.python_text
         if self._behaviour is None or self._behaviour[0] != text:
             self._behaviour = (text, self.document.behaviour)
@@ -105,7 +105,7 @@ class Session:
             try:
                 job()
             except RlbenchPinError as error:
-                self.tell("Not done", str(error), bad=True)
+                self.show_message("Not done", str(error), bad=True)
 
         self.edits.post(run, kind)
 
@@ -115,7 +115,7 @@ class Session:
         try:
             edit(self.document)
         except RlbenchPinError as error:
-            self.tell("Not done", str(error), bad=True)
+            self.show_message("Not done", str(error), bad=True)
         self.select(self.selected)
 
     def select(self, name: str) -> None:
@@ -147,17 +147,19 @@ class Session:
         """Save both files, and report typed text that is left out."""
         self.do(lambda document: document.save())
         if not self.document.unsaved:
-            self.tell("Saved", f"{self.document.folder / self.document.name}.toml and .py")
+            self.show_message("Saved", f"{self.document.folder / self.document.name}.toml and .py")
         if self.typed:
-            self.tell("Not saved", f"Typed text in {' and '.join(sorted(self.typed))}: press Apply in Files first.", bad=True)
+            self.show_message(
+                "Not saved", f"Typed text in {' and '.join(sorted(self.typed))}: press Apply in Files first.", bad=True
+            )
 
-    def tell(self, title: str, text: str, bad: bool = False) -> None:
+    def show_message(self, title: str, text: str, bad: bool = False) -> None:
         """Show a message in all tabs."""
         self._notify(title, text, bad)
 
     def _report(self, error: Exception) -> None:
         _LOG.exception("in the thread of edits", exc_info=error)
-        self.tell("Internal error of the builder", f"{type(error).__name__}: {error}", bad=True)
+        self.show_message("Internal error of the builder", f"{type(error).__name__}: {error}", bad=True)
 
     def stop(self) -> None:
         """End the thread of edits."""

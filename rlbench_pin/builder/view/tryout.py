@@ -15,7 +15,7 @@ from rlbench_pin.viewer.player import Player
 from rlbench_pin.viewer.recording import Frame, Recording
 
 _IMAGE_SIZE = 160
-_LARGEST_SEED = 2**31 - 1
+_MAX_SEED = 2**31 - 1
 _DURATIONS = (0.05, 0.5, 2.0, 10.0)
 """Durations to simulate [s]; the first is one control tick."""
 
@@ -46,18 +46,18 @@ class Tryout:
         if not self._world.run_task:
             show_permission(panel, self._world, self._session.document.name)
         variations = 1 if status.opened is None else max(1, status.opened.variations)
-        panel.number("Seed", self.seed, self._set_seed, 1.0, 0.0, _LARGEST_SEED)
+        panel.number("Seed", self.seed, self._set_seed, 1.0, 0.0, _MAX_SEED)
         label = f"Variation, 0 to {variations - 1}"
         panel.number(label, self.variation, self._set_variation, 1.0, 0.0, variations - 1.0)
         seeds: dict[str, Callable[[], None]] = {
             "Before": lambda: self._reset_to(max(0, self.seed - 1)),
-            "Next": lambda: self._reset_to(min(self.seed + 1, _LARGEST_SEED)),
-            "Random": lambda: self._reset_to(int(self._rng.integers(0, _LARGEST_SEED))),
+            "Next": lambda: self._reset_to(min(self.seed + 1, _MAX_SEED)),
+            "Random": lambda: self._reset_to(int(self._rng.integers(0, _MAX_SEED))),
         }
         panel.button_row("Other seed", seeds)
         panel.button("Reset", self.reset, "blue", "Start the episode of this seed")
         panel.button("Demonstration", self.demonstrate, "blue", disabled=not self._world.run_task)
-        panel.button_row("Let time pass", {f"{t:g} s": lambda t=t: self.simulate(t) for t in _DURATIONS})  # type: ignore[misc]
+        panel.button_row("Simulate", {f"{t:g} s": lambda t=t: self.simulate(t) for t in _DURATIONS})  # type: ignore[misc]
         panel.button("Plan paths", self._world.plan)
         panel.button("Stop", self.stop, "red", disabled=not status.work)
         # Both lines are always there, so that the controls below keep their positions.
@@ -166,7 +166,7 @@ class Tryout:
 
     def _report(self, recording: Recording) -> None:
         if (failure := recording.failure) is not None:
-            self._session.post(lambda: self._session.tell("It failed", failure.cause, bad=True))
+            self._session.post(lambda: self._session.show_message("It failed", failure.cause, bad=True))
 
 
 def show_permission(panel: Panel, world: WorldSync, name: str) -> None:

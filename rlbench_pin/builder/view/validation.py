@@ -1,4 +1,4 @@
-"""The tab *Validate*: results of the validator, failures to replay, the reach map, what a contribution lacks."""
+"""The tab *Validate*: results of the validator, failures to replay, the reach map, open requirements of a contribution."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.viewer.job_thread import JobThread
 
 _SIGNS: dict[bool | None, Sign] = {True: "good", False: "bad", None: "busy"}
-_MOST_FAILURES = 8
+_MAX_FAILURES = 8
 _LAYOUTS = 60
 _SENTENCES, _DEMONSTRATIONS = 3, 100
 """Requirements for a task of the library."""
@@ -27,7 +27,7 @@ class Validation:
         session: The edited task.
         world: Sends requests to the worker process.
         open_at: Plays the demonstration of a seed and variation.
-        on_spots: Receives the layouts of the reach map.
+        on_spots: Called with the layouts of the reach map.
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class Validation:
         is_blocked = not self._world.run_task or bool(self.work)
         panel.number("Demonstrations", self._episodes, self._set_episodes, 5.0, 1.0, 1000.0)
         panel.button("Validate", self.validate, "blue", disabled=is_blocked)
-        panel.button("Map of what can be reached", self.map_reach, disabled=is_blocked)
+        panel.button("Reach map", self.map_reach, disabled=is_blocked)
         panel.button("Stop validation", self.stop, "red", disabled=not self.work)
         if self.work:
             panel.sign("busy", self.work)
@@ -82,7 +82,7 @@ class Validation:
             self._show_requirements(folder)
 
     def _show_map(self, panel: Panel) -> None:
-        """Show what the colours of the map mean, and how often each occurs."""
+        """Show the legend of the map, and how often each colour occurs."""
 
         def clear() -> None:
             self._spots = []
@@ -94,17 +94,17 @@ class Validation:
         with panel.folder("Map") as folder:
             folder.note(f"Each dot on the table is a position of the task's root, {len(self._spots)} in all:")
             folder.sign("good", "the gripper reaches all waypoints", str(reached))
-            folder.sign("bad", "it does not reach one or more", str(len(self._spots) - blocked - reached))
+            folder.sign("bad", "it does not reach one or more waypoints", str(len(self._spots) - blocked - reached))
             folder.sign("unknown", "something touches the arm at home", str(blocked))
             folder.button("Remove the map", clear, disabled=bool(self.work))
 
     def _show_line(self, panel: Panel, line: ValidationLine) -> None:
         panel.sign(_SIGNS[line.passed], line.figure, line.name)
-        for seed, variation, cause in line.failures[:_MOST_FAILURES]:
+        for seed, variation, cause in line.failures[:_MAX_FAILURES]:
             label = f"Open seed {seed}, variation {variation}"
             panel.button(label, lambda s=seed, v=variation: self._open_at(s, v), "orange", cause)  # type: ignore[misc]
             panel.note(cause)
-        if (more := len(line.failures) - _MOST_FAILURES) > 0:
+        if (more := len(line.failures) - _MAX_FAILURES) > 0:
             panel.note(f"... and {more} more.")
 
     def _show_requirements(self, panel: Panel) -> None:
@@ -185,7 +185,7 @@ class Validation:
         def request() -> None:
             self._world.worker.reach_map(_LAYOUTS, lambda spot: self._session.post(lambda: add(spot)))
 
-        self._start(f"looking at {_LAYOUTS} layouts", request)
+        self._start(f"checking {_LAYOUTS} layouts", request)
 
     def stop(self) -> None:
         """Stop the validator or the map."""

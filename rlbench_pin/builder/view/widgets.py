@@ -1,4 +1,4 @@
-"""Panels of viser's controls that are described anew at each change: a control that stays the same keeps its handle."""
+"""Panels of viser controls, described again at each change: an unchanged control keeps its handle."""
 
 from __future__ import annotations
 
@@ -129,7 +129,7 @@ class Panel:
 
     @contextlib.contextmanager
     def update(self) -> Iterator[Panel]:
-        """Describe all controls, in order. From the first that differs from the present ones on, they are made anew."""
+        """Describe all controls, in order. From the first that differs from the present ones on, they are made again."""
         self._next = 0
         with self._container:
             yield self
@@ -381,7 +381,7 @@ LINE = 17
 """Height of a line of a file [px]."""
 _GUTTER = 40
 _NUMBERS = itertools.count()
-_TYPED = "Typed, not applied yet: the scene does not know of it, and Save leaves it out."
+_TYPED = "Typed, not applied yet: it is not in the scene, and Save leaves it out."
 _OVERTAKEN = (
     "The file was changed while you typed. Apply puts your text in its place (Undo brings it back); Discard shows the file."
 )
@@ -430,7 +430,7 @@ class CodeField:
 
     @property
     def warning(self) -> str:
-        """What is said of typed text that is not applied; empty when there is none."""
+        """Warning about typed text that is not applied; empty when there is none."""
         return self._note.content if self._note.visible else ""
 
     def show(self, value: str, marked: tuple[int, ...] = ()) -> None:
@@ -490,34 +490,34 @@ PAUSE = 70
 _DELAY_PRESSES = """
 if (!window.pressesWait) {
   window.pressesWait = true;
-  const told = 'button, [role=option], input[type=checkbox]', slides = '[role=slider], .mantine-Slider-root';
+  const buttons = 'button, [role=option], input[type=checkbox]', sliders = '[role=slider], .mantine-Slider-root';
   const replayed = new WeakSet();
   let free = 0;
-  const tell = () => { free = Math.max(free, performance.now() + PAUSE); };
-  const slide = (event) => { if (event.target.closest?.(slides)) tell(); };
-  document.addEventListener('input', tell, true);
+  const wait = () => { free = Math.max(free, performance.now() + PAUSE); };
+  const slide = (event) => { if (event.target.closest?.(sliders)) wait(); };
+  document.addEventListener('input', wait, true);
   for (const kind of ['pointermove', 'pointerup', 'keydown']) document.addEventListener(kind, slide, true);
   document.addEventListener('click', (event) => {
-    const pressed = event.target.closest?.(told);
+    const pressed = event.target.closest?.(buttons);
     if (!pressed) return;
     if (replayed.delete(pressed)) return;
     const now = performance.now();
-    if (now >= free) { tell(); return; }
+    if (now >= free) { wait(); return; }
     event.preventDefault();
     event.stopImmediatePropagation();
     const label = pressed.innerText;
     setTimeout(() => {
-      const alike = pressed.isConnected ? [pressed] : [...document.querySelectorAll(told)].filter((e) => e.innerText === label);
-      if (alike.length !== 1) return;
-      replayed.add(alike[0]);
-      alike[0].click();
-      replayed.delete(alike[0]);
+      const same = pressed.isConnected ? [pressed] : [...document.querySelectorAll(buttons)].filter((b) => b.innerText === label);
+      if (same.length !== 1) return;
+      replayed.add(same[0]);
+      same[0].click();
+      replayed.delete(same[0]);
     }, free - now);
     free += PAUSE;
   }, true);
 }
 """
-"""Enter in a field presses the hidden button of its form, which waits as well. A button that is made anew while a press waits is
+"""Enter in a field presses the hidden button of its form, which waits as well. A button that is made again while a press waits is
 found by its label, if the label is unique."""
 
 

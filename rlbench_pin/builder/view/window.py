@@ -133,7 +133,7 @@ class Window:
             return
         if document.undoable == "" or not document.unsaved:
             self.session.do(lambda document: document.reload())
-            self.session.tell("Read again", "The files have changed on disk.")
+            self.session.show_message("Read again", "The files have changed on disk.")
         else:
             self.session.changed()
 

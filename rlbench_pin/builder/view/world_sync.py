@@ -24,7 +24,7 @@ class WorldSync:
     Args:
         session: The edited task.
         worker: The worker process.
-        on_arm: Receives the joint positions (n,) of an arm that follows a dragged waypoint.
+        on_arm: Called with the joint positions (n,) of an arm that follows a dragged waypoint.
 
     Attributes:
         run_task: Whether the user has allowed the task's own module to run.
@@ -46,7 +46,7 @@ class WorldSync:
             return
         self._requested = requested
         self.session.status.paths = ()
-        self.work("looking at the scene", lambda: self._inspect(*requested), kind="inspect")
+        self.work("checking the scene", lambda: self._inspect(*requested), kind="inspect")
 
     def allow_code(self) -> None:
         """Let the task's own module run from now on, in the thread of edits."""

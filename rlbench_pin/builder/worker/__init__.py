@@ -1,4 +1,4 @@
-"""The world of the edited task in a worker process, which may hang or crash without harm to the builder."""
+"""The world of the edited task in a worker process; if it hangs or crashes, the builder keeps running."""
 
 from __future__ import annotations
 

@@ -37,11 +37,11 @@ from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_array, as_flag, as_function, as_number, as_pose, as_record, as_seed, as_text, as_whole
 from rlbench_pin.viewer.recording import Frame, Problem, Recording
 
-LONGEST_SIMULATION = 600.0
+MAX_SIMULATION = 600.0
 """Simulated time of one call at most [s]."""
-LARGEST_IMAGE = 1024
+MAX_IMAGE_SIZE = 1024
 """Width and height of an image at most [px]."""
-MOST_EPISODES, MOST_LAYOUTS = 10_000, 100_000
+MAX_EPISODES, MAX_LAYOUTS = 10_000, 100_000
 
 
 class WorkerClient:
@@ -122,7 +122,7 @@ class WorkerClient:
             self._world.python = self._folder.update(self._world.python, before, self._text)
             return self._build("place", {}, self.limits.place)[0]
 
-    # Looking ------------------------------------------------------------------------------------------------------------------
+    # Inspection -----------------------------------------------------------------------------------------------------------------
 
     def reach(self) -> tuple[WaypointVerdict, ...]:
         """Return for each waypoint whether the gripper reaches it after the ones before it, in the present layout."""
@@ -155,7 +155,7 @@ class WorkerClient:
             frame: A frame of a recording, which changes nothing in the world; None takes the present state.
         """
         sent = None if frame is None else encode(as_record(frame, Frame, "frame"))
-        question = {"size": as_whole(size, "size [px]", least=8, most=LARGEST_IMAGE), "frame": sent}
+        question = {"size": as_whole(size, "size [px]", least=8, most=MAX_IMAGE_SIZE), "frame": sent}
         images: dict[str, NDArray[np.uint8]] = self._ask("images", question, self.limits.image)
         return images
 
@@ -179,7 +179,7 @@ class WorkerClient:
 
     def simulate(self, seconds: float, on_frame: Callable[[Frame], None] | None = None) -> Recording:
         """Continue from the present state with the arm at rest; before the first reset, with the layout of the scene."""
-        seconds = as_number(seconds, "seconds [s]", above=0.0, most=LONGEST_SIMULATION)
+        seconds = as_number(seconds, "seconds [s]", above=0.0, most=MAX_SIMULATION)
         return self._recording("simulate", {"seconds": seconds}, on_frame)
 
     def _recording(self, operation: str, question: dict[str, Any], on_frame: Callable[[Frame], None] | None) -> Recording:
@@ -202,7 +202,7 @@ class WorkerClient:
             on_line: Called with a line whenever it changes; `passed` is None until its part is done.
             on_progress: Called with the numbers of finished and of all trials.
         """
-        episodes = as_whole(episodes, "episodes", least=1, most=MOST_EPISODES)
+        episodes = as_whole(episodes, "episodes", least=1, most=MAX_EPISODES)
         as_function(on_progress, "on_progress")
         on_sent_line = _on(ValidationLine, on_line)
 
@@ -220,7 +220,7 @@ class WorkerClient:
 
     def reach_map(self, layouts: int, on_spot: Callable[[ReachSpot], None] | None = None) -> tuple[ReachSpot, ...]:
         """Lay the task out for that many seeds, from 0 on, and return which waypoints the arm reaches in each layout."""
-        question = {"layouts": as_whole(layouts, "layouts", least=1, most=MOST_LAYOUTS)}
+        question = {"layouts": as_whole(layouts, "layouts", least=1, most=MAX_LAYOUTS)}
         notes = _on(ReachSpot, on_spot)
         with self._validator_turn("reach_map") as pair:
             self._validator.ask("open", {**pair, "run_task": self._run_task, "robot": self._robot}, self.limits.open)

@@ -1,6 +1,6 @@
 """The program of a worker process: `python -m rlbench_pin.builder.worker.host SOCKET PIPE DUMP MEMORY`.
 
-It answers one question at a time with `{"ok": ...}` or `{"error": text, "kind": ...}`; before the answer it sends
+It answers one request at a time with `{"ok": ...}` or `{"error": text, "kind": ...}`; before the answer it sends
 `{"note": name, "value": ...}`. SIGUSR2 stops the operation. At a crash, or at SIGUSR1, the Python stack is written to DUMP.
 """
 
@@ -33,7 +33,7 @@ class Stopped(BaseException):
 
 
 class Host:
-    """Answers the questions of the owner at the other end of a channel."""
+    """Answers the requests of the owner at the other end of a channel."""
 
     def __init__(self, channel: Channel) -> None:
         self._channel, self._world, self._stop = channel, TaskWorld(), False

@@ -12,7 +12,7 @@ from rlbench_pin.builder.document.problems import scene_problem
 from rlbench_pin.errors import AssetInvalid, AssetNotFound, RlbenchPinError, SceneFileError, TaskError, UnknownName
 from rlbench_pin.viewer.recording import FileKind, Problem
 
-LONGEST = 2000
+MAX_MESSAGE = 2000
 """Characters of a message that are kept."""
 _DUMPED = re.compile(r'File "([^"]+)", line (\d+)')
 
@@ -38,7 +38,7 @@ class Pair:
 
 def problem_of(error: BaseException, pair: Pair) -> Problem:
     """Return an error as a problem, at the last line of the Python file in its traceback, else at a line of the scene."""
-    message, line = pair.real(_message(error))[:LONGEST], _python_line(error, pair.python)
+    message, line = pair.real(_message(error))[:MAX_MESSAGE], _python_line(error, pair.python)
     if line is not None:
         return Problem("task", line, message)
     for cause in chain(error):

@@ -1,4 +1,4 @@
-"""A worker process as the builder's server sees it: its files, its limits, its errors, questions and answers."""
+"""A worker process in the server of the builder: its files, limits, errors, requests and answers."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from rlbench_pin.viewer.recording import Problem
 # Errors -----------------------------------------------------------------------------------------------------------------------
 
 FaultKind = Literal["crashed", "timed out", "out of memory", "failed"]
-"""How an operation failed; after `failed` the process lives on."""
+"""Kind of a failed operation; after `failed` the process continues."""
 _SENTENCES: dict[FaultKind, str] = {
     "crashed": "died",
     "timed out": "did not answer in time",
@@ -107,7 +107,7 @@ class WorkerLimits:
     place: float = 10.0
     """To take over new poses of a scene."""
     reach: float = 5.0
-    """To look at all waypoints."""
+    """To check the reachability of all waypoints."""
     follow: float = 5.0
     """For one step of the arm after a dragged gripper."""
     paths: float = 60.0
@@ -119,7 +119,7 @@ class WorkerLimits:
     trial: float = 600.0
     """For one trial of the validator."""
     wait: float = 5.0
-    """For the operation before, which then refuses the next one."""
+    """For the end of the operation before; after that, the next one is refused."""
     memory: int = 4 * 2**30
     """Bytes of address space that a task may take in addition to the libraries."""
 
@@ -131,7 +131,7 @@ class WorkerLimits:
 # Files ------------------------------------------------------------------------------------------------------------------------
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
-_BESIDE = re.compile(r"""["'](\.\.?/[^"']*)["']""")
+_RELATIVE_PATH = re.compile(r"""["'](\.\.?/[^"']*)["']""")
 """Relative paths in a scene."""
 OWNER = "RLBENCH_PIN_BUILDER"
 """Environment variable of a worker process and its descendants; its value is the private folder."""
@@ -178,7 +178,7 @@ class PrivateFolder:
         shutil.rmtree(here, ignore_errors=True)
         here.mkdir()
         pair = (f"{text.name}.toml", f"{text.name}.py")
-        levels = max((found.count("../") for found in _BESIDE.findall(text.scene)), default=0)
+        levels = max((found.count("../") for found in _RELATIVE_PATH.findall(text.scene)), default=0)
         folder = text.folder.absolute()
         way = [*reversed(list(folder.parents)[:levels]), folder]  # the scene names files in these folders
         for above, below in zip(way, way[1:]):
@@ -192,7 +192,7 @@ class PrivateFolder:
 
     def update(self, python: Path, before: TaskText, text: TaskText) -> Path:
         """Write a task again of which only the scene has changed, and return its Python file."""
-        if _BESIDE.findall(before.scene) != _BESIDE.findall(text.scene) or not python.is_file():
+        if _RELATIVE_PATH.findall(before.scene) != _RELATIVE_PATH.findall(text.scene) or not python.is_file():
             return self.write(python.relative_to(self.path).parts[0], text)
         python.with_suffix(".toml").write_text(text.scene, encoding="utf-8")
         return python
@@ -200,8 +200,8 @@ class PrivateFolder:
     def close(self) -> None:
         """Remove the folder; may be called again."""
         if self._sweeper.stdin is not None and not self._sweeper.stdin.closed:
-            with contextlib.suppress(OSError), self._sweeper.stdin as told:
-                told.write(b"\n")  # a forked process may hold the pipe, too: do not rely on its end
+            with contextlib.suppress(OSError), self._sweeper.stdin as pipe:
+                pipe.write(b"\n")  # a forked process may hold the pipe, too: do not rely on its end
             self._sweeper.wait(timeout=30.0)
 
 
@@ -231,7 +231,7 @@ OnNote = Callable[[str, Any], None]
 
 
 class WorkerProcess:
-    """A process that answers one question at a time. It is started when needed, also after it has died.
+    """A process that answers one request at a time. It is started when needed, also after it has died.
 
     Args:
         name: Name of its files.
@@ -247,7 +247,7 @@ class WorkerProcess:
 
     def __init__(self, name: str, folder: Path, limits: WorkerLimits) -> None:
         self._name, self._folder, self._limits = name, folder, limits
-        self._guard, self._turn, self._turn_thread = threading.Lock(), threading.Lock(), 0
+        self._lock, self._turn, self._turn_thread = threading.Lock(), threading.Lock(), 0
         self._child: ChildProcess | None = None
         self._channel: Channel | None = None
         self.pid: int | None = None
@@ -274,7 +274,7 @@ class WorkerProcess:
 
     def start(self) -> None:
         """Start the process unless it runs; it loads its libraries while the caller goes on."""
-        with self._guard:
+        with self._lock:
             if self._child is not None or self._closed:
                 return
             self._dump.unlink(missing_ok=True)
@@ -288,11 +288,11 @@ class WorkerProcess:
             self._channel = Channel(self._child.connection)
 
     def ask(self, operation: str, question: Mapping[str, Any], limit: float, on_note: OnNote | None = None) -> Any:
-        """Ask a question and wait for the answer.
+        """Send a request and wait for the answer.
 
         Args:
             operation: Name of the operation.
-            question: Its arguments, plain data.
+            question: Arguments of the operation, plain data.
             limit: Longest time without any message [s].
             on_note: Called for each message before the answer; an exception stops the operation and is raised here.
 
@@ -301,7 +301,7 @@ class WorkerProcess:
             WorkerStopped: `stop` was called.
             NothingOpen: No task is open in it.
         """
-        with self._guard:
+        with self._lock:
             self._asking, self._stopped, self._answered = operation, False, threading.Event()
         raised: Exception | None = None
         try:
@@ -320,7 +320,7 @@ class WorkerProcess:
             self.end()
             raise
         finally:
-            with self._guard:
+            with self._lock:
                 self._asking = ""
             self._answered.set()
         if raised is not None:
@@ -332,7 +332,7 @@ class WorkerProcess:
 
         The process is asked first, and lives on if it stops in time.
         """
-        with self._guard:
+        with self._lock:
             if not self._asking:
                 return False
             self._stopped, answered = True, self._answered
@@ -343,13 +343,13 @@ class WorkerProcess:
     def end(self, patience: float = 0.0) -> str:
         """End the process and its descendants, and return how it ended if it did so by itself."""
         how = self._end_child(patience)
-        with self._guard:
+        with self._lock:
             self._child = self._channel = self.pid = None
         return how
 
     def close(self) -> None:
         """End the process for good."""
-        with self._guard:
+        with self._lock:
             self._closed, self._stopped = True, True
         self.end()
 
@@ -411,7 +411,7 @@ class WorkerProcess:
         problem = self._problem(f"It did not come to an end within {limit:g} s here. Look for a loop that does not end.")
         printed = self._printed()
         self.end()
-        detail = f"nothing came for {limit:g} s, so it was ended."
+        detail = f"no message came for {limit:g} s, so it was ended."
         return WorkerStopped(operation) if self._stopped else WorkerFault("timed out", operation, detail, printed, problem)
 
     def _lost(self, operation: str) -> RlbenchPinError:

@@ -27,11 +27,11 @@ from rlbench_pin.viewer.recording import Failure
 TURNS = 3
 """Symmetric grasps that are checked for collisions, those that reach most and move least first."""
 QUICK_STARTS = 6
-"""IK starts of a first look; if it finds no free configuration, as many as in a plan are used."""
+"""IK starts of the first attempt; if it finds no free configuration, as many as in a plan are used."""
 _HOPELESS = 0.02
-"""A tip that stays farther away than this is not reached by another rotation about its z axis [m]."""
+"""Position error above which other rotations about the z axis of the tip are not tried [m]."""
 _SHOWN_PAIRS = 4
-MOST_POINTS = 80
+MAX_POINTS = 80
 """Points of a path that are shown at most."""
 OTHER_STARTS = 24
 """Configurations that are tried if a straight line cannot be followed from the first one."""
@@ -53,7 +53,7 @@ class Visit:
 
 @dataclass(eq=False)
 class _Walk:
-    """The state of the arm on its way through the waypoints."""
+    """The state of the arm along the waypoints."""
 
     q: FloatArray
     """Configuration (n,) [rad]."""
@@ -236,10 +236,10 @@ def _unreachable(waypoint: Waypoint, poses: Sequence[FloatArray], error: NoIkSol
     if error.position_error > 5e-4:
         lacks.append(f"{100.0 * error.position_error:.1f} cm too far")
     if error.rotation_error > np.radians(0.5):
-        lacks.append(f"{np.degrees(error.rotation_error):.0f} deg short of its turn")
+        lacks.append(f"{np.degrees(error.rotation_error):.0f} deg from its orientation")
     cause = (
         f"Out of reach: the nearest pose of the gripper is {' and '.join(lacks) or 'just beside it'}. "
-        "Move the waypoint, or what it belongs to, towards the arm, or turn it."
+        "Move the waypoint or its parent towards the arm, or rotate it."
     )
     name = waypoint.frame.name
     return WaypointVerdict(name, "unreachable", cause, poses[-1], None, Failure(cause, name, (), error.nearest))
@@ -253,7 +253,7 @@ def _contact_text(error: GoalInCollision) -> str:
     more = f", and {len(pairs) - _SHOWN_PAIRS} more" if len(pairs) > _SHOWN_PAIRS else ""
     return (
         f"The gripper gets there, but touches something: {', '.join(pairs[:_SHOWN_PAIRS])}{more}. "
-        "Move it away, or let the waypoint ignore collisions when it is meant to touch."
+        "Move it away, or let the waypoint ignore collisions if contact is intended."
     )
 
 
@@ -278,7 +278,7 @@ def planned_paths(runtime: Runtime, on_path: Callable[[PlannedPath], None]) -> t
             paths.append(PlannedPath(name, np.zeros((0, 3)), "", str(error)))
             q = q if visit.verdict.configuration is None else visit.verdict.configuration
         else:
-            count = min(len(plan.path), MOST_POINTS)
+            count = min(len(plan.path), MAX_POINTS)
             chosen = np.unique(np.linspace(0, len(plan.path) - 1, count).round().astype(int))
             points = np.array([model.tip_pose(plan.path[i])[:3] for i in chosen])
             paths.append(PlannedPath(name, points, plan.report.method))

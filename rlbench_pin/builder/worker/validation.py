@@ -32,7 +32,7 @@ class Line:
 
 
 def items_of(task: str, episodes: int) -> list[Item]:
-    """Return the work, fast parts first; the result does not depend on the order.
+    """Return the items of a validation, fast parts first; the result does not depend on the order.
 
     Args:
         task: Path of the task file.

@@ -1,4 +1,4 @@
-"""The world of the edited task, as the worker process holds it."""
+"""The world of the edited task in the worker process."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ from rlbench_pin.viewer.recording import (
 )
 
 RAISED = (Exception, SystemExit, KeyboardInterrupt, GeneratorExit)
-"""What a task may raise."""
+"""Errors that a task may raise."""
 OnAlive = Callable[[], None]
 """Called now and then while there is nothing else to report; an exception ends the work."""
 _ALIVE_INTERVAL = 0.5
@@ -58,7 +58,7 @@ FOLLOW_TICKS = 30
 """Control ticks of one step after a dragged gripper at most."""
 _ARRIVED = 1e-4
 """Largest error of a tip that has arrived, [m] and [rad]."""
-MOST_VARIATIONS = 20
+MAX_VARIATIONS = 20
 """Variations in a reach map."""
 
 
@@ -84,7 +84,7 @@ class AliveListener(Listener):
 
 
 class TaskWorld:
-    """One task at a time: built, laid out, looked at, played."""
+    """The world of one task: build, set up, inspect and simulate it."""
 
     def __init__(self) -> None:
         self._pair: Pair | None = None
@@ -146,7 +146,7 @@ class TaskWorld:
         self._stale, self._moved, self._episode = True, False, None
         return self._description(self._task)
 
-    # Looking ---------------------------------------------------------------------------------------------------------------
+    # Inspection --------------------------------------------------------------------------------------------------------------
 
     def reach(self) -> tuple[WaypointVerdict, ...]:
         """Return whether the gripper reaches each waypoint, in the present layout."""
@@ -263,10 +263,10 @@ class TaskWorld:
     # Reach map ---------------------------------------------------------------------------------------------------------------
 
     def reach_map(self, layouts: int, on_spot: Callable[[ReachSpot], None]) -> tuple[ReachSpot, ...]:
-        """Lay the task out so many times and see which waypoints can be reached; a layout without a place is left out."""
+        """Set up the task for each seed and check which waypoints can be reached; a layout without a free place is left out."""
         environment = self._fresh("reach_map")
         self._episode, self._moved = None, False
-        variations = drawn_variations(environment.variation_count(), MOST_VARIATIONS)
+        variations = drawn_variations(environment.variation_count(), MAX_VARIATIONS)
         spots: list[ReachSpot] = []
         for seed in range(layouts):
             try:
@@ -327,7 +327,7 @@ def _tip_error(model: RobotModel, pose: FloatArray, q: FloatArray) -> float:
 
 
 def _with_evidence(failure: Failure, runtime: Runtime) -> Failure:
-    """Add to a refused start what the first waypoint lacks that is not free in the scene at rest, which is shown then."""
+    """Add to a refused start the verdict on the first waypoint that is not free in the scene at rest, which is then shown."""
     try:
         lacking = next((verdict.failure for verdict in verdicts(runtime) if verdict.failure is not None), None)
     except RAISED:  # waypoints of the task's own
@@ -422,21 +422,21 @@ def _pose_of(world: World, name: str) -> FloatArray:
 # Tasks without code -----------------------------------------------------------------------------------------------------------
 
 
-NO_CODE = "Nothing is asked: the code of this task was not run."
+NO_CODE = "No instruction: the code of this task was not run."
 
 
 class SceneOnly(Task):
-    """The scene alone: nothing varies, no condition holds."""
+    """A task that only has the scene: one variation, no conditions."""
 
     def init_task(self) -> None:
         """Register nothing."""
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Return a sentence that says so."""
+        """Return the sentence that says that the code was not run."""
         return [NO_CODE]
 
     def success(self) -> tuple[bool, bool]:
-        """Return never reached, never over."""
+        """Return that the goal is not reached and the episode not over."""
         return False, False
 
 

@@ -1,4 +1,4 @@
-"""The objects of a world as users of scene objects see them: one table of names, handles, parents and poses."""
+"""The objects of a world for `pyrep`: one table of names, handles, parents and poses."""
 
 from rlbench_pin.compat.objects.elements import Element, ObjectType, UnknownObject, UnsupportedCall
 from rlbench_pin.compat.objects.scene_objects import CameraSettings, Placed, SceneObject

@@ -1,4 +1,4 @@
-"""Elements of a scene, and the names that users of such scenes know for them."""
+"""Elements of a scene, and their names in RLBench."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from rlbench_pin.sim import Frame, Region, Sensor
 Kind = Literal[
     "body", "link", "room", "joint", "root", "frame", "robot", "tip", "gripper", "robot_link", "robot_joint", "camera", "placed"
 ]
-"""Which part of the world answers for an object."""
+"""Kind of the part of the world that an object is."""
 ObjectType = Literal["shape", "joint", "dummy", "proximity_sensor", "force_sensor", "vision_sensor", "path"]
-"""What users call an object."""
+"""Name of an object in programs."""
 
 
 @dataclass(frozen=True, order=True)
 class Element:
-    """One object of a scene: never changes, whatever the object is called or wherever it stands."""
+    """Identity of one object of a scene; it does not depend on name and pose."""
 
     kind: Kind
     name: str
@@ -32,7 +32,7 @@ class UnknownObject(UnknownName, RuntimeError):
 
 
 class UnsupportedCall(RlbenchPinError, NotImplementedError):
-    """A call that cannot be served here; says what to use instead."""
+    """A call that is not available; the message names an alternative."""
 
     def __init__(self, call: str, why: str, instead: str) -> None:
         self.call = call
@@ -48,7 +48,7 @@ ROOM_NAMES = {
     "wall_left": "Wall3",
     "wall_right": "Wall4",
 }
-"""Name here -> known name."""
+"""Our name -> RLBench's name."""
 CAMERA_NAMES = {
     "cam_over_shoulder_left": "left_shoulder",
     "cam_over_shoulder_right": "right_shoulder",
@@ -56,15 +56,15 @@ CAMERA_NAMES = {
     "cam_wrist": "wrist",
     "cam_front": "front",
 }
-"""Known name of a camera of observations -> its name here."""
+"""RLBench's name of a camera of observations -> our name."""
 GRIP_SENSOR = "_gripper_attachProxSensor"
-"""Ends the name of the sensor between the fingers."""
+"""Suffix of the name of the sensor between the fingers."""
 MASK_SUFFIX = "_mask"
-"""Ends the name of the twin of a camera that delivers masks."""
+"""Suffix of the name of a mask camera."""
 
 
 def robot_prefix(robot: RobotDescription) -> str:
-    """Return how names of the arm begin, such as `Panda`."""
+    """Return the prefix of the names of the arm, such as `Panda`."""
     return robot.name[:1].upper() + robot.name[1:]
 
 
@@ -88,13 +88,13 @@ def robot_elements(robot: RobotDescription, links: tuple[str, ...]) -> list[Elem
 
 
 def camera_of(name: str) -> tuple[str, bool]:
-    """Return the name here of a known camera, and whether it is the twin that delivers masks."""
+    """Return our name of a camera of RLBench, and whether it is the mask camera."""
     is_mask = name.endswith(MASK_SUFFIX)
     return CAMERA_NAMES[name.removesuffix(MASK_SUFFIX)], is_mask
 
 
 def usual_name(frame: str, frames: Mapping[str, Frame]) -> tuple[str, ...]:
-    """Return what programs call the only sensor of a task, `success`, and its only region, `boundary`; nothing for others.
+    """Return the names in programs of the only sensor of a task, `success`, and its only region, `boundary`; else nothing.
 
     Args:
         frame: Name of a frame.

@@ -88,7 +88,7 @@ def _store(text: str, suffix: str) -> Path:
     folder = Path(tempfile.gettempdir()) / f"rlbench_pin_shapes_{os.getuid()}"
     folder.mkdir(mode=0o700, exist_ok=True)
     if folder.is_symlink() or folder.stat().st_uid != os.getuid():
-        raise RlbenchPinError(f"'{folder}' belongs to somebody else. Set TMPDIR to a folder of your own.")
+        raise RlbenchPinError(f"'{folder}' belongs to another user. Set TMPDIR to a folder of your own.")
     file = folder / (hashlib.sha256(text.encode()).hexdigest()[:32] + suffix)
     if not file.is_file():
         handle, temporary = tempfile.mkstemp(dir=folder)
@@ -108,7 +108,7 @@ class InvalidShape(RlbenchPinError, ValueError):
 
 @dataclass(frozen=True)
 class BodySettings:
-    """How a new body is set up."""
+    """Settings of a new body."""
 
     static: bool = False
     """Welded to its place."""
@@ -128,7 +128,7 @@ def primitive(kind: str, size: Sequence[float], mass: float) -> Path:
     if len(lengths) != 3 or not all(0.0 < s < float("inf") for s in lengths):
         raise InvalidShape(f"A {kind.lower()} has three positive lengths [m], not {lengths}.")
     if not 0.0 < mass < float("inf"):
-        raise InvalidShape(f"A mass is positive and finite, not {mass} kg. Use static=True for what is not to move.")
+        raise InvalidShape(f"A mass is positive and finite, not {mass} kg. Use static=True for a body that does not move.")
     x, y, z = length = (lengths[0], lengths[1], lengths[2])
     round_about_z = abs(x - y) < 1e-9
     if kind == "CUBOID":
@@ -145,7 +145,7 @@ def primitive(kind: str, size: Sequence[float], mass: float) -> Path:
 
 
 def mesh(corners: FloatArray, triangles: NDArray[np.int64]) -> tuple[Path, FloatArray]:
-    """Return the model file of a surface, and where the middle of its box is (3,) [m].
+    """Return the model file of a surface, and the centre of its box (3,) [m].
 
     Args:
         corners: (n, 3) [m].
@@ -177,9 +177,9 @@ def spawn(table: ObjectTable, name: str, asset: Path, settings: BodySettings) ->
 
     Args:
         table: Objects of the world.
-        name: How it is called; a number is put behind where that name is in use.
+        name: Its name; a number is appended if that name is in use.
         asset: Model file.
-        settings: How it is set up.
+        settings: Its settings.
     """
     shown = table.free_name(name)
     native = _free_native_name(table, f"made_{_NOT_IN_NAMES.sub('_', shown.lower())}")
@@ -202,7 +202,7 @@ def _free_native_name(table: ObjectTable, stem: str) -> str:
 
 
 def duplicate(table: ObjectTable, element: Element) -> Element:
-    """Add another body like one that exists, at the same pose, and return it."""
+    """Add a copy of a body at the same pose, and return it."""
     body = table.world.body(element.name)
     specs = {spec.name: spec for spec in (*table.world.spec.body, *table.world.spawned.values())}
     made = spawn(table, table.name(element), body.model.urdf, BodySettings(body.fixed, body.collides))
@@ -218,7 +218,7 @@ def duplicate(table: ObjectTable, element: Element) -> Element:
 
 
 def discard(table: ObjectTable, element: Element) -> None:
-    """Take what a program made out of the scene; what hangs on it stays where it is.
+    """Remove an object that a program made; its children keep their poses.
 
     Raises:
         RlbenchPinError: It belongs to the scene file.

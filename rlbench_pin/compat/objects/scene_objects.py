@@ -1,4 +1,4 @@
-"""Objects of a world behind one small interface: place, type, solid parts. Some are part of the physics, some beside it."""
+"""Objects of a world with one interface: pose, type, solid parts. Some of them are not part of the physics."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ Solid = tuple[tuple[geometry.Part, ...], FloatArray]
 
 
 class SceneObject(ABC):
-    """Something with a place in the world."""
+    """An object with a pose in the world."""
 
     type: ObjectType = "dummy"
 
@@ -58,7 +58,7 @@ class SceneObject(ABC):
         return np.zeros(6)
 
     def solids(self) -> list[Solid]:
-        """What others can touch or detect."""
+        """Solid parts that other objects can touch or detect."""
         return []
 
     def box(self) -> FloatArray:
@@ -80,7 +80,7 @@ class BodyObject(SceneObject):
         return self.body.pose
 
     def set_pose(self, pose: FloatArray, zero_velocity: bool) -> None:
-        """Move the body and what hangs on it."""
+        """Move the body and its descendants."""
         self.body.set_pose(pose, zero_velocity=zero_velocity)
 
     @property
@@ -112,7 +112,7 @@ class LinkObject(SceneObject):
 
     def set_pose(self, pose: FloatArray, zero_velocity: bool) -> None:
         raise UnsupportedCall(
-            f"set_pose of '{self.body.name}/{self.link}'", "a joint holds it.", "Move the joint, or the whole body."
+            f"set_pose of '{self.body.name}/{self.link}'", "a joint determines its pose.", "Move the joint, or the whole body."
         )
 
     @property
@@ -130,7 +130,7 @@ class LinkObject(SceneObject):
 
 
 class JointObject(SceneObject):
-    """A joint of a body; it stands where the link that it moves has its frame."""
+    """A joint of a body; its pose is that of the frame of its child link."""
 
     type: ObjectType = "joint"
 
@@ -166,7 +166,7 @@ class FrameObject(SceneObject):
         return self.frame.pose
 
     def set_pose(self, pose: FloatArray, zero_velocity: bool) -> None:
-        """Move the frame and what hangs on it."""
+        """Move the frame and its descendants."""
         self.frame.set_pose(pose)
 
     def solids(self) -> list[Solid]:
@@ -198,12 +198,12 @@ class RobotObject(SceneObject):
 
     def set_pose(self, pose: FloatArray, zero_velocity: bool) -> None:
         raise UnsupportedCall(
-            f"set_pose of '{self._call}'", "the arm's joints hold it.", "Use `arm.set_joint_positions(q, disable_dynamics=True)`."
+            f"set_pose of '{self._call}'", "it follows the joints.", "Use `arm.set_joint_positions(q, disable_dynamics=True)`."
         )
 
     @property
     def velocity(self) -> FloatArray:
-        """Velocity (6,) of its centre of mass; the tip has none but itself."""
+        """Velocity (6,) of its centre of mass; for the tip, of the tip point."""
         return self.robot.model.link_velocity(self._link or self.robot.description.tip_frame)
 
     def solids(self) -> list[Solid]:
@@ -229,7 +229,7 @@ class WholeRobotObject(RobotObject):
 
 
 def box_part(size: FloatArray) -> geometry.Part:
-    """Return a solid box of lengths (3,) [m] at the origin; what is flat becomes 0.1 mm thick."""
+    """Return a solid box of lengths (3,) [m] at the origin; a flat one gets a thickness of 0.1 mm."""
     thick = tuple(max(float(s), 1e-4) for s in size)
     return geometry.primitive(Shape("box", thick, tuple(IDENTITY.tolist())))
 
@@ -245,7 +245,7 @@ def child_link(body: Body, joint: str) -> str:
 
 
 def joint_of_link(body: Body, link: str) -> tuple[str, str]:
-    """Return the joint that holds a link, or "" for a weld, and the link that the joint sits on."""
+    """Return the parent joint of a link, or "" for a weld, and the parent link of the joint."""
     joint = next(j for j in read_urdf(body.model.urdf).joints if j.child == link)
     return (joint.name if joint.name in body.joints else ""), joint.parent
 
@@ -255,7 +255,7 @@ PlacedKind = Literal["dummy", "vision_sensor", "path", "shape", "proximity_senso
 
 @dataclass(frozen=True)
 class CameraSettings:
-    """What a camera sees and how it is used."""
+    """Settings of a camera."""
 
     size: tuple[int, int] = (128, 128)
     """Width and height [px]."""
@@ -285,7 +285,7 @@ class Placed:
     points: tuple[FloatArray, ...] = ()
     """Control points (7,) of paths, in the path's own frame."""
     size: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Lengths of the box that planes and sensors stand for [m]."""
+    """Lengths of the box of planes and sensors [m]."""
     extra: dict[str, object] = field(default_factory=dict)
     """Further settings that a program may read back."""
 
@@ -295,11 +295,11 @@ _MIDDLE = np.array([0.25, 0.0, TABLE_HEIGHT, 0.0, 0.0, 0.0, 1.0])
 _BASE = np.array([0.25, 0.0, TABLE_HEIGHT + 0.25, 0.0, 0.0, 0.0, 1.0])
 _PLACEHOLDER = look_at((1.35, -0.95, TABLE_HEIGHT + 0.85), (0.2, 0.0, TABLE_HEIGHT + 0.2))
 WORKSPACE_SIZE = (0.648, 0.91, 0.0)
-"""The plane that tasks stand on; the tip may leave it by 0.2 m to each side and by 1 m upwards."""
+"""The plane of the workspace; the tip may leave it by 0.2 m to each side and by 1 m upwards."""
 
 
 def hangs_in_task(placed: dict[str, Placed], name: str) -> bool:
-    """Whether a placed object hangs, near or far, on something that the task brought."""
+    """Whether a placed object is a descendant of an object of the task."""
     parent = placed[name].parent
     while parent is not None and parent.kind == "placed":
         parent = placed[parent.name].parent if parent.name in placed else None
@@ -307,10 +307,10 @@ def hangs_in_task(placed: dict[str, Placed], name: str) -> bool:
 
 
 def fixed_objects(robot: RobotDescription) -> dict[str, Placed]:
-    """Return what every scene has: the workspace, place and pivot of the video camera, and the sensor of the gripper.
+    """Return the objects of every scene: the workspace, pose and pivot of the video camera, and the sensor of the gripper.
 
     Args:
-        robot: The arm; the sensor looks at the space between its fingertips, half as wide as the open gripper.
+        robot: The arm; the sensor covers the space between its fingertips, half as wide as the open gripper.
     """
     base, prefix = Element("placed", "cam_cinematic_base"), robot_prefix(robot)
     width, height = robot.pad_size
@@ -333,7 +333,7 @@ class PlacedObject(SceneObject):
 
     @property
     def placed(self) -> Placed:
-        """What is kept of it."""
+        """Its stored data."""
         return self._table.placed[self._name]
 
     @property
@@ -344,7 +344,7 @@ class PlacedObject(SceneObject):
         )
 
     def set_pose(self, pose: FloatArray, zero_velocity: bool) -> None:
-        """Move it and what hangs on it."""
+        """Move it and its descendants."""
         old, placed = self.pose, self.placed
         local = pose if placed.parent is None else relative(pose, self._table.scene_object(placed.parent).pose)
         self._table.placed[self._name] = replace(placed, local=np.array(local))
@@ -376,12 +376,12 @@ class Cameras:
         self._runtime, self.config = runtime, config
 
     def settings_of(self, name: str) -> CameraConfig:
-        """Return the settings of a camera by its name here."""
+        """Return the settings of a camera by our name."""
         config: CameraConfig = getattr(self.config, f"{name}_camera")
         return config
 
     def view(self, name: str) -> CameraView:
-        """Return what a camera sees now."""
+        """Return the present view of a camera."""
         return self._runtime.observer.appearance.moved(name, self._runtime.cameras[name].view())
 
     def place(self, name: str, pose: FloatArray) -> None:
@@ -390,7 +390,7 @@ class Cameras:
 
 
 class CameraObject(SceneObject):
-    """One of the five cameras, or its twin that delivers masks and stands at the same place."""
+    """One of the five cameras, or the mask camera at the same pose."""
 
     type: ObjectType = "vision_sensor"
 
@@ -403,12 +403,12 @@ class CameraObject(SceneObject):
         return self._cameras.view(self.name).pose.copy()
 
     def set_pose(self, pose: FloatArray, zero_velocity: bool) -> None:
-        """Move camera and twin."""
+        """Move the camera and its mask camera."""
         self._cameras.place(self.name, pose)
 
     @property
     def camera(self) -> CameraSettings:
-        """What it sees."""
+        """Its settings."""
         view, config = self._cameras.view(self.name), self._cameras.settings_of(self.name)
         mode = COLOR_CODED if self.is_mask else str(config.render_mode).rpartition(".")[2].upper()
         return CameraSettings(view.size, float(view.fov * 180.0 / 3.141592653589793), view.near, view.far, mode, True)
@@ -417,7 +417,7 @@ class CameraObject(SceneObject):
         """Change the size of its images, or whether they have shadows.
 
         Raises:
-            UnsupportedCall: Something else is to change.
+            UnsupportedCall: Another setting is to change.
         """
         before = self.camera
         if replace(before, size=camera.size, render_mode=camera.render_mode) != camera:

@@ -43,24 +43,24 @@ from rlbench_pin.spatial import FloatArray, compose, relative
 from rlbench_pin.urdf import UrdfJoint, read_urdf
 
 FIRST_HANDLE = 100_000
-"""Handles of objects that no mask shows begin here."""
+"""First handle of objects that are not in masks."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Kept:
-    """What goes back with the world: objects that hang in the task, and changed parents."""
+    """State that is restored with the world: descendants of the task, and changed parents."""
 
     placed: dict[str, Placed]
     parents: dict[Element, Element | None]
 
 
 class ObjectTable:
-    """Everything in one world that has a name.
+    """All named objects of one world.
 
     Args:
         runtime: The world and its task.
-        config: What observations contain; its cameras are the fixed ones here.
-        before: The table of the world before; what hangs in no task is taken over.
+        config: Contents of observations; its cameras are the five fixed ones.
+        before: The table of the previous world; objects that belong to no task are taken over.
 
     Attributes:
         runtime: As given.
@@ -85,7 +85,7 @@ class ObjectTable:
         self.world.keepers.append(self)
 
     def _take_over(self, before: ObjectTable) -> None:
-        """Take what hangs in no task from the table of the world before, which is still open."""
+        """Take over the objects that belong to no task from the table of the previous world, which is still open."""
         self.placed |= {name: p for name, p in before.placed.items() if not hangs_in_task(before.placed, name)}
         self.everlasting = {name for name in before.everlasting if name in before.world.spawned}
         for name in sorted(self.everlasting):
@@ -99,7 +99,7 @@ class ObjectTable:
     # Names and handles -----------------------------------------------------------------------------------------------
 
     def elements(self) -> Iterator[Element]:
-        """Everything there is, the task first."""
+        """All objects, those of the task first."""
         world = self.world
         yield Element("root", ROOT)
         for name, body in world.bodies.items():
@@ -113,7 +113,7 @@ class ObjectTable:
         yield from (Element("placed", name) for name in self.placed)
 
     def find(self, name: str, types: tuple[ObjectType, ...] = ()) -> Element:
-        """Return what is called `name`; among several, one of the wanted types.
+        """Return the object `name`; among several, one of the wanted types.
 
         Raises:
             UnknownObject: There is none.
@@ -139,7 +139,7 @@ class ObjectTable:
         return (element.name,)
 
     def name(self, element: Element) -> str:
-        """What users call it."""
+        """Its name in programs."""
         if element in self._names:
             return self._names[element]
         if element.kind == "root":
@@ -147,22 +147,22 @@ class ObjectTable:
         return ROOM_NAMES.get(element.name, element.name) if element.kind == "room" else element.name
 
     def rename(self, element: Element, name: str) -> None:
-        """Call it otherwise."""
+        """Rename it."""
         self._names[element] = name
 
     def forget(self, element: Element) -> None:
-        """Forget name and switches of what had the place of an element before."""
+        """Forget the name and the switches of the previous object of an element."""
         self._names.pop(element, None)
         for key in [k for k in self.flags if k[0] == element]:
             del self.flags[key]
 
     def free_name(self, stem: str) -> str:
-        """Return `stem`, or with the first number behind it that makes a name which nothing has."""
+        """Return `stem`, with the first number appended that makes it unique if it is taken."""
         taken = {name for e in self.elements() for name in (self.name(e), e.name)}
         return next(n for n in (stem, *(f"{stem}{k}" for k in range(len(taken) + 1))) if n not in taken)
 
     def exists(self, element: Element) -> bool:
-        """Whether it is (still) part of the world."""
+        """Whether it is part of the world."""
         if element.kind == "body":
             return element.name in self.world.bodies
         if element.kind in ("link", "joint"):
@@ -202,7 +202,7 @@ class ObjectTable:
     # Objects ----------------------------------------------------------------------------------------------------------
 
     def scene_object(self, element: Element) -> SceneObject:
-        """Return what answers for an element now.
+        """Return the present object of an element.
 
         Raises:
             UnknownObject: It does not exist any more.
@@ -243,7 +243,7 @@ class ObjectTable:
     # Parents ---------------------------------------------------------------------------------------------------------
 
     def parent(self, element: Element) -> Element | None:
-        """Return what an element hangs on; None for the world."""
+        """Return the parent of an element; None for the world."""
         if element in self.parents:
             return self.parents[element]
         owner, _, part = element.name.partition("/")
@@ -277,7 +277,7 @@ class ObjectTable:
         return found
 
     def tree(self, root: Element | None, depth: int = -1) -> list[Element]:
-        """Return what hangs on `root` (None: the world), near or far; with `depth` 1 its direct children only."""
+        """Return the descendants of `root` (None: the world); with `depth` 1 its direct children only."""
         found = []
         for element in self.elements():
             chain: list[Element | None] = [*self.ancestors(element), None]
@@ -307,13 +307,13 @@ class ObjectTable:
         return {**specs, **self.world.spawned}[body].parent
 
     def robot_joint(self, name: str) -> UrdfJoint:
-        """Return what the model file says of a joint of the arm or gripper, by its known name."""
+        """Return a joint of the model file of the arm or gripper, by its name in RLBench."""
         robot, number = self.runtime.description, int(name.rpartition("joint")[2]) - 1
         names = robot.gripper_joints if name.startswith(f"{robot_prefix(robot)}_gripper_joint") else robot.arm_joints
         return next(j for j in read_urdf(robot.urdf).joints if j.name == names[number])
 
     def _native_name(self, element: Element | None) -> str:
-        """Return what the world calls a parent, or the nearest of its ancestors that the world knows."""
+        """Return the name in the world of a parent, or of its nearest ancestor in the world."""
         while element is not None and element.kind not in ("root", "body", "link", "joint", "frame", "room"):
             element = self.parent(element)
         if element is not None and element.kind == "joint":
@@ -322,32 +322,32 @@ class ObjectTable:
         return WORLD if element is None else element.name
 
     def _check_parent(self, element: Element, parent: Element | None) -> None:
-        """Raise when an object cannot hang on another."""
+        """Raise an error if an object cannot be the parent of another."""
         call = f"set_parent of '{element.name}'"
         if element.kind not in ("body", "frame", "placed"):
-            raise UnsupportedCall(call, "it is a fixed part of the scene.", "Hang other objects on it, or make a Dummy.")
+            raise UnsupportedCall(call, "it is a fixed part of the scene.", "Attach other objects to it, or make a Dummy.")
         if parent is None:
             return
         chain = [parent, *self.ancestors(parent)]
         if element in chain:
-            raise RlbenchPinError(f"'{parent.name}' cannot be the parent of '{element.name}', because it hangs on it.")
+            raise RlbenchPinError(f"'{parent.name}' cannot be the parent of '{element.name}', because it is its descendant.")
         if element.kind != "placed" and any(e.kind.startswith(("robot", "tip", "gripper", "camera")) for e in chain):
             raise UnsupportedCall(
                 call,
                 f"'{parent.name}' is moved by the arm.",
-                "Hold a Shape with `gripper.grasp`; make a Dummy to follow the arm.",
+                "Grasp a Shape with `gripper.grasp`; make a Dummy to follow the arm.",
             )
 
     def children(self, element: Element | None) -> list[Element]:
-        """What hangs on it directly."""
+        """Its direct children."""
         return [e for e in self.elements() if self.parent(e) == element]
 
     def set_parent(self, element: Element, parent: Element | None, keep_in_place: bool = True) -> None:
         """Let it move with another object.
 
         Args:
-            element: Which.
-            parent: With what; None is the world.
+            element: The object to attach.
+            parent: Its new parent; None is the world.
             keep_in_place: Stay where it is; otherwise keep the pose relative to the parent.
         """
         self._check_parent(element, parent)
@@ -369,7 +369,7 @@ class ObjectTable:
             self.world.frame(element.name).set_parent(native, keep_in_place=True)
 
     def carry(self, element: Element, old: FloatArray, new: FloatArray) -> None:
-        """Move what programs hung on an object that went from pose `old` to `new`."""
+        """Move the objects that programs attached to an object that moved from pose `old` to `new`."""
         for child, parent in self.parents.items():
             if parent == element and parent.kind == "placed" and self.exists(child):
                 item = self.scene_object(child)
@@ -382,11 +382,11 @@ class ObjectTable:
     # Saved and restored with the world -------------------------------------------------------------------------------
 
     def state(self) -> object:
-        """Return what is placed, and changed parents."""
+        """Return the placed objects, and changed parents."""
         return _Kept(dict(self.placed), dict(self.parents))
 
     def set_state(self, state: object) -> None:
-        """Go back to what `state()` returned, as far as it hangs in the task; the rest of what is placed stays as it is."""
+        """Restore what `state()` returned for descendants of the task; other placed objects do not change."""
         assert isinstance(state, _Kept)
         hanging = {name for name in self.placed if hangs_in_task(self.placed, name)}
         for name in hanging:

@@ -36,9 +36,10 @@ from rlbench_pin.robot.model import JointLimits
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_choice, as_flag, as_number, as_record
 
-HOLDS = ("velocity", "acceleration", "any")
+HELD_QUANTITIES = ("velocity", "acceleration", "any")
 HeldQuantity = Literal["velocity", "acceleration", "any"]
-"""What motors keep constant over a control tick: they reach the next velocity at its begin, at its end, or at any time in it."""
+"""Quantity that motors keep constant over a control tick: they reach the next velocity
+at its start, at its end, or at any time in it."""
 SpeedT = TypeVar("SpeedT", float, FloatArray)
 
 
@@ -82,7 +83,7 @@ class JointBounds:
         margin = as_number(
             margin, "the margin of joint limits [rad]", least=0.0, most=0.5 * float((limits.upper - limits.lower).min())
         )
-        as_choice(hold, "held quantity", HOLDS)
+        as_choice(hold, "held quantity", HELD_QUANTITIES)
         as_flag(sudden, "sudden")
         self.limits, self.dt, self.hold = limits, dt, hold
         self.velocity = np.array(limits.velocity)

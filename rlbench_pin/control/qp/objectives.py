@@ -1,4 +1,4 @@
-"""What a Cartesian controller wants of one tick: how far the tip should move and turn, and where the arm would rather be.
+"""Objectives of a Cartesian controller for one tick: translation and rotation of the tip, and posture of the arm.
 
 The tip is to move along the straight line to its goal, and turn about one axis, as fast as it may and still stop there. With the
 error e (position [m], or rotation vector [rad]), speeds are capped at
@@ -59,7 +59,7 @@ class TipObjective:
 
 @dataclass(frozen=True, kw_only=True)
 class PostureObjective:
-    """What the arm does with the freedom that the tip leaves."""
+    """Motion of the arm in the null space of the tip."""
 
     gain: float = 1.0
     """Share of the way to the preferred configuration covered per second [1/s]."""
@@ -79,14 +79,14 @@ class PostureObjective:
 
         Args:
             manipulability: sqrt(det(J J^T)).
-            step: What the tip is to cover in this tick, [m] or [rad].
+            step: Distance or angle of the tip in this tick, [m] or [rad].
         """
         lack = max(0.0, 1.0 - manipulability / self.singular_below)
         return self.weight + self.singular_weight * lack * lack * min(1.0, step / SMALL_STEP)
 
 
 class TipApproach:
-    """Where the tip should be after each tick on its way to a goal."""
+    """Placements of the tip after each tick on its way to a goal."""
 
     def __init__(self, tip: TipObjective, dt: float) -> None:
         """Prepare for ticks of `dt` [s]."""

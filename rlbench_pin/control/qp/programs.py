@@ -1,4 +1,4 @@
-"""The quadratic program that every controller here solves, the interface of solvers, and OSQP.
+"""The quadratic program of all controllers, the interface of solvers, and OSQP.
 
 minimise    1/2 x^T P x + q^T x
 subject to  lower <= A x <= upper,   x_lower <= x <= x_upper

@@ -31,13 +31,13 @@ __all__ = [
 ExportFormat = Literal["lerobot", "robomimic", "rlbench", "peract", "zarr"]
 """`lerobot` (LeRobotDataset v3), `robomimic` (one HDF5 file), `rlbench` and `peract` (folders of PNG files), `zarr`."""
 
-# Format -> module, function, its options, extra that brings the library it needs.
-_EXPORTERS: dict[str, tuple[str, str, dict[str, str], str]] = {
-    "lerobot": ("lerobot", "export_lerobot", {}, "lerobot"),
-    "robomimic": ("robomimic", "export_robomimic", {}, ""),
-    "rlbench": ("rlbench", "export_rlbench", {"layout": "upstream"}, ""),
-    "peract": ("rlbench", "export_rlbench", {"layout": "peract"}, ""),
-    "zarr": ("zarr_buffer", "export_zarr", {}, "zarr"),
+# Format -> module, function, its options, whether it exports chosen cameras, extra that brings the library it needs.
+_EXPORTERS: dict[str, tuple[str, str, dict[str, str], bool, str]] = {
+    "lerobot": ("lerobot", "export_lerobot", {}, True, "lerobot"),
+    "robomimic": ("robomimic", "export_robomimic", {}, True, ""),
+    "rlbench": ("rlbench", "export_rlbench", {"layout": "upstream"}, False, ""),
+    "peract": ("rlbench", "export_rlbench", {"layout": "peract"}, False, ""),
+    "zarr": ("zarr_buffer", "export_zarr", {}, True, "zarr"),
 }
 
 
@@ -81,9 +81,9 @@ def find_exporter(name: ExportFormat, cameras: tuple[str, ...] = ()) -> Callable
         UnknownName: No format is called so.
     """
     as_choice(name, "format", _EXPORTERS)
-    module, function, options, extra = _EXPORTERS[name]
+    module, function, options, has_cameras, extra = _EXPORTERS[name]
     try:
         export: Callable[..., Path] = getattr(importlib.import_module(f"{__name__}.{module}"), function)
     except ImportError as error:
         raise MissingExtra(f"The export to '{name}'", error.name or extra, extra) from error
-    return partial(export, **options) if module == "rlbench" else partial(export, cameras=cameras, **options)
+    return partial(export, cameras=cameras, **options) if has_cameras else partial(export, **options)

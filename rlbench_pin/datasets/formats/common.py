@@ -1,4 +1,4 @@
-"""What all exporters share: which episodes, and states and actions of every frame."""
+"""Common parts of all exporters: selection of episodes, and states and actions of every frame."""
 
 from __future__ import annotations
 
@@ -127,7 +127,7 @@ def _image_shape(episode: Episode, field: str) -> tuple[int, int, int]:
 def new_folder(out: Path, file: str = "") -> Iterator[Path]:
     """Yield a temporary folder beside `out`; without an error in the block it is renamed to `out`, otherwise deleted.
 
-    What killed exports to the same place left behind is deleted.
+    Leftovers of killed exports to the same place are deleted.
 
     Args:
         out: The new folder, or the new file.

@@ -35,7 +35,7 @@ from rlbench_pin.datasets.video import VideoWriter
 KEY_FRAMES = 2
 """Every so many frames can be read without those before it."""
 QUALITY = 18
-"""Constant rate factor of H.264; lower is better, 18 looks like the original."""
+"""Constant rate factor of H.264; lower is better, 18 is visually lossless."""
 VERSION = "v3.0"
 CHUNK_SIZE, DATA_MEGABYTES, VIDEO_MEGABYTES = 1000, 100, 200
 _DATA = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
@@ -150,7 +150,7 @@ def export_lerobot(
 
 @dataclass
 class _Export:
-    """What has been written so far."""
+    """Counts of what has been written so far."""
 
     folder: Path
     images: dict[str, tuple[int, int, int]]

@@ -311,7 +311,7 @@ def _variation_in(frame: Observation, path: Path) -> int:
     """Return the variation that the first frame names, 0 where it names none."""
     found = frame.misc.get("variation_index", 0)
     if not isinstance(found, int | np.integer):
-        raise EpisodeFileError(path, f"'{path / LOW_DIM_FILE}' names the variation {shown(found)}, which is no whole number.")
+        raise EpisodeFileError(path, f"'{path / LOW_DIM_FILE}' names the variation {shown(found)}, which is not a whole number.")
     return int(found)
 
 

@@ -25,11 +25,11 @@ _NOTES = ("PUT", "BINPUT", "LONG_BINPUT")
 
 
 class PickledDemo:
-    """Stands for a demonstration in such a file; its attributes are whatever the file says."""
+    """Replaces a demonstration of such a file; its attributes are those in the file."""
 
 
 class PickledObservation:
-    """Stands for an observation in such a file; its attributes are whatever the file says."""
+    """Replaces an observation of such a file; its attributes are those in the file."""
 
 
 _CLASS_PATHS = {

@@ -26,7 +26,7 @@ from rlbench_pin.values import as_function, as_path
 
 _FILE = "data.hdf5"
 ENV_TYPE = 2
-"""What robomimic calls a gym environment."""
+"""Robomimic's type of a gym environment."""
 
 
 def export_robomimic(

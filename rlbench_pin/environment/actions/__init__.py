@@ -1,4 +1,4 @@
-"""What actions mean: arm modes, gripper modes, and both together."""
+"""Action modes of the arm, of the gripper, and of both together."""
 
 from __future__ import annotations
 

@@ -22,9 +22,9 @@ from rlbench_pin.values import (
     Rule,
     Settings,
     as_choice,
+    as_image_size,
     as_interval,
     as_number,
-    as_picture_size,
     as_pose,
     as_text,
     check_settings,
@@ -52,7 +52,7 @@ class Identity:
 
 
 def as_noise(value: object, what: str) -> NoiseModel:
-    """Return `value`, or raise InvalidValue when it is no noise model."""
+    """Return `value`, or raise InvalidValue when it is not a noise model."""
     if isinstance(value, type) or not isinstance(value, NoiseModel):
         hint = "`GaussianNoise(0.01)` is one, `Identity()` is none at all."
         raise InvalidValue(what, value, "has to be a noise model, an object with `apply(value, rng)`", hint)
@@ -71,7 +71,7 @@ class GaussianNoise(Settings):
         min_max_clip: Bounds that the noisy value is clipped to, the lower first.
 
     Raises:
-        InvalidValue: The deviation is NaN, infinite or negative, or the bounds are exchanged.
+        InvalidValue: The deviation is NaN, infinite or negative, or the lower bound is above the upper one.
     """
 
     rules: ClassVar[Mapping[str, Rule]] = {"variance": NOT_NEGATIVE, "min_max_clip": _as_clip}
@@ -91,22 +91,24 @@ class GaussianNoise(Settings):
 RenderMode = Literal["opengl", "opengl3"]
 """With shadows, `opengl3`, or without."""
 
-PICTURE_SIZE: Rule = partial(as_picture_size, error=InvalidCamera)
+IMAGE_SIZE_RULE: Rule = partial(as_image_size, error=InvalidCamera)
 
 
 @dataclass(kw_only=True)
 class CameraConfig(Settings):
-    """What one camera delivers at each observation.
+    """Products of one camera at each observation.
 
     Raises:
         InvalidValue: A setting is given a value that makes no sense, at any time.
+        UnknownName: `render_mode` is given another value.
         UnknownSetting: There is no such setting (also an AttributeError).
     """
 
     rules: ClassVar[Mapping[str, Rule]] = ruled(
         (FLAG, "rgb depth point_cloud mask masks_as_one_channel depth_in_meters antialiasing"),
         (as_noise, "rgb_noise depth_noise"),
-        (PICTURE_SIZE, "image_size"),
+        (IMAGE_SIZE_RULE, "image_size"),
+        (partial(as_choice, choices=("opengl", "opengl3")), "render_mode"),
     )
 
     rgb: bool = True
@@ -122,7 +124,7 @@ class CameraConfig(Settings):
     mask: bool = True
     """Id of the object seen by every pixel, int32 (h, w); `misc["mask_names"]` has the names."""
     image_size: tuple[int, int] = (128, 128)
-    """Width and height [px]; one number stands for both."""
+    """Width and height [px]; one number means both."""
     render_mode: RenderMode = "opengl3"
     """`opengl3` draws shadows, `opengl` is faster without."""
     antialiasing: bool = True
@@ -155,8 +157,6 @@ class CameraConfig(Settings):
         width, height = self.image_size
         if width < 1 or height < 1:
             raise CameraError(f"Camera '{name}' has image_size {self.image_size}; width and height must be at least 1 px.")
-        if not isinstance(self.render_mode, str) or self.render_mode not in ("opengl", "opengl3"):
-            raise UnknownName("render mode", self.render_mode, ("opengl", "opengl3"))
 
 
 HAND = "hand"
@@ -183,7 +183,7 @@ class ExtraCamera(Settings):
     pose: Sequence[float] | FloatArray
     """Pose (7,) in its parent: camera z forward, x left, y up. `look_at` makes one."""
     config: CameraConfig = field(default_factory=CameraConfig)
-    """What it delivers."""
+    """Products of the camera."""
     fov: float = float(np.radians(40.0))
     """Field of view of the longer side [rad]."""
     near: float = 0.01
@@ -191,7 +191,7 @@ class ExtraCamera(Settings):
     far: float = 4.5
     """Far plane [m]."""
     parent: str = "world"
-    """`world`, `hand`, or a body, link or frame of the scene that it rides on."""
+    """`world`, `hand`, or a body, link or frame of the scene that it is mounted on."""
 
     def check(self, name: str) -> None:
         """Raise CameraError when no image can be taken."""
@@ -244,7 +244,7 @@ class ModelObservationConfig:
     """How many of the nearest pairs of the arm with itself."""
 
     def __post_init__(self) -> None:
-        """Raise InvalidValue for a switch that is none, or a number of pairs that is no whole number >= 0."""
+        """Raise InvalidValue for a switch that is none, or a number of pairs that is not a whole number >= 0."""
         check_settings(self, _MODEL_RULES)
 
     @property
@@ -267,7 +267,7 @@ OPEN = 0.9
 
 @dataclass(frozen=True)
 class Instant:
-    """What low-dimensional data are read from."""
+    """Source of low-dimensional data."""
 
     world: World
     """The simulated world."""
@@ -385,7 +385,7 @@ class ObservationConfig(Settings):
     model: ModelObservationConfig = field(default_factory=ModelObservationConfig)
     """Jacobians, dynamics and distances, put into `misc`; all off."""
     lighting: Lighting = field(default_factory=Lighting)
-    """The lights of all pictures."""
+    """The lights of all images."""
     extra_cameras: dict[str, ExtraCamera] = field(default_factory=dict)
     """Cameras beside the five; see `add_camera`."""
 
@@ -451,7 +451,7 @@ class ObservationConfig(Settings):
         return noise
 
     def check(self) -> None:
-        """Raise CameraError or UnknownName when a camera cannot be served."""
+        """Raise CameraError or UnknownName when the scene cannot have a camera."""
         for name, camera in self.cameras().items():
             camera.check(name)
         for name, extra in self.extra_cameras.items():

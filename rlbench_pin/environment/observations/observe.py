@@ -55,7 +55,7 @@ def camera_view(name: str, config: CameraConfig, world: World, robot: RobotDescr
 
 @lru_cache(maxsize=32)
 def _fixed_view(name: str, size: tuple[int, int]) -> CameraView:
-    """View of a camera that stands still; one object, so that its rays are computed once."""
+    """View of a stationary camera; one object, so that its rays are computed once."""
     _eye, _target, fov, near, far = _FIXED[name]
     return CameraView(pose=_POSES[name], fov=fov, size=size, near=near, far=far)
 
@@ -99,12 +99,12 @@ class Camera:
 
     @property
     def config(self) -> CameraConfig:
-        """What it delivers."""
+        """Products of the camera."""
         return self.cameras.config.camera(self.name)
 
     @property
     def parent(self) -> str:
-        """What it rides on: `world`, `hand`, or a body, link or frame of the scene."""
+        """Its parent: `world`, `hand`, or a body, link or frame of the scene."""
         return self.cameras.parent(self.name)
 
     @property
@@ -122,7 +122,7 @@ class Camera:
         return self.cameras.view(self.name)
 
     def set_pose(self, pose: Sequence[float] | FloatArray) -> None:
-        """Put it at a pose; the next observation is taken from there. It goes on riding on what it rides on.
+        """Put it at a pose; the next observation is taken from there. Its parent stays the same.
 
         No reset, state or other task undoes this; `reset_pose` does.
 
@@ -130,7 +130,7 @@ class Camera:
             pose: Pose (7,) in the world: z forward, x left, y up. `look_at` makes one.
 
         Raises:
-            CameraError: It is no pose.
+            CameraError: It is not a pose.
         """
         self.cameras.move(self.name, _checked(self.name, pose))
 
@@ -143,7 +143,7 @@ class Cameras:
     """The five cameras and the extra ones of a runtime, by name.
 
     Args:
-        world: What they look at.
+        world: The world that they observe.
         robot: The arm that carries the wrist camera.
         config: Their settings; read at each call.
         places: Where the moved ones stand.
@@ -165,7 +165,7 @@ class Cameras:
         return Camera(name, self)
 
     def parent(self, name: str) -> str:
-        """Return what a camera rides on: `world`, `hand`, or a body, link or frame of the scene."""
+        """Return the parent of a camera: `world`, `hand`, or a body, link or frame of the scene."""
         if name in self.config.extra_cameras:
             return self.config.extra_cameras[name].parent
         return HAND if name == "wrist" else "world"
@@ -180,7 +180,7 @@ class Cameras:
         return se3_to_pose(self._world.placement(parent))
 
     def move(self, name: str, pose: FloatArray) -> None:
-        """Put a camera at a pose (7,) in the world; it goes on riding on what it rides on."""
+        """Put a camera at a pose (7,) in the world; its parent stays the same."""
         self.places.put(name, pose if self.parent(name) == "world" else relative(pose, self.carrier_pose(name)))
 
     def view(self, name: str) -> CameraView:
@@ -356,7 +356,7 @@ class Observer:
     """Makes observations of one world as one `ObservationConfig` asks.
 
     Args:
-        world: The world to look at.
+        world: The world to observe.
         model: Analytic model of its robot.
         config: What to deliver; read at each call, so changes take effect at once.
         places: Where cameras stand that were put elsewhere; nowhere when None.

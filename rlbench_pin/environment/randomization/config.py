@@ -15,7 +15,7 @@ from rlbench_pin.assets import asset_path
 from rlbench_pin.errors import CameraError, InvalidValue, TaskEnvironmentError, shown
 from rlbench_pin.values import FLAG, NOT_NEGATIVE, Rule, Settings, as_interval, as_names, as_path, is_whole, ruled
 
-_PICTURES = (".png", ".jpg", ".jpeg")
+_IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg")
 
 
 class RandomizeEvery(Enum):
@@ -38,7 +38,7 @@ class NoTextureFolder(CameraError, NotADirectoryError):
 
 
 class NoTextures(CameraError, RuntimeError):
-    """The folder of textures has no pictures."""
+    """The folder of textures has no images."""
 
 
 def _as_folder(value: object) -> Path:
@@ -76,7 +76,7 @@ class RandomizationConfig(Settings):
     rules: ClassVar[Mapping[str, Rule]] = ruled((_as_patterns, "whitelist blacklist"), (FLAG, "randomize_arm"))
 
     whitelist: Sequence[str] | None = None
-    """Only these change; `*` and `?` stand for other letters. None: all."""
+    """Only these change; `*` and `?` are wildcards. None: all."""
     blacklist: Sequence[str] | None = None
     """These never change, even when they are on the white list."""
     randomize_arm: bool = True
@@ -154,7 +154,7 @@ def _images_in(folder: Path) -> tuple[Path, ...]:
     if not folder.is_dir():
         raise NoTextureFolder(f"The texture folder '{folder}' does not exist. Pass a folder of PNG or JPEG images, or None.")
     try:
-        images = tuple(sorted(path for path in folder.iterdir() if path.suffix.lower() in _PICTURES))
+        images = tuple(sorted(path for path in folder.iterdir() if path.suffix.lower() in _IMAGE_SUFFIXES))
     except OSError as error:
         raise NoTextures(f"The texture folder '{folder}' cannot be read: {error}. Check its permissions.") from error
     if not images:

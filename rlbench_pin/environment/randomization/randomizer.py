@@ -68,7 +68,7 @@ class Randomizer:
     # Samples ---------------------------------------------------------------------------------------------------------
 
     def apply(self, sample: RandomizationSample | None) -> None:
-        """Make the world look and behave as `sample` says; None is the world as it was built."""
+        """Apply appearance and dynamics of `sample` to the world; None restores the world as it was built."""
         self.remove()
         self.current = sample
         if sample is None:

@@ -18,7 +18,7 @@ from rlbench_pin.spatial import FloatArray, matrix_to_pose
 
 @dataclass(frozen=True, eq=False)
 class RandomizationSample:
-    """What is randomized, as drawn once; by name of body, camera or part of the room."""
+    """Drawn values of domain randomization, by name of body, camera or part of the room."""
 
     bodies: dict[str, tuple[Path, float]] = field(default_factory=dict)
     """Texture of each body, and how often it repeats along a metre."""

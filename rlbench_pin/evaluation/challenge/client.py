@@ -1,6 +1,6 @@
 """Learners as the challenge sees them: in a subprocess, adapted again for each task, without what is withheld.
 
-What is withheld from learners is refused when they ask for it, and left out of what is sent.
+Data withheld from learners are refused when they ask for them, and left out of observations.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class LearnerClient(RemotePolicy):
 
     @property
     def settings(self) -> PolicySettings:
-        """What the learner asks for; the first time, this starts it.
+        """Settings that the learner asks for; the first access starts it.
 
         Raises:
             PolicySettingsError: It asks for what is withheld, or is not of this package.
@@ -191,12 +191,12 @@ def visible_observation(observation: Observation, *, images: bool = True) -> dic
 
 
 def visible_context(context: PolicyContext, seed: int) -> PolicyContext:
-    """Return what a policy of a learner is told: without the task, and with a seed that is the same for all episodes.
+    """Return the context of a learner's policy: without the task, and with one seed for all episodes.
 
-    A seed for each episode would be a hash of its task and number, which whoever knows all names could find by trying them.
+    A seed for each episode would be a hash of task and number, from which the task could be found by trying all names.
 
     Args:
-        context: What policies are told otherwise.
+        context: Context of other policies.
         seed: Seed of the run.
     """
     digest = hashlib.sha256(f"rlbench_pin challenge policy/{seed}".encode()).digest()

@@ -14,7 +14,7 @@ from pathlib import Path
 from rlbench_pin.errors import InvalidArgument, MissingTasks, RlbenchPinError, UnknownName, shown
 from rlbench_pin.evaluation.policies.policy import PolicyReferenceError
 from rlbench_pin.evaluation.policies.references import find_policy
-from rlbench_pin.evaluation.run.config import LARGEST_START, MOST_EPISODES, SECONDS, EvaluationConfig
+from rlbench_pin.evaluation.run.config import LARGEST_START, MAX_EPISODES, SECONDS, EvaluationConfig
 from rlbench_pin.evaluation.sets import task_set
 from rlbench_pin.robot.description import DEFAULT_ROBOT, robot_description
 from rlbench_pin.tasks import task_names
@@ -26,9 +26,9 @@ LEARNERS: Mapping[str, str] = {"nearest": "rlbench_pin.baselines.few_shot:Neares
 _FORMS = "`module:factory` or `file.py:factory`, with `?key=value&...` behind it for arguments"
 SHOTS = (1, 5, 20)
 """Demonstrations of each task, as the challenge v1 has them."""
-MOST_SHOTS = 1000
+MAX_SHOTS = 1000
 """Demonstrations of a task at most."""
-LEAST_SECRET, MOST_SECRET = 16, 2**20
+MIN_SECRET, MAX_SECRET = 16, 2**20
 """Bytes of a secret."""
 
 
@@ -77,7 +77,7 @@ class MetaSplit:
 
     name: str
     about: str
-    """What it is, one sentence."""
+    """Description, one sentence."""
     train: tuple[str, ...]
     """The meta-training tasks: open, a learner may do with them what it likes."""
     test: tuple[str, ...]
@@ -136,7 +136,7 @@ def _contents() -> Mapping[str, MetaSplit]:
 
 
 def find_learner(reference: str) -> str:
-    """Return `module:factory` or `file.py:factory`, with arguments, of a learner, after a look at whether it exists.
+    """Return `module:factory` or `file.py:factory`, with arguments, of a learner, after checking that it exists.
 
     Raises:
         UnknownName: It is a single word, and no learner of this package is called so.
@@ -157,7 +157,7 @@ def find_learner(reference: str) -> str:
 def read_secret(path: Path | str) -> bytes:
     """Return the secret in a file, all its bytes.
 
-    A host keeps the file until a challenge is over, then publishes it: whoever has it can compute all seeds again.
+    A host keeps the file until a challenge is over, then publishes it, so that everyone can compute all seeds again.
 
     Raises:
         InvalidArgument: There is no such file, or it has fewer than 16 bytes or more than 1 MB.
@@ -165,12 +165,12 @@ def read_secret(path: Path | str) -> bytes:
     path = as_path(path, "secret")
     try:
         with path.open("rb") as file:
-            secret = file.read(MOST_SECRET + 1)
+            secret = file.read(MAX_SECRET + 1)
     except OSError as error:
         raise InvalidArgument("secret", str(path), f"cannot be read: {error.strerror}") from error
-    if not LEAST_SECRET <= len(secret) <= MOST_SECRET:
+    if not MIN_SECRET <= len(secret) <= MAX_SECRET:
         hint = "`head -c 32 /dev/urandom > FILE` makes one."
-        raise InvalidArgument("secret", str(path), f"has to have {LEAST_SECRET} to {MOST_SECRET} bytes", hint)
+        raise InvalidArgument("secret", str(path), f"has to have {MIN_SECRET} to {MAX_SECRET} bytes", hint)
     return secret
 
 
@@ -217,14 +217,14 @@ class ChallengeConfig:
 
     def __post_init__(self) -> None:
         """Check every value, and keep it as plain Python has it."""
-        shots = (as_whole(k, "shots", InvalidArgument, least=1, most=MOST_SHOTS) for k in as_several(self.shots, "shots"))
+        shots = (as_whole(k, "shots", InvalidArgument, least=1, most=MAX_SHOTS) for k in as_several(self.shots, "shots"))
         checked = {
             "learner": as_text(self.learner, "learner", InvalidArgument),
             "split": meta_split(self.split).name,
             "shots": tuple(sorted(set(shots))),
             "only": tuple(dict.fromkeys(as_names(self.only, "only", InvalidArgument))),
             "available": as_flag(self.available, "available", InvalidArgument),
-            "episodes": as_whole(self.episodes, "episodes", InvalidArgument, least=1, most=MOST_EPISODES),
+            "episodes": as_whole(self.episodes, "episodes", InvalidArgument, least=1, most=MAX_EPISODES),
             "seed": as_whole(self.seed, "seed", InvalidArgument, least=0, most=LARGEST_START),
             "robot": robot_description(self.robot).name,
             "secret": as_record(self.secret, bytes, "secret"),
@@ -278,6 +278,7 @@ class ChallengeConfig:
             start_limit=self.start_limit,
             robot=self.robot,
             tell_task=False,
+            policy_seed_key=hmac.digest(self.secret, b"rlbench_pin policy", "sha256").hex() if self.secret else "",
         )
 
 

@@ -6,7 +6,6 @@ import hashlib
 import json
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import closing
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
@@ -24,7 +23,7 @@ from rlbench_pin.evaluation.challenge.learner import ImageFrames
 from rlbench_pin.evaluation.policies.settings import PolicySettings
 from rlbench_pin.evaluation.run.config import expert_settings
 from rlbench_pin.observation import FIELDS, Demo, Observation
-from rlbench_pin.processes import Engine, GivenUp, WorkerDeath
+from rlbench_pin.processes import Engine, WorkerDeath, run_jobs
 
 
 @dataclass(frozen=True)
@@ -146,16 +145,12 @@ class ShownDemonstrations:
             NoDemonstrations: A task could not be demonstrated.
             StorageError: The disk cannot be written to.
         """
-        items = self.missing(config)
-        with closing(engine.map(partial(DemonstrationMaker, config, *wanted), items, stop)) as events:
-            for event in events:
-                if isinstance(event, WorkerDeath):
-                    continue
-                if isinstance(event, GivenUp):
-                    raise NoDemonstrations(event.item.task, event.item.seed, event.cause)
-                if not event.data:
-                    raise NoDemonstrations(event.item.task, event.item.seed, event.cause)
-                self._keep(event)
+        events = run_jobs(
+            self.missing(config), partial(DemonstrationMaker, config, *wanted), store=self._keep,
+            lost=lambda given_up: MadeDemonstration(given_up.item, cause=given_up.cause), engine=engine, stop=stop,
+        )  # fmt: skip
+        for event in events:
+            if not isinstance(event, WorkerDeath):
                 on_done(event.item)
         return len(self.missing(config))
 
@@ -170,6 +165,8 @@ class ShownDemonstrations:
             yield read_demo(self._path(task, index), sha256=str(entries[index]["sha256"]))
 
     def _keep(self, made: MadeDemonstration) -> None:
+        if not made.data:
+            raise NoDemonstrations(made.item.task, made.item.seed, made.cause)
         item, path = made.item, self._path(made.item.task, made.item.index)
         with storing(path):
             path.parent.mkdir(parents=True, exist_ok=True)

@@ -101,7 +101,7 @@ def write_learned(path: Path, learned: Mapping[str, Any] | None) -> Path:
     """Write what `meta_train` returned: a msgpack file with arrays, numbers and texts, nothing that can be run.
 
     Raises:
-        WireError: It is no plain data, or more than 256 MB.
+        WireError: It is not plain data, or more than 256 MB.
         StorageError: The disk cannot be written to.
     """
     return write_whole(path, pack({"learned": learned}))
@@ -121,5 +121,5 @@ def read_learned(path: Path) -> Mapping[str, Any] | None:
     try:
         learned = unpack(data[4:])["learned"]
     except (WireError, KeyError) as error:
-        raise ChallengeConflict(f"'{path}' is damaged: {error}. Delete it, and go on with `--resume`.") from error
+        raise ChallengeConflict(f"'{path}' is damaged: {error}. Delete it, and continue with `--resume`.") from error
     return learned if isinstance(learned, Mapping) else None

@@ -17,13 +17,13 @@ from typing import Any
 
 from rlbench_pin.evaluation.challenge.learner import Demonstration, TrainingTask
 from rlbench_pin.evaluation.policies.policy_process import settings_of
-from rlbench_pin.evaluation.policies.policy_server import Answers, Channel, NoPolicy, converse
+from rlbench_pin.evaluation.policies.policy_server import Answers, Channel, NoPolicy, converse, describe_error
 from rlbench_pin.evaluation.policies.references import POLICY, make_named
 from rlbench_pin.evaluation.policies.wire import decode_context, decode_observation
 from rlbench_pin.processes.child import connect_to_owner
 
 PARTS = ("adapt", "meta_train", "action_mode", "obs_config")
-"""What a learner has."""
+"""Methods of a learner."""
 Answer = dict[str, Any]
 
 
@@ -58,7 +58,7 @@ class LearnerAnswers(Answers):
             return {"error": str(error), "kind": "wrong answer"}
         except Exception as error:  # whatever the learner raises
             traceback.print_exc()
-            return {"error": "".join(traceback.format_exception_only(error)).strip(), "kind": "crashed"}
+            return {"error": describe_error(error), "kind": "crashed"}
 
     def _one_learner(self) -> Any:
         if self._learner is None:
@@ -89,7 +89,7 @@ class LearnerAnswers(Answers):
         policy = learner.adapt([Demonstration(said, tuple(frames)) for said, frames in shown])
         lacking = [part for part in POLICY if not hasattr(policy, part)]
         if lacking:
-            raise NoPolicy(f"`adapt` returned a {type(policy).__name__}, which is no policy: it has no {lacking[0]}.")
+            raise NoPolicy(f"`adapt` returned a {type(policy).__name__}, which is not a policy: it has no {lacking[0]}.")
         mine, its = dict(settings_of(learner)), dict(settings_of(policy))
         if any(mine[name] != its[name] for name in ("action_mode", "observation")):
             raise NoPolicy("The policy of `adapt` has another action mode or other observations than its learner.")

@@ -37,25 +37,25 @@ from rlbench_pin.rates import Rate
 from rlbench_pin.values import as_flag, as_function, as_path, as_record, as_text
 
 HEAD, SUMMARY = "challenge.json", "summary.json"
-"""What a run is, and what came of it."""
+"""Files with the settings and the results of a run."""
 _LATER = ("shots", "time_limit", "start_limit", "adapt_limit", "train_limit")
-"""Settings that may be others when a run goes on."""
+"""Settings that may differ when a run is resumed."""
 DEMONSTRATIONS, LEARNED = "demonstrations", "learned.msgpack"
-"""Where a run keeps demonstrations of test tasks, and what was learned from the others."""
+"""Folder of demonstrations of test tasks, and file of what was learned from the others."""
 FORMAT = 1
 """Number of the format of the learning curve."""
 
 
 @dataclass(frozen=True)
 class ChallengeProgress:
-    """How far a run is."""
+    """Progress of a run."""
 
     stage: str
-    """What is under way: `practising`, `demonstrations`, or `5 shots`."""
+    """Current stage: `practising`, `demonstrations`, or `5 shots`."""
     wanted: int
-    """Pieces of that."""
+    """Jobs of this stage."""
     done: int
-    """Of these, done."""
+    """Jobs that are done."""
     successes: int = 0
     """Of the episodes done, with success."""
     latest: str = ""
@@ -81,7 +81,7 @@ def run_challenge(
         config: The run.
         out: Its folder: `shots_1.json`, ..., `summary.json`, and demonstrations with their seeds.
             Only this process writes there; links are refused.
-        engine: Who does the work; one process when None. The meta-training tasks are practised in one process.
+        engine: Runs the jobs; one process when None. The meta-training tasks are practised in one process.
         resume: Go on with a run that did not end.
         on_progress: Called with how far it is.
         stop: When set, nothing more is begun; what is under way is finished and kept.
@@ -248,7 +248,7 @@ def open_learner(config: ChallengeConfig, known: PolicySettings | None = None) -
 
 @dataclass(frozen=True)
 class ShotsResult:
-    """What came of one number of demonstrations."""
+    """Results with one number of demonstrations."""
 
     shots: int
     summary: Summary
@@ -258,7 +258,7 @@ class ShotsResult:
 
 @dataclass(frozen=True)
 class LearningCurve:
-    """What came of a run of the challenge."""
+    """Results of a run of the challenge."""
 
     learner: str
     split: str

@@ -109,17 +109,17 @@ def as_dict(observation: Observation) -> dict[str, np.ndarray]:
 
 @dataclass(frozen=True, eq=False)
 class KeyFrame:
-    """Where the gripper is to be next, and what it does there."""
+    """Next pose of the gripper, and its action there."""
 
     pose: np.ndarray
     """Pose of the tip in the world, shape (7,): x, y, z [m], qx, qy, qz, qw; brought to unit length."""
     is_open: bool
     """Whether the gripper is open afterwards."""
     ignore_collisions: bool = False
-    """Whether the way there may touch things."""
+    """Whether the motion there may touch objects."""
 
     def __post_init__(self) -> None:
-        """Raise InvalidValue for what is no pose, or no truth value."""
+        """Raise InvalidValue for an invalid pose or truth value."""
         object.__setattr__(self, "pose", as_pose(self.pose, "The pose of a key frame"))
         object.__setattr__(self, "is_open", as_flag(self.is_open, "is_open"))
         object.__setattr__(self, "ignore_collisions", as_flag(self.ignore_collisions, "ignore_collisions"))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import socket
 import time
-import traceback
 from typing import Any, NoReturn, Protocol
 
 import numpy as np
@@ -17,7 +16,7 @@ from rlbench_pin.evaluation.policies.policy import (
     PolicyFault,
     PolicyReferenceError,
 )
-from rlbench_pin.evaluation.policies.policy_server import VERSION, Channel, NoPolicy, WireError, split_tcp
+from rlbench_pin.evaluation.policies.policy_server import VERSION, Channel, NoPolicy, WireError, describe_error, split_tcp
 from rlbench_pin.evaluation.policies.references import FORMS, find_policy, make_policy
 from rlbench_pin.evaluation.policies.settings import PolicySettings
 from rlbench_pin.evaluation.policies.wire import (
@@ -45,7 +44,7 @@ class PolicyClient(Protocol):
 
     @property
     def settings(self) -> PolicySettings:
-        """What it asks of the evaluation; the first time, this starts it."""
+        """Settings that it asks for; the first access starts it."""
         ...
 
     def reset(self, instruction: str, context: PolicyContext) -> None:
@@ -60,7 +59,7 @@ class PolicyClient(Protocol):
         """Return the next action, float64 (n,), finite. How many numbers there are is for the caller to check.
 
         Raises:
-            PolicyFault: It crashed, hung, cannot be reached, or what it returned is no action.
+            PolicyFault: It crashed, hung, cannot be reached, or what it returned is not an action.
         """
         ...
 
@@ -93,7 +92,7 @@ def open_policy(reference: str | Policy, *, time_limit: float = 30.0, start_limi
         try:
             return InProcessPolicy(make_policy(found.target))
         except NoPolicy as error:
-            raise PolicyReferenceError(reference, f"cannot be made: {error}") from error
+            raise PolicyReferenceError(reference, f"cannot be made: {str(error).rstrip('.')}") from error
     socketed = found.place == "socket"
     transport: Transport = SocketTransport(found.target) if socketed else SubprocessTransport(reference, found.target)
     return RemotePolicy(transport, time_limit, start_limit)
@@ -133,16 +132,16 @@ class InProcessPolicy:
 
 
 def _crash(error: Exception) -> PolicyFault:
-    return PolicyFault("crashed", "".join(traceback.format_exception_only(error)).strip()[:LONGEST_DETAIL])
+    return PolicyFault("crashed", describe_error(error)[:LONGEST_DETAIL])
 
 
 class Transport(Protocol):
-    """A way to a policy."""
+    """Connection to a policy."""
 
     reference: str
-    """What the policy was called."""
+    """Reference of the policy."""
     lost: FaultKind
-    """What it means that the connection is gone."""
+    """Kind of fault when the connection is lost."""
 
     def open(self, timeout: float) -> Channel:
         """Start or connect, and return the channel.
@@ -165,7 +164,7 @@ class RemotePolicy:
     """A policy in another process, started or connected again after a fault.
 
     Args:
-        transport: The way to it.
+        transport: Connection to it.
         time_limit: How long `reset` and `act` may take [s].
         start_limit: How long it may take until the policy is there and has said what it asks for [s].
     """
@@ -177,7 +176,7 @@ class RemotePolicy:
 
     @property
     def settings(self) -> PolicySettings:
-        """What the policy asks for; the first time, this starts it.
+        """Settings that the policy asks for; the first access starts it.
 
         Raises:
             PolicyFault: It cannot be started or reached.
@@ -252,10 +251,10 @@ class RemotePolicy:
         )
 
     def _refused(self, call: str, problem: str, kind: object) -> NoReturn:
-        """Raise what an answer with an error stands for."""
+        """Raise the fault of an answer with an error."""
         if kind == "wrong question" and call == "hello":
             self._drop()
-            raise PolicyReferenceError(self._transport.reference, f"cannot be started: {problem}")
+            raise PolicyReferenceError(self._transport.reference, f"cannot be started: {problem.rstrip('.')}")
         self._fail("crashed" if kind == "crashed" else "wrong answer", problem)
 
     def _fail(self, kind: FaultKind, detail: str, patience: float = 0.0) -> NoReturn:
@@ -305,7 +304,7 @@ class SubprocessTransport:
 
 
 class SocketTransport:
-    """A policy that is served at an address.
+    """Socket of a policy at an address.
 
     Args:
         address: `unix:PATH` or `tcp://HOST:PORT`.
@@ -344,9 +343,9 @@ class SocketTransport:
         return connection
 
     def close(self, patience: float = 0.0) -> str:
-        """Nothing runs here; whoever serves the policy sees the connection end."""
+        """Return nothing: the server of the policy ends the connection."""
         return ""
 
     def printed(self) -> str:
-        """What the policy prints is where it is served."""
+        """Return nothing: the output of the policy stays at its server."""
         return ""

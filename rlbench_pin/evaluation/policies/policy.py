@@ -1,4 +1,4 @@
-"""Policies and their errors: a policy is told what to do, then asked for one action after the other."""
+"""Policies and their errors: a policy gets an instruction, then returns one action after the other."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rlbench_pin.observation import Observation
 
 @dataclass(frozen=True)
 class PolicyContext:
-    """What a policy is told at the start of an episode, beside the instruction."""
+    """Information for a policy at the start of an episode, in addition to the instruction."""
 
     robot: str
     """Name of the arm."""

@@ -26,7 +26,7 @@ import threading
 import time
 import traceback
 from collections.abc import Callable, Mapping
-from types import SimpleNamespace
+from types import SimpleNamespace, TracebackType
 from typing import Any
 
 import msgpack
@@ -36,7 +36,7 @@ VERSION = 1
 """Of the protocol."""
 LARGEST_MESSAGE = 256 * 2**20
 """Bytes of a message at most; five cameras of 512 x 512 px with all their products take 30 MB."""
-MOST_CONNECTIONS = 32
+MAX_CONNECTIONS = 32
 """So many are served at once; each has a policy of its own."""
 _ARRAY = 1
 _KINDS = "biuf"
@@ -48,7 +48,7 @@ class WireError(ValueError):
 
 
 class NoPolicy(ValueError):
-    """What was named or made is no policy."""
+    """The object is not a policy."""
 
 
 # Messages ---------------------------------------------------------------------------------------------------------------------
@@ -109,7 +109,7 @@ class Channel:
         Raises:
             TimeoutError: It was not there after `timeout` [s].
             EOFError: The other side has closed the connection; another OSError: it is gone.
-            WireError: What came is no message.
+            WireError: What came is not a message.
         """
         end = None if timeout is None else time.monotonic() + timeout
         (length,) = struct.unpack(">I", self._exactly(4, end))
@@ -171,8 +171,8 @@ class Answers:
         except NoPolicy as error:
             return {"error": str(error), "kind": "wrong question"}
         except Exception as error:  # whatever the policy raises
-            traceback.print_exc()
-            return {"error": "".join(traceback.format_exception_only(error)).strip(), "kind": "crashed"}
+            traceback.print_exception(type(error), error, _own_frames(error))
+            return {"error": describe_error(error), "kind": "crashed"}
 
     def _hello(self, question: Mapping[str, Any]) -> dict[str, Any]:
         if question.get("version") != VERSION:
@@ -206,6 +206,22 @@ class Answers:
         return self._policy
 
 
+def describe_error(error: BaseException) -> str:
+    """Return one line: the class of an error, its message, and where it was raised, as `ValueError: no (file.py, line 3)`."""
+    text, frames = " ".join(f"{type(error).__name__}: {error}".split()), traceback.extract_tb(_own_frames(error))
+    if isinstance(error, SyntaxError) or not frames:  # its message says where
+        return text
+    return f"{text} ({os.path.basename(frames[-1].filename)}, line {frames[-1].lineno})"
+
+
+def _own_frames(error: BaseException) -> TracebackType | None:
+    """Return the traceback of an error without the frames that called the policy."""
+    rest = error.__traceback__
+    while rest is not None and rest.tb_frame.f_code.co_filename.startswith((os.path.dirname(__file__), "<frozen")):
+        rest = rest.tb_next
+    return rest
+
+
 def plain_settings(policy: Any) -> dict[str, Any]:
     """Return the settings of a policy that gives them as plain data, or raise NoPolicy."""
     mode, seen = policy.action_mode, policy.obs_config
@@ -218,7 +234,7 @@ def plain_settings(policy: Any) -> dict[str, Any]:
 
 
 def converse(channel: Channel, answers: Answers) -> None:
-    """Answer questions until the other side closes the connection, or sends what is no message."""
+    """Answer questions until the other side closes the connection, or sends what is not a message."""
     with contextlib.closing(channel), contextlib.suppress(EOFError, OSError):
         while True:
             try:
@@ -236,7 +252,7 @@ def split_tcp(address: str) -> tuple[str, int]:
     """Return host and port of `tcp://HOST:PORT`, or raise ValueError; an IPv6 address stands in brackets."""
     host, _, port = address.removeprefix("tcp://").rpartition(":")
     if not address.startswith("tcp://") or not host or not port.isascii() or not port.isdigit() or int(port) > 65535:
-        raise ValueError(f"'{address}' is no address. Use unix:PATH or tcp://HOST:PORT, such as tcp://127.0.0.1:5555.")
+        raise ValueError(f"'{address}' is not an address. Use unix:PATH or tcp://HOST:PORT, such as tcp://127.0.0.1:5555.")
     return host.strip("[]"), int(port)
 
 
@@ -245,7 +261,7 @@ def listen(address: str, anywhere: bool = False) -> socket.socket:
 
     Args:
         address: Where; ValueError when it is of neither form, or of no interface of this machine alone.
-        anywhere: Whether other machines may connect. Nothing is encrypted, and nobody is asked for a password.
+        anywhere: Whether other machines may connect. The connection has neither encryption nor authentication.
     """
     if address.startswith("unix:"):
         return _listen_unix(address.removeprefix("unix:"))
@@ -279,7 +295,7 @@ def serve(make: Callable[[], Any], address: str, *, anywhere: bool = False) -> N
 
 def serve_answers(answers: Callable[[], Answers], listener: socket.socket) -> None:
     """Serve on a listening socket until Ctrl-C; see `serve`."""
-    places = threading.Semaphore(MOST_CONNECTIONS)
+    places = threading.Semaphore(MAX_CONNECTIONS)
 
     def one(connection: socket.socket) -> None:
         try:

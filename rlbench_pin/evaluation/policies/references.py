@@ -47,13 +47,13 @@ class Reference:
     text: str
     """As it was written."""
     place: Literal["in-process", "subprocess", "socket"]
-    """Where the policy runs."""
+    """Transport of the policy."""
     target: str
     """`module:factory` or `file.py:factory` with arguments, or an address."""
 
 
 def find_policy(reference: str) -> Reference:
-    """Return what a reference leads to, after a look at whether it exists. Nothing is imported that the policy brings.
+    """Return the target of a reference, after checking that it exists. Nothing of the policy is imported.
 
     Args:
         reference: A name of `BUILT_IN`, `module:factory`, `file.py:factory`, `sb3:FILE`, `ppo:FOLDER`, `sac:FOLDER`,
@@ -80,6 +80,10 @@ def find_policy(reference: str) -> Reference:
         target = f"{BUILT_IN[name]}?{query}" if query else BUILT_IN[name]
         return Reference(reference, "in-process" if name in IN_PROCESS else "subprocess", target)
     if ":" not in name:
+        if name.endswith(".py"):
+            known = _defined(reference, Path(name)) if _is_file(Path(name)) else ()
+            hint = f"Write `{name}:NAME`, where NAME is a class or function of that file{_listed(known)}."
+            raise PolicyReferenceError(reference, "names a file, and no policy in it", hint)
         raise UnknownName("policy", reference, (*BUILT_IN, EXPERT))
     _check_factory(reference)
     return Reference(reference, "subprocess", reference)
@@ -180,20 +184,34 @@ def _spec_of(dotted: str) -> ModuleSpec | None:
     return spec
 
 
-def _check_name(reference: str, file: Path, name: str) -> None:
+def _parsed(reference: str, file: Path) -> ast.Module:
     try:
-        tree = ast.parse(file.read_bytes())
+        return ast.parse(file.read_bytes())
     except (SyntaxError, ValueError, OSError) as error:
         raise PolicyReferenceError(reference, f"needs '{file}', which cannot be read: {error}") from error
+
+
+def _defined(reference: str, file: Path) -> tuple[str, ...]:
+    """Return the public classes and functions of a file."""
+    nodes = _parsed(reference, file).body
+    return tuple(n.name for n in nodes if isinstance(n, ast.FunctionDef | ast.ClassDef) and not n.name.startswith("_"))
+
+
+def _listed(names: tuple[str, ...]) -> str:
+    return f": {', '.join(names[:8])}{', ...' if len(names) > 8 else ''}" if names else ""
+
+
+def _check_name(reference: str, file: Path, name: str) -> None:
+    tree = _parsed(reference, file)
     names = {n.name for n in ast.walk(tree) if isinstance(n, ast.FunctionDef | ast.ClassDef | ast.AsyncFunctionDef)}
     names |= {n.id for n in ast.walk(tree) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
     imported = [alias for n in ast.walk(tree) if isinstance(n, ast.Import | ast.ImportFrom) for alias in n.names]
     names |= {alias.asname or alias.name.split(".")[0] for alias in imported}
     if name not in names and not names & {"*", "__getattr__"}:
         near = nearest_name(name, names)
-        raise PolicyReferenceError(
-            reference, f"needs '{name}', which is not in '{file}'", f"Did you mean '{near}'?" if near else ""
-        )
+        found = _listed(_defined(reference, file)) or ": none"
+        hint = f"Did you mean '{near}'?" if near else f"Its public classes and functions{found}."
+        raise PolicyReferenceError(reference, f"needs '{name}', which is not in '{file}'", hint)
 
 
 def split_reference(reference: str) -> tuple[str, str, dict[str, Any]]:
@@ -220,25 +238,25 @@ def _value(text: str) -> Any:
 
 
 POLICY = ("reset", "act", "action_mode", "obs_config")
-"""What a policy has."""
+"""Methods of a policy."""
 
 
 def make_policy(reference: str) -> Any:
     """Import what a reference names, call it, and return the policy.
 
     Raises:
-        NoPolicy: There is no such module or factory, or what it returns is no policy.
+        NoPolicy: There is no such module or factory, or what it returns is not a policy.
     """
     return make_named(reference, "policy", POLICY)
 
 
 def make_named(reference: str, kind: str, parts: tuple[str, ...]) -> Any:
-    """Import what a reference names, call it unless it is the thing itself, and return that.
+    """Import what a reference names, call it unless it is an instance already, and return that.
 
     Args:
         reference: `module:factory?key=value&...` or `file.py:factory?...`.
         kind: What it is to be, one word.
-        parts: What such a thing has; two methods first.
+        parts: Attributes of such an object; two methods first.
 
     Raises:
         NoPolicy: There is no such module or factory, or what it returns lacks a part.
@@ -248,8 +266,8 @@ def make_named(reference: str, kind: str, parts: tuple[str, ...]) -> Any:
     if name not in vars(module) and not hasattr(module, name):
         raise NoPolicy(f"'{where}' has no '{name}'.")
     made = getattr(module, name)
-    is_thing = any(callable(getattr(made, part, None)) for part in parts[:2])
-    if callable(made) and not is_thing or isinstance(made, type):
+    is_instance = any(callable(getattr(made, part, None)) for part in parts[:2])
+    if callable(made) and not is_instance or isinstance(made, type):
         try:
             inspect.signature(made).bind(**arguments)
         except TypeError as error:
@@ -257,7 +275,7 @@ def make_named(reference: str, kind: str, parts: tuple[str, ...]) -> Any:
         made = made(**arguments)
     lacking = [part for part in parts if not hasattr(made, part)]
     if lacking:
-        raise NoPolicy(f"'{where}:{name}' gives a {type(made).__name__}, which is no {kind}: it has no {lacking[0]}.")
+        raise NoPolicy(f"'{where}:{name}' gives a {type(made).__name__}, which is not a {kind}: it has no {lacking[0]}.")
     return made
 
 

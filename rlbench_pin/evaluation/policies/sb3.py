@@ -29,7 +29,7 @@ TOLERANCE = 1e-5
 
 
 class Model(Protocol):
-    """What we use of a model of Stable-Baselines3."""
+    """The used part of a model of Stable-Baselines3."""
 
     observation_space: Any
     action_space: Any
@@ -72,7 +72,7 @@ def _algorithm_of(file: str) -> str:
             settings = json.loads(archive.read("data"))
         return next(name for sign, name in _SIGNS if sign in settings)
     except (zipfile.BadZipFile, KeyError, ValueError, StopIteration) as error:
-        raise NoPolicy(f"'{file}' is no model of Stable-Baselines3 that is known here; `algorithm=` names another.") from error
+        raise NoPolicy(f"'{file}' is not a model of Stable-Baselines3 that is known here; `algorithm=` names another.") from error
 
 
 class Sb3Policy:

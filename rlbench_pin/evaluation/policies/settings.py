@@ -39,19 +39,25 @@ from rlbench_pin.observation import CAMERAS
 from rlbench_pin.sim import Light, Lighting
 from rlbench_pin.values import as_whole
 
+LARGEST_IMAGE = 1024
+"""Pixels of a side of an image of a policy at most."""
+LARGEST_OBSERVATION = 64_000_000
+"""Bytes of all images of an observation of a policy at most."""
+
 
 @dataclass(frozen=True)
 class PolicySettings:
-    """What a policy asks of an evaluation. Everything in it is JSON; action modes and noise are those of this package.
+    """Settings that a policy asks for. All values are JSON; action modes and noise are those of this package.
 
     Raises:
-        PolicySettingsError: The data name no action mode or observation, or a wrong value of one (also an InvalidValue).
+        PolicySettingsError: The data name no action mode or observation, or a wrong value of one (also an InvalidValue); or
+            the images are larger than `LARGEST_IMAGE`, or together than `LARGEST_OBSERVATION`.
     """
 
     action_mode: dict[str, Any]
     """Classes and parameters of the action mode: `mode`, `arm`, `arm_settings`, `gripper`, `gripper_settings`."""
     observation: dict[str, Any] = field(default_factory=dict)
-    """What is observed: low-dimensional fields, and `cameras` with their products and sizes. What is left out is off."""
+    """Observations: low-dimensional fields, and `cameras` with their products and sizes. Fields left out are off."""
     max_steps: int | None = None
     """Actions of an episode that the policy suggests; None leaves it to the evaluation."""
 
@@ -59,6 +65,7 @@ class PolicySettings:
         """Fill in what was left out, so that equal settings are equal data."""
         object.__setattr__(self, "action_mode", describe_action_mode(make_action_mode(self.action_mode)))
         object.__setattr__(self, "observation", describe_observations(make_observations(self.observation)))
+        _check_images(make_observations(self.observation))
         if self.max_steps is not None:
             as_whole(self.max_steps, "max_steps of a policy", PolicySettingsError, least=1)
 
@@ -100,7 +107,7 @@ ARM_MODES: Mapping[str, type] = {
 """Name -> arm mode that a policy may have."""
 GRIPPER_MODES: Mapping[str, type] = {kind.__name__: kind for kind in (Discrete, GripperJointPosition)}
 """Name -> gripper mode that a policy may have."""
-WHOLE_MODES: Mapping[str, type] = {kind.__name__: kind for kind in (MoveArmThenGripper, JointPositionActionMode)}
+ACTION_MODES: Mapping[str, type] = {kind.__name__: kind for kind in (MoveArmThenGripper, JointPositionActionMode)}
 """Name -> action mode that a policy may have."""
 DEEPEST = 4
 """So many safety filters may be around an arm mode."""
@@ -112,7 +119,7 @@ def describe_action_mode(mode: ActionMode) -> dict[str, Any]:
     Raises:
         PolicySettingsError: A part is a class of the policy's own. It would run beside the simulation, not with the policy.
     """
-    described: dict[str, Any] = {"mode": _name_of(mode, WHOLE_MODES, "action mode")}
+    described: dict[str, Any] = {"mode": _name_of(mode, ACTION_MODES, "action mode")}
     if isinstance(mode, MoveArmThenGripper):
         for part, kinds, value in (
             ("arm", ARM_MODES, mode.arm_action_mode),
@@ -129,7 +136,7 @@ def make_action_mode(described: Mapping[str, Any]) -> ActionMode:
     Raises:
         PolicySettingsError: The data name no mode, or a parameter that it has not, or one with a wrong value.
     """
-    kind = _kind_of(_table(described, "action_mode"), "mode", WHOLE_MODES)
+    kind = _kind_of(_table(described, "action_mode"), "mode", ACTION_MODES)
     if kind is JointPositionActionMode:
         _entries(described, ["mode"], "action_mode")
         return JointPositionActionMode()
@@ -197,7 +204,7 @@ def _kind_of(described: Mapping[str, Any], key: str, kinds: Mapping[str, type]) 
     if not isinstance(name, str) or name not in kinds:
         near = nearest_name(name, tuple(kinds)) if isinstance(name, str) else None
         hint = f"Did you mean '{near}'?" if near else f"Known: {', '.join(kinds)}."
-        raise PolicySettingsError(f"action_mode: '{key}'", name, "is no mode of this package", hint)
+        raise PolicySettingsError(f"action_mode: '{key}'", name, "is not a mode of this package", hint)
     return kinds[name]
 
 
@@ -259,6 +266,25 @@ def make_observations(described: Mapping[str, Any]) -> ObservationConfig:
     return config
 
 
+def _check_images(config: ObservationConfig) -> None:
+    """Raise PolicySettingsError where the images of a policy take too much memory of the process that plays the episode."""
+    cameras = {f"observation.cameras.{name}": camera for name, camera in config.cameras().items()}
+    cameras |= {f"observation.extra_cameras.{name}.config": extra.config for name, extra in config.extra_cameras.items()}
+    cameras = {name: camera for name, camera in cameras.items() if camera.is_used}
+    size = 0
+    for name, camera in cameras.items():
+        width, height = camera.image_size
+        if max(width, height) > LARGEST_IMAGE:
+            problem = f"is larger than {LARGEST_IMAGE} x {LARGEST_IMAGE} px"
+            raise PolicySettingsError(f"{name}.image_size", camera.image_size, problem, "Ask for a smaller image.")
+        mask = 4 if camera.masks_as_one_channel else 12
+        size += width * height * (3 * camera.rgb + 4 * camera.depth + 12 * camera.point_cloud + mask * camera.mask)
+    if size > LARGEST_OBSERVATION:
+        problem = f"make {size / 1e6:.1f} MB an observation; {LARGEST_OBSERVATION / 1e6:.0f} MB is the most"
+        hint = "Reduce `image_size`, or leave products or cameras out."
+        raise PolicySettingsError("The images of observation.cameras and extra_cameras", list(cameras), problem, hint)
+
+
 # To plain data ----------------------------------------------------------------------------------------------------------------
 
 
@@ -292,9 +318,9 @@ def _extra_camera(extra: ExtraCamera) -> dict[str, Any]:
 
 def _check_parent(extra: ExtraCamera) -> None:
     if extra.parent not in ("world", HAND):
-        hint = "On a body of the scene it would tell where that is."
+        hint = "A camera on a body of the scene would reveal its pose."
         raise PolicySettingsError(
-            "An extra camera of a policy", extra.parent, f"stands in the world or rides on the {HAND}", hint
+            "An extra camera of a policy", extra.parent, f"has to be fixed in the world or mounted on the {HAND}", hint
         )
 
 

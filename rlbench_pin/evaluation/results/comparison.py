@@ -1,4 +1,4 @@
-"""Two policies on the same episodes: who succeeds where the other does not, per task and in all."""
+"""Comparison of two policies on the same episodes: episodes that only one of them solves, per task and in all."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rlbench_pin.evaluation.results.statistics import DRAWS, LEVEL, SIGNIFICANT,
 from rlbench_pin.values import as_choice, as_flag, as_record
 
 Measure = Literal["success", "lasts"]
-"""What counts: success, or success that lasts."""
+"""Measure: success, or stable success."""
 IMPLIED = ("episodes", "seed", "variations", "time_limit")
 """Limits that may differ: the episodes themselves say the first three, and the last is of a clock on the wall."""
 _SHOWN = 3
@@ -80,7 +80,7 @@ class Comparison:
     difference: Estimate
     """Mean over tasks of the rate of the second less that of the first, with a bootstrap interval."""
     remarks: tuple[str, ...]
-    """What else differs, and may explain a difference."""
+    """Other differences, which may explain the result."""
 
     @property
     def significant(self) -> bool:
@@ -103,7 +103,7 @@ def compare(
         first: Results of the one.
         second: Results of the other, of the same episodes: tasks, variations, seeds.
         rng: Draws the bootstrap.
-        measure: `success`, or `lasts` for success that lasts.
+        measure: `success`, or `lasts` for stable success.
         common: Compare the episodes that both have, where they do not have the same.
         any_limits: Compare although episodes ended at different limits.
 

@@ -1,4 +1,4 @@
-"""Plots of results: success with its interval, a bar per task and policy, in colours that colour-blind people can tell apart."""
+"""Plots of results: success with its interval, a bar per task and policy, in colours for colour-blind readers."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from rlbench_pin.evaluation.results.tables import MEAN, printable
 from rlbench_pin.values import as_path, as_record, as_several, as_whole
 
 SUFFIXES = (".png", ".svg")
-MOST = 8
+MAX_POLICIES = 8
 """Policies in one plot at most."""
 COLORS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#000000")
 """Of Okabe and Ito, in an order in which neighbours differ in lightness as well."""
@@ -59,8 +59,8 @@ def check_plot(path: Path | str, policies: int) -> Path:
     path = as_path(path, "path")
     if path.suffix.lower() not in SUFFIXES:
         raise InvalidValue("path of a plot", str(path), f"has to end with {' or '.join(SUFFIXES)}")
-    if not 1 <= as_whole(policies, "policies") <= MOST:
-        raise InvalidValue("policies in one plot", policies, f"have to be 1 to {MOST}: more bars are not told apart")
+    if not 1 <= as_whole(policies, "policies") <= MAX_POLICIES:
+        raise InvalidValue("policies in one plot", policies, f"have to be 1 to {MAX_POLICIES}: more bars cannot be distinguished")
     return path
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rlbench_pin.errors import InvalidValue
-from rlbench_pin.evaluation.results.records import EpisodeRecord, Results
+from rlbench_pin.evaluation.results.records import WORKER_DIED, EpisodeRecord, Results
 from rlbench_pin.rates import Rate, wilson
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_array, as_number, as_record, as_several, as_whole
@@ -38,12 +38,12 @@ class Estimate:
 
 @dataclass(frozen=True)
 class TaskSummary:
-    """What came of the episodes of one task."""
+    """Statistics of the episodes of one task."""
 
     task: str
     success: Rate
     held: Rate
-    """Successes that were still there after the scene had come to rest."""
+    """Stable successes."""
     steps: float | None
     """Median of the actions of successful episodes; None without any."""
     seconds: float | None
@@ -58,20 +58,26 @@ class TaskSummary:
     """Limit -> control ticks in which it was violated, in all episodes."""
     faults: dict[str, int]
     """Kind -> episodes that a fault of the policy ended."""
+    worker_deaths: int
+    """Workers that died in its episodes."""
+    retried: int
+    """Episodes that were begun again after a worker had died, and played."""
 
 
 @dataclass(frozen=True)
 class Summary:
-    """What came of an evaluation."""
+    """Statistics of an evaluation."""
 
     policy: str
     tasks: tuple[TaskSummary, ...]
     success: Estimate
     """Mean over tasks, each with the same weight."""
     held: Estimate
-    """Likewise, of success that lasts."""
+    """The same of stable success."""
     episodes: int
     """Of all tasks together."""
+    first_faults: tuple[EpisodeRecord, ...] = ()
+    """The first episode that ended with a fault, for each kind of fault."""
 
 
 def summarise(results: Results, rng: np.random.Generator) -> Summary:
@@ -88,7 +94,11 @@ def summarise(results: Results, rng: np.random.Generator) -> Summary:
         by_task[episode.task].append(episode)
     tasks = tuple(_task_summary(task, episodes) for task, episodes in by_task.items())
     success, held = (mean_rate([getattr(task, name) for task in tasks], rng) for name in ("success", "held"))
-    return Summary(results.policy, tasks, success, held, len(results.episodes))
+    first_faults: dict[str, EpisodeRecord] = {}
+    for episode in results.episodes:
+        if episode.fault:
+            first_faults.setdefault(episode.fault, episode)
+    return Summary(results.policy, tasks, success, held, len(results.episodes), tuple(first_faults.values()))
 
 
 def _task_summary(task: str, episodes: Sequence[EpisodeRecord]) -> TaskSummary:
@@ -104,6 +114,8 @@ def _task_summary(task: str, episodes: Sequence[EpisodeRecord]) -> TaskSummary:
         max_force=max((e.max_force for e in episodes), default=0.0),
         violations=added_counts(e.violations for e in episodes),
         faults=dict(sorted(Counter(e.fault for e in episodes if e.fault).items())),
+        worker_deaths=sum(e.worker_deaths for e in episodes),
+        retried=sum(e.worker_deaths > 0 and e.fault != WORKER_DIED for e in episodes),
     )
 
 
@@ -137,7 +149,7 @@ def mean_rate(rates: Sequence[Rate], rng: np.random.Generator, draws: int = DRAW
 
 
 def width_note(episodes: int) -> str:
-    """Return a sentence that says how much so many episodes of a task tell; empty where they are many.
+    """Return a warning when the episodes of a task are few; empty otherwise.
 
     Args:
         episodes: Of each task.
@@ -150,7 +162,7 @@ def width_note(episodes: int) -> str:
     for count in counts:
         low, high = wilson(count, episodes)
         parts.append(f"at {count / episodes:.0%} of success the interval goes from {low:.0%} to {high:.0%}")
-    return f"{episodes} episode{'s' if episodes > 1 else ''} of a task tell little: {', '.join(parts)}."
+    return f"{episodes} episode{'s' if episodes > 1 else ''} of a task give wide intervals: {', '.join(parts)}."
 
 
 def added_counts(counts: object) -> dict[str, int]:
@@ -166,7 +178,7 @@ def added_counts(counts: object) -> dict[str, int]:
 
 SIGNIFICANT = 0.05
 """A difference whose p-value is below this is called significant."""
-_MOST = 10**6
+_MAX_COUNT = 10**6
 
 
 @dataclass(frozen=True)
@@ -190,7 +202,8 @@ def mcnemar(only_first: int, only_second: int) -> PValues:
         only_second: Pairs in which the second alone succeeded.
     """
     first, second = (
-        as_whole(value, what, least=0, most=_MOST) for value, what in ((only_first, "only_first"), (only_second, "only_second"))
+        as_whole(value, what, least=0, most=_MAX_COUNT)
+        for value, what in ((only_first, "only_first"), (only_second, "only_second"))
     )
     probabilities = _binomial(first + second, 0.5)
     low = min(first, second)
@@ -262,7 +275,7 @@ def paired_power(first: float, second: float, shared: float, episodes: int, leve
 
 
 def episodes_needed(first: float, second: float, shared: float, power: float = 0.8) -> int:
-    """Return about how many episodes tell two rates apart with a probability of `power`, to about 2 %.
+    """Return the number of episodes that separates two rates with a probability of `power`, to about 2 %.
 
     Args:
         first: Success rate of the first policy.

@@ -97,7 +97,7 @@ def comparison_table(comparison: Comparison) -> Table:
         f"By task, corrected for {len(comparison.tasks)} tests: {', '.join(told) or 'none'} differ{'s' * (len(told) < 2)}.",
         *comparison.remarks,
     )
-    what = "success" if comparison.measure == "success" else "success that lasts"
+    what = "success" if comparison.measure == "success" else "stable success"
     return Table(f"{comparison.second} compared with {comparison.first}: {what}", head, tuple(rows), notes)
 
 
@@ -122,11 +122,23 @@ def _notes(summary: Summary) -> list[str]:
     counted = ((name, added_counts(getattr(task, key) for task in summary.tasks)) for name, key in _COUNTED)
     notes = [f"{name}: {', '.join(f'{what} {n}' for what, n in counts.items())}." for name, counts in counted if counts]
     few = width_note(min((task.success.of for task in summary.tasks), default=0))
-    return [_LEGEND, *notes, *([few] if few else [])]
+    return [_LEGEND, *notes, *fault_notes(summary), *([few] if few else [])]
+
+
+def fault_notes(summary: Summary) -> list[str]:
+    """Return a sentence about the first fault of each kind, and one about workers that died."""
+    notes = [
+        f"First '{record.fault}' ({record.task}, seed {record.seed}): {' '.join(record.fault_detail.split()) or 'no detail'}"
+        for record in as_record(summary, Summary, "summary").first_faults
+    ]
+    deaths, retried = (sum(getattr(task, name) for task in summary.tasks) for name in ("worker_deaths", "retried"))
+    if deaths:
+        notes.append(f"Workers that died in an episode: {deaths}. Episodes that were played again after that: {retried}.")
+    return [printable(note, most=700) for note in notes]
 
 
 _LEGEND = (
-    "Held: success that lasts. Steps: median of successes. Refused actions and collisions: per episode. Force: the largest. "
+    "Held: stable success. Steps: median of successes. Refused actions and collisions: per episode. Force: the largest. "
     "Violations: control ticks in all."
 )
 _COUNTED = (("Refused actions", "refused"), ("Ticks beyond limits", "violations"), ("Episodes that ended with a fault", "faults"))

@@ -25,7 +25,7 @@ from rlbench_pin.observation import Observation
 
 KEY_FRAMES = 25
 """Actions of an episode at most, unless said otherwise, where each plans a motion to a pose."""
-LEAST_FORCE = 1.0
+MIN_FORCE = 1.0
 """A contact that is lighter is none [N]."""
 APART = 5
 """Control ticks without contact after which the next one with the same body counts as another collision."""
@@ -42,7 +42,7 @@ NO_DEMONSTRATION = "no demonstration"
 
 @dataclass(frozen=True)
 class Limits:
-    """Where an episode is cut off."""
+    """Limits of an episode."""
 
     steps: int
     """Actions."""
@@ -98,13 +98,13 @@ class Meter:
             world.on_physics.remove(self._after_physics)
 
     def _after_physics(self) -> None:
-        """Look at the contacts of the physics step before."""
+        """Read the contacts of the previous physics step."""
         forces: dict[str, float] = {}
         for (link, body), force in self.runtime.robot.contact_forces().items():
             if not self._may_touch(link, body):
                 forces[body] = forces.get(body, 0.0) + force
         for body, force in forces.items():
-            if force >= LEAST_FORCE:
+            if force >= MIN_FORCE:
                 self._touched.add(body)
                 self.max_force = max(self.max_force, force)
 
@@ -135,12 +135,12 @@ class Meter:
 
 @dataclass(frozen=True)
 class EpisodeOutcome:
-    """What came of one episode."""
+    """Outcome of one episode."""
 
     item: EpisodeItem
-    """What was played."""
+    """The job."""
     record: EpisodeRecord
-    """What it came to: the same wherever it is played."""
+    """Its record: the same in every process."""
     action_times: tuple[float, ...] = ()
     """How long the policy took for each answer [s]."""
 
@@ -178,8 +178,8 @@ class Episode:
 
         Args:
             client: The policy.
-            instruction: What it is told to do.
-            context: What it is told beside that.
+            instruction: Its instruction.
+            context: Further information for it.
             limits: Where the episode is cut off. A refused action counts as one control tick.
             seen: The first observation.
 
@@ -243,7 +243,7 @@ class Episode:
 
 
 def make_context(config: EvaluationConfig, item: EpisodeItem, task: TaskEnvironment, limits: Limits) -> PolicyContext:
-    """Return what a policy is told at the start of an episode."""
+    """Return the context of a policy at the start of an episode."""
     low, high = task.action_bounds()
     return PolicyContext(
         robot=config.robot,

@@ -1,4 +1,4 @@
-"""What results were made with: commit, machine, files of the policy, and times of its answers."""
+"""Provenance of results: commit, machine, files of the policy, and times of its answers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a worker does: one episode in, its record out. It keeps the policy and the environment of the task between episodes."""
+"""A worker: plays one episode and returns its record. It keeps policy and environment between episodes of a task."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from rlbench_pin.values import as_record
 Around = Callable[[TaskEnvironment], AbstractContextManager[object]]
 """Makes what is around an episode from its start to its end, such as a video of it."""
 NOT_PLAYED = "not played"
-"""The fault of an episode in which something else than the policy failed: the task could not be placed, or a worker died."""
+"""The fault of an episode in which something else than the policy failed, such as a task that could not be placed."""
 
 
 class EpisodeRunner:
@@ -50,7 +50,7 @@ class EpisodeRunner:
         self._loaded = ""
 
     def make(self, item: EpisodeItem) -> EpisodeOutcome:
-        """Play an episode; whatever goes wrong in it is in its record."""
+        """Play an episode; its record contains all faults."""
         return self.play(item)
 
     def play(self, item: EpisodeItem, around: Around = lambda task: nullcontext()) -> EpisodeOutcome:
@@ -76,7 +76,7 @@ class EpisodeRunner:
                         end, fault, detail = episode.play(self._client, instructions[0], context, limits, seen), "", ""
                     except PolicyFault as error:
                         end, fault, detail = "fault", error.kind, error.detail
-            lasts = end == "success" and task.success_lasts()
+            lasts = end == "success" and task.success_is_stable()
             return EpisodeOutcome(item, episode.record(end, fault, detail, lasts=lasts), tuple(episode.action_times))
         except PolicyFault as error:  # it did not even start
             return EpisodeOutcome(item, not_played(item, error.kind, error.detail))

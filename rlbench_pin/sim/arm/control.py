@@ -15,7 +15,7 @@ from rlbench_pin.spatial import FloatArray, pose_to_se3
 from rlbench_pin.values import action_vector, as_flag, finite_vector
 
 DriveMode = Literal["position", "velocity", "torque"]
-"""What the arm's motors follow."""
+"""Control mode of the arm's motors."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,10 +33,10 @@ class ArmControl:
 
 @dataclass(frozen=True)
 class Effort:
-    """What the motors of n joints do in a physics step."""
+    """Commands of the motors of n joints in a physics step."""
 
     torques: list[float]
-    """Applied whatever happens (n,) [N m]."""
+    """Feed-forward torques, always applied (n,) [N m]."""
     spare: list[float]
     """Most that a motor adds to reach its goal (n,) [N m]."""
 
@@ -97,7 +97,7 @@ class Motors:
         return [min(max(torque, -most), most) for torque, most in zip(torques, self._efforts, strict=True)]
 
     def _left(self, torques: list[float]) -> list[float]:
-        """What motors that give `torques` can add."""
+        """Torques that motors can add to `torques`."""
         return [most - abs(torque) for torque, most in zip(torques, self._efforts, strict=True)]
 
     def follow(self, positions: list[float], velocities: list[float], gain: float, forces: list[float]) -> None:

@@ -1,4 +1,4 @@
-"""The gripper: fingers that close at a given speed and force, and what they hold."""
+"""The gripper: fingers that close at a given speed and force, and grasped bodies."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class SimGripper:
 
     Args:
         robot: The arm that carries the gripper.
-        find: Appearance a body up by name.
+        find: Looks up a body by name.
         bodies: Returns all bodies of the scene.
     """
 
@@ -126,7 +126,11 @@ class SimGripper:
         return self._attachments.names
 
     def between_fingers(self) -> tuple[str, ...]:
-        """Names of graspable bodies that both fingers touch and that reach into the thin box between the pads."""
+        """Return the names of the graspable bodies that both fingers touch and that overlap the box between the pads.
+
+        A touch counts on the links that `register_graspable_objects` allows. The box is `pad_size` along tip x and z, and
+        along tip y 2 mm less than the gap between the fingers (1 mm at least).
+        """
         return tuple(body.name for body in self._bodies() if body.graspable and self._is_gripped(body) and self._in_gap(body))
 
     def _is_gripped(self, body: Body) -> bool:
@@ -135,11 +139,11 @@ class SimGripper:
         return all(links & touched_links(self._model, finger, body.model) for finger in self._fingers)
 
     def reaches_between_fingers(self, name: str) -> bool:
-        """Whether a body, graspable or not, reaches into the thin box between the pads."""
+        """Whether a body, graspable or not, overlaps the box between the pads."""
         return self._in_gap(self._find(name))
 
     def closes_on_something(self) -> bool:
-        """Whether any body, graspable or not, reaches into the thin box between the pads."""
+        """Whether any body, graspable or not, overlaps the box between the pads."""
         return any(body.collides and self._in_gap(body) for body in self._bodies())
 
     def _in_gap(self, body: Body) -> bool:
@@ -176,11 +180,11 @@ class SimGripper:
         self._control = control
 
     def attachments(self) -> tuple[Attachment, ...]:
-        """What is fixed to the gripper."""
+        """Bodies fixed to the gripper."""
         return self._attachments.state()
 
     def set_attachments(self, attachments: tuple[Attachment, ...]) -> None:
-        """Make `attachments` the only ones, whatever was held before."""
+        """Replace all attachments by `attachments`."""
         self.release()
         self._attachments.restore_order(self._bodies())
         for attachment in attachments:
@@ -203,7 +207,7 @@ class SimGripper:
         self._control = FingerControl(control.target, np.array(ends), control.speed, control.force, here)
 
     def drive(self, substep: int) -> None:
-        """Command the finger motors for physics step `substep` of this tick; fingers that hold still keep their command."""
+        """Command the finger motors for physics step `substep` of this tick; stationary fingers keep their command."""
         if substep and not any(self._feed):
             return
         bullet.setJointMotorControlArray(

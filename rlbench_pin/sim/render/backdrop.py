@@ -46,7 +46,7 @@ class Panel:
 
 @dataclass(frozen=True, eq=False)
 class PanelSight:
-    """Where one rectangle can be seen, and how 1/z, s/z and t/z follow from the ray of a pixel."""
+    """Pixels that may show one rectangle, and how 1/z, s/z and t/z follow from the ray of a pixel."""
 
     number: int
     window: tuple[slice, slice]

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from rlbench_pin.errors import CameraError, InvalidCamera
 from rlbench_pin.spatial import FloatArray, matrix_to_pose, pose_to_matrix
-from rlbench_pin.values import as_number, as_picture_size, as_vector
+from rlbench_pin.values import as_image_size, as_number, as_vector
 
 
 @dataclass(frozen=True, eq=False)
 class CameraView:
-    """Where a camera stands and what it sees. The camera frame has z forward, x to the left, y up."""
+    """Pose and optics of a camera. The camera frame has z forward, x to the left, y up."""
 
     pose: FloatArray
     """Pose (7,) in the world."""
@@ -35,7 +35,7 @@ class CameraView:
     def __post_init__(self) -> None:
         for name in ("fov", "near", "far"):
             as_number(getattr(self, name), f"CameraView.{name}", InvalidCamera)
-        as_picture_size(self.size, "CameraView.size", InvalidCamera)
+        as_image_size(self.size, "CameraView.size", InvalidCamera)
         if not (0.0 < self.fov < np.pi and 0.0 < self.near < self.far):
             raise CameraError(f"A camera needs 0 < fov < pi and 0 < near < far, not {self.fov}, {self.near}, {self.far}.")
 
@@ -114,7 +114,7 @@ class _FinerView(CameraView):
 
 @dataclass(frozen=True, eq=False)
 class Images:
-    """What a camera delivered, top row first; None where it was not asked for."""
+    """Images of a camera, top row first; None where not requested."""
 
     rgb: NDArray[np.uint8] | None
     """(h, w, 3)."""
@@ -128,7 +128,7 @@ def look_at(eye: Sequence[float] | FloatArray, target: Sequence[float] | FloatAr
     """Pose (7,) of a camera at `eye` [m] that looks at `target` [m]: z forward, x left, y up.
 
     Raises:
-        CameraError: Both are the same point, or one is no point.
+        CameraError: Both are the same point, or one is not a point.
     """
     eye, target = as_vector(eye, 3, "eye", InvalidCamera), as_vector(target, 3, "target", InvalidCamera)
     forward = np.subtract(target, eye)

@@ -82,7 +82,7 @@ class Lighting:
 
     @property
     def mean_fill(self) -> float:
-        """What the fills give on average over all directions that objects are seen from."""
+        """Mean brightness of the fill lights over all directions that objects are seen from."""
         return 0.35 * sum(fill.intensity for fill in self.fills)
 
 

@@ -1,6 +1,6 @@
 """Images: moving objects drawn over the room, with shadows and fill lights on top.
 
-A separate drawing of the room saves most work: a camera that stands still draws it once. Where a moving object is nearer than the
+A separate drawing of the room saves most work: a stationary camera draws it once. Where a moving object is nearer than the
 room it is seen; this is exact to the pixel. Moving objects are drawn for all cameras of an instant together, and for the key
 light, whose image gives the shadows. The fill lights follow from the slopes of the depth.
 """
@@ -43,7 +43,7 @@ _KEPT = 12
 
 @dataclass(frozen=True, eq=False)
 class Request:
-    """What one camera is to deliver."""
+    """Requested products of one camera."""
 
     view: CameraView
     """The camera."""
@@ -82,7 +82,7 @@ class Renderer:
         room: What the backdrop draws.
         room_ids: Mask id of each room body.
         ids: Returns the mask ids of body b and link l at `[b, l + 1]`.
-        appearance: What the server does not tell of visuals.
+        appearance: Appearance of visuals that the server does not report.
 
     Attributes:
         lighting: The lights; may be replaced at any time.
@@ -281,7 +281,7 @@ class Renderer:
     # Room ------------------------------------------------------------------------------------------------------------
 
     def _present_painter(self) -> Painter:
-        """Who draws the room as it is now; backdrops of another are forgotten."""
+        """Return the backdrop of the current room; those of other rooms are dropped."""
         appearance = (self.lighting, *(body.appearance() for body in self._room.values()))
         if self._painter is None or self._painter[0] != appearance:
             panels = [panel for name, body in self._room.items() for panel in body.panels(self._room_ids[name])]

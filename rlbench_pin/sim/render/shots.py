@@ -1,4 +1,4 @@
-"""What cameras see of moving things: drawn by numpy for all of them at once, or by PyBullet's renderers one after the other."""
+"""Images of moving objects: drawn by numpy for all cameras at once, or by PyBullet's renderers one after the other."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ class NumpyRasterizer:
     Args:
         client: The physics server.
         room: Numbers of the bodies of the room.
-        appearance: What the server does not tell.
+        appearance: Appearance that the server does not report.
     """
 
     def __init__(self, client: PhysicsClient, room: frozenset[int], appearance: Appearance) -> None:

@@ -8,7 +8,7 @@ from rlbench_pin.tasks import COLORS, Detected, NothingGrasped, SpawnBoundary, T
 
 LIT, UNLIT = (1.0, 1.0, 0.0), (1.0, 1.0, 1.0)
 HANDS = {"waypoint1": np.pi, "waypoint4": 0.3735}
-"""Turn of the hand that points down, about the vertical, at the waypoints that do not turn with the task [rad]."""
+"""Yaw of the gripper that points down, about the vertical, at the waypoints that do not turn with the task [rad]."""
 
 
 class LightBulbOut(Task):
@@ -18,7 +18,7 @@ class LightBulbOut(Task):
     """
 
     def init_task(self) -> None:
-        """The bulb may be grasped; the hand does not turn with the task."""
+        """The bulb may be grasped; the gripper does not turn with the task."""
         self.holders = [self.world.body(f"holder{i}") for i in range(2)]
         self.bulb, self.sensor = self.world.body("bulb"), self.world.sensor("holder")
         self.in_lamp = Detected(self.bulb, self.world.sensor("lamp_socket"))
@@ -56,7 +56,7 @@ class LightBulbOut(Task):
         self.bulb.set_color(LIT, "glass")
 
     def _turn_hands(self, waypoint: Waypoint) -> None:
-        """Turn the hand at the bulb and at the holder as in the world, once it is known how the task stands."""
+        """Turn the gripper at the bulb and at the holder as in the world, after the task was placed."""
         for name, turn in HANDS.items():
             frame = self.world.frame(name)
             frame.set_pose([*frame.position, np.cos(turn / 2.0), np.sin(turn / 2.0), 0.0, 0.0])

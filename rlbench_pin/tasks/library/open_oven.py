@@ -8,10 +8,10 @@ from rlbench_pin.tasks import Detected, NothingGrasped, Task
 
 
 class OpenOven(Task):
-    """The door must lie flat in front of the oven, and the hand must hold nothing."""
+    """The door must lie flat in front of the oven, and the gripper must hold nothing."""
 
     def init_task(self) -> None:
-        """Success is the door down in front of the oven, and an empty hand."""
+        """Success is the door down in front of the oven, and an empty gripper."""
         door_is_down = Detected(self.world.body("oven"), self.world.sensor("door_down"))
         self.register_success_conditions([door_is_down, NothingGrasped(self.gripper)])
 

@@ -38,7 +38,7 @@ class PickUpCup(Task):
         ]
 
     def _aim_at_far_side_of_rim(self) -> None:
-        """Turn the frame that the hand comes down along, so that the outer finger has the other cup behind the asked one."""
+        """Turn the frame of the approach, so that the outer finger has the other cup behind the asked one."""
         x, y, _ = self.cup.position - self.other.position
         frame, half = self.world.frame("rim"), np.arctan2(y, x) / 2.0
         frame.set_pose([*self.cup.position, 0.0, 0.0, np.sin(half), np.cos(half)])

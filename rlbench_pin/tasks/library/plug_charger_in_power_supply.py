@@ -14,7 +14,7 @@ class PlugChargerInPowerSupply(Task):
     """
 
     def init_task(self) -> None:
-        """The charger may be grasped; success is each pin in its hole, and an empty hand."""
+        """The charger may be grasped; success is each pin in its hole, and an empty gripper."""
         self.stand = self.world.body("stand")
         self.boundary = SpawnBoundary([self.world.region("patch")])
         self.register_graspable_objects(["charger"])

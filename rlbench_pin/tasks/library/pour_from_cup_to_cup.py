@@ -17,13 +17,13 @@ TURNS = (
     ((0.4, 0.55, 0.7, 0.25, 0.85), (0.9, 0.75, 0.6, 1.05)),
     ((-0.4, -0.55, -0.7, -0.25, -0.85), (-0.3, -0.45, -0.6)),
 )
-"""Where the hand may point when it grips and when it pours, best first, from straight away from the arm [rad].
+"""Directions of the gripper when it grips and when it pours, best first, from straight away from the arm [rad].
 
 Both lie on the same side, so that the arm does not pass its stretched posture in between."""
 LANE, DEPTHS = 0.14, (0.42, 0.3)
-"""Half breadth of what must be free behind a cup for hand and wrist, and its length behind source and target [m].
+"""Half breadth of what must be free behind a cup for gripper and wrist, and its length behind source and target [m].
 
-The hand waits 0.1 before the source, and goes over cups to the target."""
+The gripper waits 0.1 before the source, and goes over cups to the target."""
 
 
 class PourFromCupToCup(Task):
@@ -61,7 +61,7 @@ class PourFromCupToCup(Task):
         ]
 
     def _aim(self) -> bool:
-        """Turn the frames that the hand comes along to where no cup is in its way; say whether there are such directions."""
+        """Turn the frames of the approach to where no cup is in the way; say whether there are such directions."""
         for turns in TURNS:
             grip, pour = (
                 self._free_turn(cup.position, best, depth)

@@ -7,7 +7,7 @@ import numpy as np
 from rlbench_pin.tasks import Detected, NothingGrasped, SpawnBoundary, Task
 
 FREE, FREE_OF_CRACKERS = 0.15, 0.18
-"""Distance of the asked item from the others, and from the crackers, wide and high, so that the hand fits in [m]."""
+"""Distance of the asked item from the others, and from the crackers, wide and high, so that the gripper fits in [m]."""
 
 
 class PutGroceriesInCupboard(Task):
@@ -28,7 +28,7 @@ class PutGroceriesInCupboard(Task):
         return len(self.items)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Scatter the items, with space for the hand around the asked one; success is that it is on the shelf, let go."""
+        """Scatter the items, with space for the gripper around the asked one; success is that it is on the shelf, let go."""
         item = self.items[variation]
         asked = self.world.body(item)
         self.boundary.clear()

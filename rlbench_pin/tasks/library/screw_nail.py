@@ -8,7 +8,7 @@ from rlbench_pin.tasks import Grasped, InOrder, JointMoved, Task
 
 
 class ScrewNail(Task):
-    """The screwdriver must have been taken in hand, then the screw must turn by more than 1.4 rad."""
+    """The screwdriver must have been grasped, then the screw must turn by more than 1.4 rad."""
 
     def init_task(self) -> None:
         """The screwdriver may be grasped; success is a grasp, then a turn of the screw by 1.4 rad."""

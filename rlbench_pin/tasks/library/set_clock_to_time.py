@@ -26,7 +26,7 @@ class SetClockToTime(Task):
         return len(self.times)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Turn the hand of the arm as the time asks for; success is that the long hand covers the mark of that time."""
+        """Turn the gripper as the time requires; success is that the long hand covers the mark of that time."""
         self.half = self.times[variation] == "half_past"
         back, quarter = self.times[variation] == "quarter_to", np.sqrt(0.5)
         self.world.frame("waypoint2").set_local([0.0, 0.0, 0.0, 0.0, 0.0, *((-quarter, quarter) if self.half else (0.0, 1.0))])

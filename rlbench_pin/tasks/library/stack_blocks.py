@@ -11,7 +11,7 @@ CUBE = 0.05
 NUMBER = {2: "two", 3: "three", 4: "four"}
 """Heights of the tower in words [blocks]."""
 CLEARANCE = 0.08
-"""Height of the hand over the tower before it puts a block down [m]."""
+"""Height of the gripper over the tower before it puts a block down [m]."""
 
 
 class StackBlocks(Task):

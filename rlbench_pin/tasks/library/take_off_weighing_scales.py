@@ -11,7 +11,7 @@ NEEDLE_TURN = 130.0
 UNLOADED = 0.004
 """Where the empty tray is in balance [m]; the needle points up then."""
 NO_WALLS = np.array([1.0, 1.0])
-"""Half size of a tray that is no obstacle to the fingers: its rim is below them [m]."""
+"""Half size of a tray that is not an obstacle to the fingers: its rim is below them [m]."""
 
 
 class TakeOffWeighingScales(Task):

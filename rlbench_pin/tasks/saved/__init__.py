@@ -1,1 +1,1 @@
-"""What tasks remember: of one moment, and so that it can travel to another process."""
+"""Saved states of tasks: of one instant, and portable to another process."""

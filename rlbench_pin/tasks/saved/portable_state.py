@@ -150,7 +150,7 @@ class PortableMemory:
 
 @dataclass(frozen=True, eq=False)
 class PortableTaskState:
-    """What a task remembers, as plain data."""
+    """State of a task as plain data."""
 
     task: str
     """Name of the task."""
@@ -159,7 +159,7 @@ class PortableTaskState:
 
 @dataclass(frozen=True)
 class TaskState:
-    """What a task remembers at one instant; valid for the task object it came from. Pickled, it is a `PortableTaskState`."""
+    """State of a task at one instant; valid for the task object it came from. Pickled, it is a `PortableTaskState`."""
 
     task: str
     attributes: dict[str, Memory]
@@ -191,7 +191,7 @@ def portable(memory: Memory) -> PortableMemory:
 
 
 def take_over(memory: PortableMemory, own: Any, world: World, where: str) -> Any:
-    """Return the value that a memory stands for.
+    """Return the value of a saved one.
 
     Args:
         memory: As from `portable`.

@@ -8,7 +8,7 @@ import pytest
 
 pytest.importorskip("small_gicp")
 
-from rlbench_pin.baselines.classical.skills import DOWN, Driver, Hand, placed, pointing
+from rlbench_pin.baselines.classical.skills import DOWN, Driver, Gripper, placed, pointing
 from rlbench_pin.baselines.perception import Cloud, as_world, filled_boxes, near
 from rlbench_pin.observation import Observation
 from rlbench_pin.robot import RobotModel, robot_description
@@ -74,7 +74,7 @@ def test_motions_go_around_what_is_seen() -> None:
 
 
 def test_what_cannot_be_planned_is_gone_to_straight() -> None:
-    """A goal inside a thing is reached all the same, and said not to be free."""
+    """A goal inside an object is reached all the same, and said not to be free."""
     driver, rng = _driver(), np.random.default_rng(0)
     target = placed(TURN, np.array([0.45, 0.0, TABLE_HEIGHT + 0.1]))
     driver.update(_solid((0.25, -0.2, TABLE_HEIGHT), (0.65, 0.2, TABLE_HEIGHT + 0.4)), driver.arm.home, FINGERS)
@@ -86,14 +86,14 @@ def test_what_cannot_be_planned_is_gone_to_straight() -> None:
 
 
 @pytest.mark.parametrize("held", [False, True])
-def test_the_hand_slides_straight_and_gives_up_when_it_is_held(held: bool) -> None:
+def test_the_gripper_slides_straight_and_gives_up_when_it_is_held(held: bool) -> None:
     """Free, the tip stays on its line and arrives; held still, the motion is given up within a second."""
     driver = _driver()
     q = driver.arm.home.copy()
-    hand = Hand(driver, _seen(q), np.random.default_rng(0))
-    begin = hand.tip
+    gripper = Gripper(driver, _seen(q), np.random.default_rng(0))
+    begin = gripper.tip
     end = pin.SE3(begin.rotation, begin.translation + (0.0, 0.1, -0.1))
-    moves, tips = hand.slide([end]), []
+    moves, tips = gripper.slide([end]), []
     tick = next(moves)
     for _ in range(60):
         q = q if held else q + PERIOD * tick.velocity

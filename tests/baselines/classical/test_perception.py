@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -13,6 +16,7 @@ from rlbench_pin.baselines.perception import (
     KnownModel,
     back_project,
     clusters,
+    first_of_cells,
     lit_color,
     locate,
     name_of,
@@ -33,7 +37,7 @@ def _box(middle: tuple[float, float, float], side: float, rng: np.random.Generat
 
 
 def test_a_pixel_goes_back_to_the_point_it_came_from() -> None:
-    """Points that a camera projects to the middles of pixels come out of its depth picture again."""
+    """Points that a camera projects to the middles of pixels come out of its depth image again."""
     intrinsics = np.array([[-60.0, 0.0, 16.0], [0.0, -60.0, 12.0], [0.0, 0.0, 1.0]])
     extrinsics = np.array(pin.SE3(pin.rpy.rpyToMatrix(2.8, 0.3, -0.5), np.array([0.4, -0.2, 1.5])).homogeneous)
     depth = np.random.default_rng(0).uniform(0.5, 2.0, (24, 32))
@@ -56,7 +60,7 @@ def test_things_that_stand_apart_are_told_apart() -> None:
 
 
 def test_nothing_has_no_clusters() -> None:
-    """An empty cloud is no thing."""
+    """An empty cloud is no object."""
     assert clusters(_cloud(np.zeros((0, 3)))) == []
 
 
@@ -66,6 +70,27 @@ def test_thinning_keeps_one_point_of_each_cube() -> None:
     few = thinned(cloud, 0.01)
     assert len(few) == 27
     assert {tuple(p) for p in few.points} <= {tuple(p) for p in cloud.points}
+
+
+def test_the_first_of_cells_are_in_the_order_of_the_cells() -> None:
+    """Along x, then y, then z, on both sides of the origin; nothing of nothing."""
+    points = np.random.default_rng(4).uniform(-0.5, 0.5, (3000, 3))
+    cells, first = np.unique(np.floor(points / 0.1).astype(int), axis=0, return_index=True)
+    assert len(cells) > 500
+    np.testing.assert_array_equal(first_of_cells(points, 0.1), first)
+    assert len(first_of_cells(np.zeros((0, 3)), 0.1)) == 0
+
+
+def test_point_clouds_need_no_registration_library() -> None:
+    """Without small_gicp the baselines that only see points work, and the classical one says which extra it needs."""
+    program = (
+        "import sys; sys.modules['small_gicp'] = None\n"
+        "import rlbench_pin.baselines.perception, rlbench_pin.baselines.few_shot\n"
+        "from rlbench_pin.errors import MissingExtra\n"
+        "try:\n    import rlbench_pin.baselines.classical\n"
+        "except MissingExtra as error:\n    sys.stdout.write(error.extra)"
+    )
+    assert subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, text=True).stdout == "classical"
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.3, 1.2])

@@ -1,4 +1,4 @@
-"""Instructions find their recipes, and the policy solves episodes from pictures."""
+"""Instructions find their recipes, and the policy solves episodes from images."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def test_a_sentence_finds_its_recipe(recipe: str, sentence: str) -> None:
 def test_a_sentence_finds_its_bar(bar: Bar, sentence: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Doors and hoods with a bar share one recipe, told which."""
     turned: list[object] = []
-    monkeypatch.setattr("rlbench_pin.baselines.classical.recipes.turn_bar", lambda hand, which: turned.append(which))
+    monkeypatch.setattr("rlbench_pin.baselines.classical.recipes.turn_bar", lambda gripper, which: turned.append(which))
     find_recipe(Instruction.read(sentence))(None, Instruction(()))  # type: ignore[arg-type]
     assert turned == [bar]
 
@@ -90,7 +90,7 @@ def test_colours_come_in_the_order_of_the_sentence() -> None:
 def test_every_recipe_is_found_by_a_phrase_of_its_own() -> None:
     """No recipe is hidden behind one before it."""
     for recipe in RECIPES:
-        words = " ".join([*recipe.things.split("|")[:1], *recipe.asks.split("|")[:1]])
+        words = " ".join([*recipe.objects.split("|")[:1], *recipe.asks.split("|")[:1]])
         assert recipe.fits(Instruction.read(words))
 
 
@@ -110,7 +110,7 @@ def _context() -> PolicyContext:
 @pytest.mark.simulation
 @pytest.mark.parametrize("task", ["reach_target", "lamp_on", "take_lid_off_saucepan"])
 def test_it_solves_an_episode(task: str) -> None:
-    """Three tasks of different kinds, from the instruction and the pictures alone."""
+    """Three tasks of different kinds, from the instruction and the images alone."""
     classical = policy()
     with Environment(classical.action_mode, obs_config=classical.obs_config) as environment:
         scene = environment.get_task(task)

@@ -16,8 +16,8 @@ from rlbench_pin.builder.worker import WorkerClient
 from rlbench_pin.tasks.registry import LIBRARY
 from tests.builder.browser.page import Page, start_browser
 
-PICTURES = Path(__file__).parents[3] / "out" / "browser"
-"""Where pictures of the steps are kept."""
+IMAGES = Path(__file__).parents[3] / "out" / "browser"
+"""Where images of the steps are kept."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -94,8 +94,8 @@ def sit(browser: Chrome, request: pytest.FixtureRequest) -> Iterator[Sit]:
         window = Window(server.viser, document, worker)
         ends.append(window.close)
         ends.append(lambda: browser.get("about:blank"))
-        page = Page(browser, server.viser, PICTURES / request.node.name)
-        ends.append(lambda: page.picture("last"))
+        page = Page(browser, server.viser, IMAGES / request.node.name)
+        ends.append(lambda: page.screenshot("last"))
         page.open(server.address)
         return Desk(document, page, window, server.address)
 

@@ -1,4 +1,4 @@
-"""A browser in front of the builder's page: finds things as a person does, by what stands on them."""
+"""A browser in front of the builder's page: finds controls by their labels, as a person does."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from viser import ViserServer
 
 Found = TypeVar("Found")
 PATIENCE = 60.0
-"""So long a thing may take to appear [s]: the browser draws without a graphics card."""
+"""Time limit for an element to appear [s]: the browser draws without a graphics card."""
 _OPTIONS = (
     "--headless=new",
     "--no-sandbox",
@@ -61,11 +61,11 @@ class Page:
     Args:
         browser: The browser.
         viser: The page as the server knows it: where its camera stands.
-        pictures: Folder for pictures of the steps.
+        images: Folder for images of the steps.
     """
 
-    def __init__(self, browser: webdriver.Chrome, viser: ViserServer, pictures: Path) -> None:
-        self.browser, self._viser, self._pictures = browser, viser, pictures
+    def __init__(self, browser: webdriver.Chrome, viser: ViserServer, images: Path) -> None:
+        self.browser, self._viser, self._folder = browser, viser, images
 
     def open(self, address: str, room: bool = False) -> None:
         """Open the page, and wait until it shows the scene, with the room or without."""
@@ -74,17 +74,17 @@ class Page:
         until(lambda: self._viser.get_clients(), "a client")
         until(lambda: self.browser.find_elements(By.TAG_NAME, "canvas"), "the scene")
 
-    def picture(self, name: str) -> Path:
-        """Keep a picture of the page."""
-        self._pictures.mkdir(parents=True, exist_ok=True)
-        file = self._pictures / f"{name}.png"
+    def screenshot(self, name: str) -> Path:
+        """Keep an image of the page."""
+        self._folder.mkdir(parents=True, exist_ok=True)
+        file = self._folder / f"{name}.png"
         self._show_room(True)
-        until(lambda: self.browser.save_screenshot(str(file)), "a picture")
+        until(lambda: self.browser.save_screenshot(str(file)), "a screenshot")
         self._show_room(False)
         return file
 
     def _show_room(self, visible: bool) -> None:
-        """Show the room in pictures alone: without a graphics card it takes most of the time."""
+        """Show the room in images alone: without a graphics card it takes most of the time."""
         room = self._viser.scene.get_handle_by_name("/room")
         assert room is not None
         room.visible = visible

@@ -116,7 +116,7 @@ def test_a_killed_builder(serve: Serve, browser: Chrome, tmp_path: Path) -> None
     os.killpg(served.process.pid, signal.SIGKILL)
     served.process.wait(10.0)
     served = serve(*arguments)
-    _press(browser, served, "Scene", "Take up the draft", "Save")
+    _press(browser, served, "Scene", "Apply the draft", "Save")
     until(lambda: (tmp_path / "new_one.py").is_file(), "the files", PATIENCE)
     assert 'name = "waypoint0"' in (tmp_path / "new_one.toml").read_text()
     until(lambda: not (tmp_path / ".new_one.draft").exists(), "no draft", PATIENCE)

@@ -17,7 +17,7 @@ PLACE, ELSEWHERE = "pose = [0.0, 0.12, 0.0225]", "pose = [0.05, 0.12, 0.0225]"
 
 def _stands(desk: Desk, x: float) -> None:
     """Wait until the body stands there in the page's scene."""
-    until(lambda: abs(desk.session.places.things["distractor0"][0] - 0.25 - x) < 1e-9, f"the body at {x}", SOON)
+    until(lambda: abs(desk.session.places.elements["distractor0"][0] - 0.25 - x) < 1e-9, f"the body at {x}", SOON)
     until(lambda: abs(_drawn_at(desk)[0] - 0.25 - x) < 1e-6, f"the body drawn at {x}", SOON)
 
 
@@ -43,7 +43,7 @@ def test_texts_are_edited_in_place(sit: Sit, copied: Callable[[str], TaskDocumen
     assert [(problem.file, problem.line) for problem in document.problems] == [("scene", line)]
     page.shows("Problems (1)")
     page.shows(f"line {line}:")
-    page.picture("broken_scene")
+    page.screenshot("broken_scene")
     _stands(desk, 0.05)
     _apply(desk, SCENE, before.scene)
     until(lambda: "Problems" not in page.text, "no problems")
@@ -85,14 +85,14 @@ def test_an_editor_beside_the_page(sit: Sit, copied: Callable[[str], TaskDocumen
     file.write_text(changed.replace("[placement]", "[placement"))
     page.shows("Problems (1)")
     _stands(desk, 0.05)
-    page.picture("broken_on_disk")
+    page.screenshot("broken_on_disk")
     page.press(f"Undo: {document.undoable}")
     until(lambda: document.scene_text == changed, "the text before")
     until(lambda: "Problems" not in page.text, "no problems")
     file.write_text(before.scene)
     page.tab("Files")
     page.shows("changed on disk")
-    page.press("Take over what is on disk")
+    page.press("Load the files from disk")
     until(lambda: document.scene_text == before.scene, "what is on disk")
     _stands(desk, 0.0)
     (document.folder / PYTHON).write_bytes(b"\xff\xfe no text")

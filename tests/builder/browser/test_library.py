@@ -23,7 +23,7 @@ from rlbench_pin.spatial import compose
 from rlbench_pin.tasks import library_names
 from rlbench_pin.tasks.registry import LIBRARY
 from rlbench_pin.viewer.figures import Figures
-from tests.builder.browser.conftest import PICTURES
+from tests.builder.browser.conftest import IMAGES
 from tests.builder.browser.page import Page, until
 
 SIDE = 320
@@ -60,10 +60,10 @@ class Easel:
         x, y, z, *turn = compose(camera.pose, HALF_TURN)
         wxyz = (turn[3], *turn[:3])
         self._viser.flush()
-        picture = self._client.get_render(
+        image = self._client.get_render(
             SIDE, SIDE, wxyz=wxyz, position=(x, y, z), fov=camera.fov, transport_format="png", timeout=60.0
         )
-        return picture[..., 3] > 127
+        return image[..., 3] > 127
 
 
 @pytest.fixture(scope="module")
@@ -71,7 +71,7 @@ def easel(shared_browser: Chrome) -> Iterator[Easel]:
     """One browser for all tasks."""
     with LocalServer() as server:
         figures = Figures(server.viser.scene)
-        Page(shared_browser, server.viser, PICTURES).open(server.address)
+        Page(shared_browser, server.viser, IMAGES).open(server.address)
         client = until(lambda: next(iter(server.viser.get_clients().values()), None), "a client")
         assert client is not None
         yield Easel(server.viser, client, figures)
@@ -97,15 +97,15 @@ def differing(easel: Easel, task: str) -> float:
     wrong = (ours & ~binary_dilation(theirs, BORDER)) | (theirs & ~binary_dilation(ours, BORDER))
     share = float(wrong.sum() / max(1, (ours | theirs).sum()))
     if share >= STRINGS.get(task, DIFFERING):
-        PICTURES.mkdir(parents=True, exist_ok=True)
+        IMAGES.mkdir(parents=True, exist_ok=True)
         shown = np.stack([ours, theirs, ours & theirs], axis=-1).astype(np.uint8) * 255
-        Image.fromarray(shown).save(PICTURES / f"silhouettes_{task}.png")
+        Image.fromarray(shown).save(IMAGES / f"silhouettes_{task}.png")
     return share
 
 
 @pytest.mark.parametrize("task", SOME)
 def test_the_scene_is_the_simulated_one(easel: Easel, task: str) -> None:
-    """Red where the simulation alone sees something, green where the browser alone does, in the picture that is kept."""
+    """Red where the simulation alone sees something, green where the browser alone does, in the image that is kept."""
     assert differing(easel, task) < STRINGS.get(task, DIFFERING)
 
 

@@ -13,7 +13,7 @@ from selenium.webdriver.common.keys import Keys
 from rlbench_pin.builder.server import LocalServer
 from rlbench_pin.tasks import find_task
 from rlbench_pin.viewer.live import TaskView
-from tests.builder.browser.conftest import PICTURES
+from tests.builder.browser.conftest import IMAGES
 from tests.builder.browser.page import Page, until
 
 
@@ -27,7 +27,7 @@ def server() -> Iterator[LocalServer]:
 @pytest.fixture
 def page(browser: Chrome, server: LocalServer) -> Page:
     """A browser."""
-    return Page(browser, server.viser, PICTURES / "live_view")
+    return Page(browser, server.viser, IMAGES / "live_view")
 
 
 def _instant(page: Page) -> str:
@@ -43,7 +43,7 @@ def test_a_demonstration_is_played_and_stepped_through(page: Page, server: Local
         page.press("Play the demonstration")
         page.shows("frame 54 of 54")
         page.shows("goal reached")
-        page.picture("end")
+        page.screenshot("end")
         page.press("< segment")
         until(lambda: "frame 1 of 54" in _instant(page), "the beginning of the segment")
         page.press("step >")
@@ -52,7 +52,7 @@ def test_a_demonstration_is_played_and_stepped_through(page: Page, server: Local
         page.type("Frame", f"30{Keys.ENTER}", 2)
         until(lambda: "frame 31 of 54" in _instant(page), "frame 31")
         page.fold("Joints")
-        page.picture("middle")
+        page.screenshot("middle")
         assert len(page.browser.find_elements(By.CSS_SELECTOR, "figure img")) == 5
         page.browser.switch_to.new_window("tab")
         page.browser.get(server.address)

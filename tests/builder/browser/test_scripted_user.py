@@ -35,7 +35,7 @@ def test_a_task_from_nothing(sit: Sit, tmp_path: Path) -> None:
     page.press("Save")
     until(lambda: not document.unsaved, "saved")
     page.tab("Validate")
-    page.picture("8_saved")
+    page.screenshot("8_saved")
     command = [
         sys.executable,
         "-m",
@@ -59,7 +59,7 @@ def _add_bodies(desk: Desk) -> None:
     page.type("Search", "cube_45")
     page.press("Add cube_45")
     until(lambda: "cube_45.urdf" in document.scene_text, "the cube")
-    page.picture("1_added")
+    page.screenshot("1_added")
     page.tab("Selected")
     _rename(page, "cube")
     page.tab("Scene")
@@ -74,14 +74,15 @@ def _drag_square(desk: Desk) -> None:
     page.press("■ square")
     until(lambda: session.selected == "square", "the square is selected")
     desk.settle()
-    start = session.places.things["square"][:3].copy()
+    start = session.places.elements["square"][:3].copy()
     page.drag(start + (0.0, 0.125, 0.0), start + (0.0, 0.275, 0.0))
     until(
-        lambda: session.places.things["square"][1] > start[1] + 0.08 and not desk.window.view.is_dragging, "the square has moved"
+        lambda: session.places.elements["square"][1] > start[1] + 0.08 and not desk.window.view.is_dragging,
+        "the square has moved",
     )
-    page.picture("2_dragged")
+    page.screenshot("2_dragged")
     page.type("x y z [m]", "0.05", 1)
-    until(lambda: abs(session.places.things["square"][0] - 0.3) < 1e-6, "the number counts")
+    until(lambda: abs(session.places.elements["square"][0] - 0.3) < 1e-6, "the number counts")
 
 
 def _rename(page: Page, name: str) -> None:
@@ -105,7 +106,7 @@ def _add_sensor(desk: Desk) -> None:
     page.type("Length [m]", "0.05")
     page.type("x y z [m]", "0.03", 3)
     until(lambda: "size = [0.08, 0.05]" in document.scene_text, "the size of the sensor")
-    page.picture("3_sensor")
+    page.screenshot("3_sensor")
 
 
 def _add_waypoints(desk: Desk) -> None:
@@ -123,7 +124,7 @@ def _add_waypoints(desk: Desk) -> None:
     desk.settle()
     until(lambda: all(v.standing == "free" for v in desk.session.status.verdicts.values()), "all waypoints are green")
     assert len(desk.session.status.verdicts) == 5
-    desk.page.picture("4_waypoints")
+    desk.page.screenshot("4_waypoints")
 
 
 def _waypoint(desk: Desk, parent: str, number: int, height: str) -> None:
@@ -166,9 +167,9 @@ def _say_what_is_asked(desk: Desk) -> None:
     until(lambda: len(document.behaviour.success or ()) == 1, "the first condition")
     page.press("NothingGrasped")
     until(lambda: len(document.behaviour.success or ()) == 2, "the second condition")
-    page.picture("5_behaviour")
+    page.screenshot("5_behaviour")
     page.tab("Files")
-    page.picture("5_files")
+    page.screenshot("5_files")
 
 
 def _try(desk: Desk) -> None:
@@ -179,7 +180,7 @@ def _try(desk: Desk) -> None:
     page.press("Demonstration")
     until(lambda: desk.window.player.recording.frames and desk.window.player.recording.frames[-1].success, "success", 180.0)
     page.shows("Playback")
-    page.picture("6_demonstration")
+    page.screenshot("6_demonstration")
 
 
 def _validate(desk: Desk) -> None:
@@ -189,6 +190,6 @@ def _validate(desk: Desk) -> None:
     page.press("Validate")
     until(lambda: validation.work, "validating")
     until(lambda: not validation.work, "validated", 600.0)
-    page.picture("7_validated")
+    page.screenshot("7_validated")
     assert validation.lines
     assert {line.name: line.failures for line in validation.lines.values() if not line.passed} == {}

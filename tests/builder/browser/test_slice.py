@@ -19,19 +19,19 @@ def test_a_dragged_body_moves_in_the_file_and_back(sit: Sit, copied: Callable[[s
     desk.settle()
     before = document.text
     page.quiet()
-    page.picture("opened")
-    seen = session.places.things["distractor0"][:3] + (0.0, 0.0, 0.015)
+    page.screenshot("opened")
+    seen = session.places.elements["distractor0"][:3] + (0.0, 0.0, 0.015)
     page.click_until(seen, lambda: session.selected == "distractor0", "the block is selected")
     page.shows("Duplicate")
-    start = session.places.things["distractor0"][:3].copy()
+    start = session.places.elements["distractor0"][:3].copy()
     page.drag(start + (0.0, 0.125, 0.0), start + (0.0, 0.225, 0.0))
     until(lambda: document.undoable and not desk.window.view.is_dragging, "an edit, and the end of the drag")
     desk.settle()
-    moved = session.places.things["distractor0"][:3]
+    moved = session.places.elements["distractor0"][:3]
     assert np.allclose(moved - start, (0.0, 0.1, 0.0), atol=0.021)
     assert abs(moved[0] - start[0]) < 1e-9
     assert document.scene_text != before.scene
-    page.picture("dragged")
+    page.screenshot("dragged")
     page.press(f"Undo: {document.undoable}")
     until(lambda: document.text == before, "the same bytes")
     assert not document.unsaved

@@ -61,7 +61,7 @@ def test_two_tabs_see_the_same(sit: Sit, copied: Callable[[str], TaskDocument]) 
     selected = desk.session.selected
     browser.refresh()
     until(lambda: _tree(desk) == trees[0], "the same tree after a reload")
-    until(lambda: page.field("Name").get_attribute("value") == selected, "the same thing is selected")
+    until(lambda: page.field("Name").get_attribute("value") == selected, "the same element is selected")
     assert page.errors() == []
 
 
@@ -88,7 +88,7 @@ def test_a_custom_mesh(sit: Sit, copied: Callable[[str], TaskDocument], tmp_path
     assert desk.session.status.opened is not None
     assert desk.session.status.opened.problems == ()
     until(lambda: page.browser.execute_script("return '/bodies/wedge' in window.__viserSceneTree.getState()"), "it is drawn")
-    page.picture("custom_mesh")
+    page.screenshot("custom_mesh")
     assert page.errors() == []
 
 
@@ -115,5 +115,5 @@ def test_a_custom_urdf(sit: Sit, copied: Callable[[str], TaskDocument], tmp_path
     page.type("Starts at [rad]", "0.7", 2)
     until(lambda: [joint.position for joint in document.spec.joint] == [0.7], "the door stands open")
     desk.settle()
-    page.picture("custom_model")
+    page.screenshot("custom_model")
     assert page.errors() == []

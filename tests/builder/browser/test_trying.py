@@ -37,8 +37,8 @@ def _instant(desk: Desk) -> str:
     return str(desk.page.browser.execute_script("return document.querySelector('.instant')?.innerText ?? ''"))
 
 
-def _pictures(desk: Desk) -> list[str]:
-    """Return the addresses of the pictures in the tab that is open."""
+def _images(desk: Desk) -> list[str]:
+    """Return the addresses of the images in the tab that is open."""
     images = desk.page.browser.find_elements(By.CSS_SELECTOR, "img")
     return [address for image in images if image.is_displayed() and (address := image.get_attribute("src") or "")]
 
@@ -75,15 +75,15 @@ def test_a_demonstration_is_looked_at(sit: Sit, copied: Callable[[str], TaskDocu
     until(lambda: "frame 1 of" in _instant(desk), "the beginning")
     page.fold("Cameras")
     page.check("Live")
-    until(lambda: len(_pictures(desk)) == 5, "five pictures")
-    before = _pictures(desk)
+    until(lambda: len(_images(desk)) == 5, "five images")
+    before = _images(desk)
     page.press("segment >")
-    until(lambda: len(_pictures(desk)) == 5 and all(a != b for a, b in zip(before[:2], _pictures(desk), strict=False)), "others")
-    page.picture("cameras")
+    until(lambda: len(_images(desk)) == 5 and all(a != b for a, b in zip(before[:2], _images(desk), strict=False)), "others")
+    page.screenshot("cameras")
     desk.settle()
-    shown = _pictures(desk)
+    shown = _images(desk)
     desk.session.post(lambda: desk.session.do(lambda document: document.set("target", "pose", (0.1, 0.2, 0.3, 0, 0, 0, 1))))
-    until(lambda: _pictures(desk) != shown and len(_pictures(desk)) == 5, "pictures of the scene at rest")
+    until(lambda: _images(desk) != shown and len(_images(desk)) == 5, "images of the scene at rest")
     assert page.errors() == []
 
 
@@ -99,7 +99,7 @@ def test_a_failure_is_shown_where_it_is(sit: Sit, copied: Callable[[str], TaskDo
     until(lambda: validation.work, "validating")
     until(lambda: not validation.work, "validated", 300.0)
     seed, variation, _ = next(failure for line in validation.lines.values() for failure in line.failures)
-    page.picture("validated")
+    page.screenshot("validated")
     page.press(f"Open seed {seed}, variation {variation}")
     until(lambda: player.recording.failure is not None, "the failure")
     desk.settle()
@@ -111,7 +111,7 @@ def test_a_failure_is_shown_where_it_is(sit: Sit, copied: Callable[[str], TaskDo
     page.tab("Try")
     page.shows("Drawn red at the last instant")
     until(lambda: all(RED in _colors(desk, wall) for wall in walls), "red walls")
-    page.picture("red")
+    page.screenshot("red")
     desk.session.post(lambda: desk.session.do(lambda document: document.undo()))
     until(lambda: "/bodies/wall0" not in _drawn(desk), "the walls are gone")
     assert page.errors() == []
@@ -130,17 +130,17 @@ def test_what_cannot_be_reached_is_shown(sit: Sit, copied: Callable[[str], TaskD
     desk.settle()
     page.shows("The nearest pose that the tip reaches is drawn amber")
     until(lambda: "/ghosts/nearest reachable pose" in _drawn(desk), "the nearest pose")
-    page.picture("nearest")
+    page.screenshot("nearest")
     while document.undoable:
         desk.session.post(lambda: desk.session.do(lambda document: document.undo()))
         assert desk.session.edits.wait(30.0)
     assert document.scene_text == text
     until(lambda: "/ghosts/nearest reachable pose" not in _drawn(desk), "it is gone")
     page.tab("Validate")
-    page.press("Map of what can be reached")
+    page.press("Reach map")
     until(lambda: window.validation.work, "the map begins")
     until(lambda: not window.validation.work, "the map is done", 300.0)
     points = page.browser.execute_script("return window.__viserSceneTree.getState()['/reach'].message.props.points.byteLength")
     assert points > 0
-    page.picture("map")
+    page.screenshot("map")
     assert page.errors() == []

@@ -37,7 +37,7 @@ return one;
 
 
 class WildUser:
-    """Does one thing after the other in the page of a desk.
+    """Does one action after the other in the page of a desk.
 
     Args:
         desk: The page.
@@ -58,7 +58,7 @@ class WildUser:
         )  # fmt: skip
 
     def act(self, count: int) -> None:
-        """Do so many things."""
+        """Do so many actions."""
         weights = np.array([weight for weight, _ in self._deeds])
         for _ in range(count):
             _, deed = self._deeds[self._rng.choice(len(self._deeds), p=weights / weights.sum())]

@@ -24,7 +24,7 @@ from tests.builder.custom_assets.files import angle, cabinet, make, obj, put
 Found = CustomAsset | RlbenchPinError
 
 
-def _make(name: str, data: bytes, act: Callable[[Conversion], object] = id, longest: float = 60.0) -> tuple[Found, list[str]]:
+def _make(name: str, data: bytes, act: Callable[[Conversion], object] = id, time_limit: float = 60.0) -> tuple[Found, list[str]]:
     """Return what comes of an order in a process, and what was told on the way."""
     found, notes, ended = list[Found](), list[str](), threading.Event()
 
@@ -33,7 +33,7 @@ def _make(name: str, data: bytes, act: Callable[[Conversion], object] = id, long
         ended.set()
 
     order = Job(name, "/nowhere", 1.0, 1.0, (1.0, 0.0, 0.0))
-    act(Conversion(order, data, notes.append, end, longest))
+    act(Conversion(order, data, notes.append, end, time_limit))
     assert ended.wait(90.0)
     return found[0], notes
 
@@ -48,7 +48,7 @@ def test_a_mesh_is_made_in_a_process() -> None:
 
 def test_what_takes_too_long_is_ended() -> None:
     """By the clock, or by somebody; the message names the file and the next step."""
-    slow, _ = _make("slow.obj", obj(angle()), longest=0.05)
+    slow, _ = _make("slow.obj", obj(angle()), time_limit=0.05)
     assert "'slow.obj' is refused: it takes longer than 0.05 s. Reduce it" in str(slow)
     stopped, _ = _make("stopped.obj", obj(angle()), act=Conversion.stop)
     assert "it was stopped" in str(stopped)

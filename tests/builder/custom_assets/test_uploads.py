@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from rlbench_pin.builder.custom_assets.uploads import MOST_TRIANGLES, UploadRefused, check_size, read_mesh, upload_stem
-from rlbench_pin.builder.server import LARGEST_UPLOAD
+from rlbench_pin.builder.custom_assets.uploads import MAX_TRIANGLES, UploadRefused, check_size, read_mesh, upload_stem
+from rlbench_pin.builder.server import MAX_UPLOAD_SIZE
 
 TETRAHEDRON = b"mtllib /etc/passwd\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 
@@ -28,7 +28,7 @@ def test_a_mesh_is_read_without_its_materials() -> None:
         ("a.obj", b"v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "a.obj"),
         ("a.obj", b"v 1e300 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "farther"),
         ("a.obj", b"v 0 0 0\nf 1 2 99\n", "a.obj"),
-        ("a.obj", b"v 0 0 0\n" + b"f 1 1 1\n" * (MOST_TRIANGLES + 1), "faces"),
+        ("a.obj", b"v 0 0 0\n" + b"f 1 1 1\n" * (MAX_TRIANGLES + 1), "faces"),
         ("a.obj", b"f " + b"1 " * 100_000, "characters"),
         ("a.stl", bytes(80) + (2**31).to_bytes(4, "little"), "faces"),
     ],
@@ -42,10 +42,10 @@ def test_what_is_no_mesh_is_refused(name: str, data: bytes, why: str) -> None:
 def test_what_is_too_large_is_refused() -> None:
     """Before anything is read."""
     with pytest.raises(UploadRefused, match="larger than 64 MB. Reduce it"):
-        check_size("a.obj", LARGEST_UPLOAD + 1)
+        check_size("a.obj", MAX_UPLOAD_SIZE + 1)
 
 
-@pytest.mark.parametrize(("name", "stem"), [("../../x.obj", "x"), ("7.obj", "thing_7"), ("É.stl", "thing"), ("a.b.obj", "a_b")])
+@pytest.mark.parametrize(("name", "stem"), [("../../x.obj", "x"), ("7.obj", "object_7"), ("É.stl", "object"), ("a.b.obj", "a_b")])
 def test_stems_are_names_of_a_scene(name: str, stem: str) -> None:
     """Small letters, digits and `_`, no folder."""
     assert upload_stem(name) == stem

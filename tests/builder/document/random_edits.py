@@ -18,9 +18,9 @@ def _name(spec: SceneSpec, rng: np.random.Generator) -> str:
     return _one(spec.posed(), rng)
 
 
-def _one(things: Sequence[PosedSpec], rng: np.random.Generator) -> str:
+def _one(elements: Sequence[PosedSpec], rng: np.random.Generator) -> str:
     """Return the name of one of them, or one that nothing has."""
-    return str(rng.choice([thing.name for thing in things] or ["nothing"]))
+    return str(rng.choice([element.name for element in elements] or ["nothing"]))
 
 
 def _pose(rng: np.random.Generator) -> list[float]:
@@ -85,7 +85,7 @@ def _delete(document: TaskDocument, spec: SceneSpec, rng: np.random.Generator) -
 
 def _rename(document: TaskDocument, spec: SceneSpec, rng: np.random.Generator) -> object:
     name = _one((*spec.body, *spec.frame, *spec.sensor), rng)
-    return document.rename(name, f"thing_{rng.integers(1000)}")
+    return document.rename(name, f"element_{rng.integers(1000)}")
 
 
 def _place(document: TaskDocument, spec: SceneSpec, rng: np.random.Generator) -> object:

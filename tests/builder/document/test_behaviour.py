@@ -25,7 +25,7 @@ from rlbench_pin.tasks import conditions
 from tests.builder.document.conftest import Opener
 
 CUBE, ON_SQUARE = Named("body", "cube"), Named("sensor", "on_square")
-ON, LET_GO = ConditionForm("Detected", {"thing": CUBE, "sensor": ON_SQUARE}), ConditionForm("NothingGrasped")
+ON, LET_GO = ConditionForm("Detected", {"element": CUBE, "sensor": ON_SQUARE}), ConditionForm("NothingGrasped")
 EXPECTED = '''\
 """Put a cube on a square."""
 
@@ -43,14 +43,14 @@ class PutCubeOnSquare(Task):
     """
 
     def init_task(self) -> None:
-        """Look things up, and say what success is."""
+        """Look up the elements of the scene, and define success."""
         self.cube = self.world.body("cube")
         self.patch = SpawnBoundary([self.world.region("patch")])
         self.register_graspable_objects(["cube"])
         self.register_success_conditions([Detected(self.cube, self.world.sensor("on_square")), NothingGrasped(self.gripper)])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Lay out the episode, and return the sentences."""
+        """Set up the episode, and return the instructions."""
         self.patch.clear()
         self.patch.sample(self.world.body("square"), rng, min_rotation=NO_ROTATION, max_rotation=NO_ROTATION)
         self.patch.sample(self.cube, rng, min_distance=0.12)
@@ -94,7 +94,7 @@ def test_each_edit_can_be_undone_and_taken_back_by_another(built: TaskDocument) 
 def test_what_is_written_is_formatted(built: TaskDocument) -> None:
     """The formatter and the linter of this repository find nothing to change, with long lists and deep conditions, too."""
     held = ConditionForm("Grasped", {"body": CUBE})
-    several = ConditionForm("DetectedSeveral", {"things": (CUBE, Named("body", "square")), "sensor": ON_SQUARE, "count": 2})
+    several = ConditionForm("DetectedSeveral", {"elements": (CUBE, Named("body", "square")), "sensor": ON_SQUARE, "count": 2})
     deep = ConditionForm("InOrder", {"members": (held, ConditionForm("AnyOf", {"members": (several, ON, LET_GO)}), held)})
     built.set_behaviour("success", [deep, LET_GO, ConditionForm("TipInside", {"sensor": ON_SQUARE})])
     built.set_behaviour("failure", [ConditionForm("JointMoved", {"joint": Named("joint", "square/hinge"), "distance": 0.25})])
@@ -116,7 +116,7 @@ def test_conditions_are_read_through_names(opened: Opener) -> None:
     """Attributes, local names, numbers that are computed of numbers; what cannot be shown is as it is written."""
     assert opened("pick_and_lift").behaviour.success == (
         ConditionForm("Grasped", {"body": Named("body", "block")}),
-        ConditionForm("Detected", {"thing": Named("body", "block"), "sensor": Named("sensor", "goal")}),
+        ConditionForm("Detected", {"element": Named("body", "block"), "sensor": Named("sensor", "goal")}),
     )
     (moved,) = opened("open_grill").behaviour.success or ()
     assert isinstance(moved, ConditionForm) and moved.arguments["joint"] == Named("joint", "grill/lid")
@@ -227,7 +227,7 @@ def test_placements_are_edited_among_other_statements(opened: Opener) -> None:
         ("solved_by_chance", "yes"),
         ("success", [ConditionForm("Felt")]),
         ("success", [ConditionForm("Grasped")]),
-        ("failure", [ConditionForm("AllOf", {"members": (ConditionForm("Grasped", {"thing": CUBE}),)})]),
+        ("failure", [ConditionForm("AllOf", {"members": (ConditionForm("Grasped", {"element": CUBE}),)})]),
         ("instructions", []),
         ("graspable", "cube"),
         ("success", ["Detected"]),
@@ -275,8 +275,8 @@ def test_parameters_are_those_of_the_class() -> None:
 def test_kinds_say_what_a_form_asks_for() -> None:
     """A few of them."""
     kinds = {kind.name: {p.name: p.kind for p in kind.parameters} for kind in condition_kinds()}
-    assert kinds["Detected"] == {"thing": "place", "sensor": "sensor", "negated": "flag"}
-    assert kinds["DetectedSeveral"] == {"things": "places", "sensor": "sensor", "count": "whole"}
+    assert kinds["Detected"] == {"element": "place", "sensor": "sensor", "negated": "flag"}
+    assert kinds["DetectedSeveral"] == {"elements": "places", "sensor": "sensor", "count": "whole"}
     assert kinds["JointMoved"] == {"joint": "joint", "distance": "number"}
     assert kinds["AllOf"] == {"members": "conditions"} and kinds["NothingGrasped"] == {}
     assert kinds["FollowPath"]["points"] == "points" and kinds["FollowPath"]["frame"] == "frame"

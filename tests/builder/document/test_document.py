@@ -41,7 +41,7 @@ def test_a_task_opens_and_saves_byte_equal(opened: Opener, task: str) -> None:
 
 @pytest.mark.parametrize("task", library_names())
 def test_every_form_set_to_what_it_is_changes_nothing(task: str) -> None:
-    """Keys of all things, of the placement, and all of the behaviour that forms can show: not one step is made."""
+    """Keys of all elements, of the placement, and all of the behaviour that forms can show: not one step is made."""
     document = TaskDocument.open(LIBRARY / f"{task}.py")
     spec = document.spec
     assert spec is not None

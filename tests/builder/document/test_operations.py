@@ -151,7 +151,7 @@ def test_names_are_not_changed_in_python_that_cannot_be_read(opened: Opener) -> 
     """It has to be mended first."""
     document = opened("open_drawer")
     document.set_python_text("def (")
-    with pytest.raises(EditRefused, match="line 1.*Mend it first"):
+    with pytest.raises(EditRefused, match="line 1.*Correct it first"):
         document.rename("chest", "commode")
 
 

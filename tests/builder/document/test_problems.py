@@ -73,7 +73,7 @@ def test_problems_of_the_scene_point_to_the_line(tmp_path: Path, old: str, new: 
 @pytest.mark.parametrize(
     ("old", "new", "line", "words"),
     [
-        ("class ", "clas ", 10, "no Python"),
+        ("class ", "clas ", 10, "not valid Python"),
         ('self.world.body("block")', 'self.world.body("blok")', 15, "Did you mean 'block'?"),
         ('self.world.region("boundary")', 'self.world.region("block")', 17, "no region 'block'"),
         ('self.world.sensor("goal")', 'self.world.sensor("gaol")', 19, "Did you mean 'goal'?"),

@@ -216,7 +216,7 @@ def test_a_scene_that_is_not_valid_can_be_mended_by_forms(document: TaskDocument
     document.set("cup", "color", [0.5, 0.0, 0.0])
     assert not document.problems and document.spec.body[0].color == (0.5, 0.0, 0.0)
     document.set_scene_text("format = ")
-    with pytest.raises(EditRefused, match="Mend the text first"):
+    with pytest.raises(EditRefused, match="Correct the text first"):
         document.set("cup", "color", None)
 
 
@@ -313,7 +313,7 @@ def test_a_pose_changes_within_the_array(opened: Opener) -> None:
 
 @pytest.mark.parametrize(("name", "entries"), [("piece0", 2), ("piece1", 3), ("piece5", 3), ("piece11", 2)])
 def test_another_key_splits_the_array(opened: Opener, name: str, entries: int) -> None:
-    """What is before and behind stays an array; all things are as they were, but for the one."""
+    """What is before and behind stays an array; all elements are as they were, but for the one."""
     document = opened("setup_checkers")
     before, text = document.spec, document.scene_text
     document.set(name, "color", [1.0, 0.0, 0.0])
@@ -340,7 +340,7 @@ def test_one_of_an_array_is_deleted_or_renamed(opened: Opener, name: str) -> Non
 
 
 def test_a_duplicate_counts_on(opened: Opener) -> None:
-    """A numbered thing gets the next number that is free, and its own entry."""
+    """A numbered element gets the next number that is free, and its own entry."""
     document = opened("setup_checkers")
     assert document.duplicate("piece3") == "piece24"
     assert document.spec is not None and document.spec.body[-1].pose == document.spec.body[4].pose

@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from rlbench_pin.builder.document import ChangedOnDisk, TaskDocument, TaskFilesError, storage
-from rlbench_pin.builder.document.storage import LARGEST_FILE, Pair, write_pair
+from rlbench_pin.builder.document.storage import MAX_FILE_SIZE, Pair, write_pair
 from rlbench_pin.errors import InvalidValue, StorageError
 from tests.builder.document.conftest import Opener
 
@@ -225,12 +225,12 @@ def test_what_is_no_task_is_not_opened(tmp_path: Path) -> None:
     with pytest.raises(TaskFilesError, match="no text in UTF-8"):
         TaskDocument.open(pair.files[0])
     with pair.files[0].open("wb") as file:
-        file.truncate(LARGEST_FILE + 1)
+        file.truncate(MAX_FILE_SIZE + 1)
     with pytest.raises(TaskFilesError, match="at most"):
         TaskDocument.open(pair.files[0])
     with pytest.raises(TaskFilesError, match="there already"):
         TaskDocument.new(tmp_path, "thing")
-    with pytest.raises(TaskFilesError, match="no name"):
+    with pytest.raises(TaskFilesError, match="not a name"):
         TaskDocument.new(tmp_path, "../thing")
     for name in ("none", "lambda", "task"):
         with pytest.raises(TaskFilesError, match="another name"):

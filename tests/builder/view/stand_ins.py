@@ -17,7 +17,7 @@ from rlbench_pin.viewer.recording import Frame, Recording
 
 @dataclass
 class WorkerStandIn(WorkerClient):
-    """Answers what it is told to; `asked` has the names of what was asked for."""
+    """Returns prepared answers; `asked` has the names of the requests."""
 
     waypoints: tuple[str, ...] = ()
     standing: str = "free"

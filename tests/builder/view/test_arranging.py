@@ -39,7 +39,7 @@ def _press_in_pose(window: Window, number: int, label: str) -> None:
 
 
 def _drop(window: Window, name: str, place: np.ndarray) -> list[str]:
-    """Drag a thing to a world point (3,), and return what was marked meanwhile."""
+    """Drag an element to a world point (3,), and return what was marked meanwhile."""
     _select(window, name)
     start = window.session.places.of(name)
     assert start is not None
@@ -55,7 +55,7 @@ def _drop(window: Window, name: str, place: np.ndarray) -> list[str]:
 
 @pytest.mark.parametrize("name", ["distractor0", "waypoint3", "goal"])
 def test_what_is_dropped_onto_a_body_hangs_on_it(copied: Copied, show: Show, name: str) -> None:
-    """The body is marked meanwhile; the thing stays where it was let go, and one undo takes drag and parent back."""
+    """The body is marked meanwhile; the element stays where it was let go, and one undo takes drag and parent back."""
     document = copied("pick_and_lift")
     window, texts = show(document, WorkerStandIn()), document.text
     window.session.drops_onto, window.session.snap = True, "free"
@@ -73,7 +73,7 @@ def test_what_is_dropped_onto_a_body_hangs_on_it(copied: Copied, show: Show, nam
 
 
 def test_nothing_is_dropped_onto_itself_or_beside_bodies(copied: Copied, show: Show) -> None:
-    """What hangs on a thing is no target, nor is the empty table; without the switch a drag is a drag."""
+    """What hangs on an element is no target, nor is the empty table; without the switch a drag is a drag."""
     document = copied("pick_and_lift")
     window = show(document, WorkerStandIn())
     window.session.drops_onto = True
@@ -163,7 +163,7 @@ def test_deleting_what_others_need_is_asked_first(copied: Copied, show: Show) ->
     _press(window, "Keep it")
     assert window.session.pending_deletion is None and document.text == texts
     _press(window, "Delete")
-    _press(window, "Delete with all that depends on it")
+    _press(window, "Delete with all dependants")
     assert window.session.selected == "" and document.spec is not None and not [p for p in document.problems if p.file == "scene"]
     assert [w.name for w in document.spec.waypoint] == ["waypoint0"]
     assert document.behaviour.graspable == ()
@@ -173,7 +173,7 @@ def test_deleting_what_others_need_is_asked_first(copied: Copied, show: Show) ->
 
 @pytest.mark.parametrize("new", ["", "marker", "Block", "a b", "table", "root"])
 def test_a_bad_name_is_refused(copied: Copied, show: Show, new: str) -> None:
-    """Empty, taken, not a name, reserved: nothing has changed, and the thing stays selected."""
+    """Empty, taken, not a name, reserved: nothing has changed, and the element stays selected."""
     document = copied("pick_and_lift")
     window, texts = show(document, WorkerStandIn()), document.text
     told: list[str] = []

@@ -50,7 +50,7 @@ def test_a_killed_builder_leaves_its_edits(tmp_path: Path, show: Show) -> None:
     window = show(document, WorkerStandIn())
     assert "was not saved. It differs from the task in 1 lines of `pick_and_lift.toml`." in text(window, "Header")
     assert "changed since" not in text(window, "Header")
-    press(window, "Header", "Take up the draft")
+    press(window, "Header", "Apply the draft")
     assert "draft" not in text(window, "Header")
     block = window.session.element("block")
     assert block is not None
@@ -72,7 +72,7 @@ def test_a_draft_of_an_older_state_says_so(copied: Copied, show: Show) -> None:
     file.write_text(file.read_text() + "# newer\n")
     again = show(TaskDocument.open(file), WorkerStandIn())
     assert "The files have been changed since then" in text(again, "Header")
-    press(again, "Header", "Drop the draft")
+    press(again, "Header", "Discard the draft")
     assert "draft" not in text(again, "Header")
     assert sorted(p.name for p in document.folder.iterdir()) == ["pick_and_lift.py", "pick_and_lift.toml"]
 

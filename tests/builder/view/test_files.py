@@ -26,9 +26,9 @@ def viser() -> Iterator[ViserServer]:
 
 def test_lines_have_numbers_and_wrong_ones_are_red() -> None:
     """As many as there are, and the wrong one in red."""
-    picture = unquote(line_numbers("code-0", 3, (2,)))
-    assert [f">{k}</text>" in picture for k in (1, 2, 3, 4)] == [True, True, True, False]
-    assert picture.count("#fdd8d3") == 1 and 'fill="#c0392b">2<' in picture
+    image = unquote(line_numbers("code-0", 3, (2,)))
+    assert [f">{k}</text>" in image for k in (1, 2, 3, 4)] == [True, True, True, False]
+    assert image.count("#fdd8d3") == 1 and 'fill="#c0392b">2<' in image
 
 
 def test_what_was_typed_outlives_another_edit(viser: ViserServer) -> None:
@@ -78,7 +78,7 @@ def test_fields_keep_their_places_when_a_file_changes_on_disk(copied: Callable[[
     settle(window)
     after = window.panels["Files"].controls
     assert after[: len(before)] == before
-    assert [c.label for c in after if c.key[0] == "button"][1:] == ["Take over what is on disk", "Save over it"]
+    assert [c.label for c in after if c.key[0] == "button"][1:] == ["Load the files from disk", "Save over it"]
 
 
 @pytest.mark.parametrize(

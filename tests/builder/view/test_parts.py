@@ -69,15 +69,15 @@ def test_meshes_of_wrong_size_are_refused(scale: float, why: str) -> None:
 
 
 def test_assets_are_found_by_their_words() -> None:
-    """Names first, then what is said of them; every asset has a picture."""
+    """Names first, then what is said of them; every asset has an image."""
     assets = catalogue()
     assert len(assets) > 100
     assert search(assets, "cup")[0].name == "cup"
     assert "ring_marker" in [asset.name for asset in search(assets, "visual only")]
     assert search(assets, "no such thing") == []
-    picture = thumbnail(asset_path("objects/cup/cup.urdf"))
-    assert picture.shape == (128, 128, 3)
-    assert float(np.ptp(picture)) > 50.0
+    image = thumbnail(asset_path("objects/cup/cup.urdf"))
+    assert image.shape == (128, 128, 3)
+    assert float(np.ptp(image)) > 50.0
 
 
 def test_what_is_nearer_hides_what_is_behind() -> None:

@@ -58,7 +58,7 @@ def test_a_failure_opens_at_its_seed(copied: Copied, show: Show) -> None:
 def test_the_map_has_a_legend(copied: Copied, show: Show) -> None:
     """What each colour means and how often it is there; taken away, both are gone."""
     window = _validated(copied, show)
-    _press(window, "Map of what can be reached")
+    _press(window, "Reach map")
     assert "<b>1</b> the gripper reaches all waypoints" in text(window, "Validate")
     _press(window, "Remove the map")
     assert "all waypoints" not in text(window, "Validate")

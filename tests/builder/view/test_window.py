@@ -38,7 +38,7 @@ def _drag(window: Window, name: str, *moves: tuple[float, float, float]) -> None
 
 
 def test_edits_reach_the_stage(copied: Copied, show: Show) -> None:
-    """Opened once without the task's own code; a moved thing is placed; changed Python is opened anew."""
+    """Opened once without the task's own code; a moved element is placed; changed Python is opened anew."""
     document, worker = copied("pick_and_lift"), WorkerStandIn(("waypoint0",))
     window = show(document, worker)
     assert worker.asked == ["open False", "reach"]
@@ -59,7 +59,7 @@ def test_a_drag_is_one_step_on_the_grid(copied: Copied, show: Show) -> None:
     window = show(document, WorkerStandIn(("waypoint0",)))
     _drag(window, "block", (0.0, 0.03, 0.0), (0.0, 0.033, 0.0), (0.0, 0.02, 0.0))
     assert "pose = [0.0, 0.08, 0.0225]" in document.scene_text
-    assert window.session.places.things["waypoint1"][1] == pytest.approx(0.08)
+    assert window.session.places.elements["waypoint1"][1] == pytest.approx(0.08)
     _do(window, lambda d: d.undo())
     assert document.text == before
 
@@ -81,7 +81,7 @@ def test_a_snapped_body_stands_on_the_table(copied: Copied, show: Show) -> None:
     window.session.snap = "table"
     _drag(window, "block", (0.0, 0.0, 0.3))
     assert document.scene_text == document.scene_text.replace("pose = [0.0, 0.0, 0.3", "")
-    assert window.session.places.things["block"][2] == pytest.approx(0.752 + 0.0225, abs=1e-6)
+    assert window.session.places.elements["block"][2] == pytest.approx(0.752 + 0.0225, abs=1e-6)
 
 
 def test_a_body_stands_on_what_is_below_it(copied: Copied, show: Show) -> None:
@@ -89,7 +89,7 @@ def test_a_body_stands_on_what_is_below_it(copied: Copied, show: Show) -> None:
     window = show(copied("pick_and_lift"), WorkerStandIn())
     window.session.snap = "surface below"
     _drag(window, "block", (0.0, 0.12, 0.2))
-    assert window.session.places.things["block"][2] == pytest.approx(0.752 + 0.045 + 0.0225, abs=1e-6)
+    assert window.session.places.elements["block"][2] == pytest.approx(0.752 + 0.045 + 0.0225, abs=1e-6)
 
 
 def test_verdicts_colour_the_hands(copied: Copied, show: Show) -> None:
@@ -157,13 +157,13 @@ def test_files_changed_on_disk_are_read_again(copied: Copied, show: Show) -> Non
 
 
 def test_moving_a_body_is_quick(copied: Copied, show: Show) -> None:
-    """The picture follows a drag without waiting for text or worker."""
+    """The image follows a drag without waiting for text or worker."""
     window = show(copied("pick_and_lift"), WorkerStandIn())
     frame = window._viser.scene.get_handle_by_name("/bodies/block/0")
     window.session.post(lambda: window.session.select("block"))
     settle(window)
-    pose = window.session.places.things["block"] + np.array([0.0, 0.05, 0.0, 0.0, 0.0, 0.0, 0.0])
-    window.dragging.drag(window.session.places.things["block"], "start")
+    pose = window.session.places.elements["block"] + np.array([0.0, 0.05, 0.0, 0.0, 0.0, 0.0, 0.0])
+    window.dragging.drag(window.session.places.elements["block"], "start")
     window.dragging.drag(pose, "update")
     assert frame is not None
     assert frame.position[1] == pytest.approx(0.05)

@@ -74,7 +74,7 @@ def test_everything_can_be_asked(client: WorkerClient, saucepan: TaskText) -> No
     q, error = client.follow(verdicts[0].pose, recording.frames[0].arm)
     assert error < 1e-3
     assert q.shape == (7,)
-    assert client.simulate(0.1).frames[-1].held == (True, True)
+    assert client.simulate(0.1).frames[-1].conditions_met == (True, True)
     assert client.images(32)["front"].shape == (32, 32, 3)
     begin = recording.frames[0]
     assert np.array_equal(client.images(32, begin)["front"], client.images(32, begin)["front"])
@@ -110,7 +110,7 @@ def test_what_makes_no_sense_is_refused(client: WorkerClient, saucepan: TaskText
 
 
 def test_who_asks_meanwhile_is_refused(client: WorkerClient, saucepan: TaskText) -> None:
-    """A callback at once, since it would wait for itself; another thread after a while. Both are told what runs."""
+    """A callback at once, since it would wait for itself; another thread after a while. The error names the running operation."""
     client.open(saucepan, run_task=True)
     refused: list[str] = []
 
@@ -227,7 +227,7 @@ def test_it_is_validated_while_it_is_edited(client: WorkerClient, saucepan: Task
 
 
 def test_nothing_stays_behind(saucepan: TaskText) -> None:
-    """After `close` process and folder are gone, and whoever asks is told."""
+    """After `close` process and folder are gone, and further calls raise an error."""
     with WorkerClient() as client:
         with pytest.raises(NothingOpen):
             client.reach()

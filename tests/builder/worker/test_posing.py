@@ -48,7 +48,7 @@ def test_an_edit_in_place_is_what_building_gives(copied: Copied, opened: Opened,
 
 
 def test_what_counts_as_a_move(copied: Copied) -> None:
-    """Poses and the placement; not what things are, nor how they hang together."""
+    """Poses and the placement; not what elements are, nor how they hang together."""
     text = copied("take_lid_off_saucepan")
     file = text.folder / "take_lid_off_saucepan.toml"
     before = read_scene(file)
@@ -116,9 +116,9 @@ def test_a_frame_is_drawn_without_being_played(copied: Copied, opened: Opened, w
     world.reset(7, 1)
     here = world.images(48)
     drawn = world.images(48, frames[-1])
-    for name, picture in drawn.items():
-        assert picture.shape == (48, 48, 3)
-        assert picture.dtype == np.uint8
-        assert np.abs(picture.astype(int) - at_the_end[name]).mean() < 1.0
+    for name, image in drawn.items():
+        assert image.shape == (48, 48, 3)
+        assert image.dtype == np.uint8
+        assert np.abs(image.astype(int) - at_the_end[name]).mean() < 1.0
         assert np.array_equal(world.images(48)[name], here[name])
     assert np.abs(drawn["overhead"].astype(int) - here["overhead"]).mean() > 1.0

@@ -75,8 +75,8 @@ def test_an_arm_that_touches_something_at_home_is_said(copied: Copied, opened: O
 def test_a_waypoint_inside_things_is_amber(copied: Copied, opened: Opened, world: TaskWorld) -> None:
     """With the pairs that touch, a link of the arm and a body, and where the arm would be; so it is with a layout of a reset."""
     text = copied("take_lid_off_saucepan")
-    held = opened(replace(text, scene=text.scene + _WALLS))
-    assert held.problems == ()
+    task = opened(replace(text, scene=text.scene + _WALLS))
+    assert task.problems == ()
     first, grasp, lift = world.reach()
     assert (first.standing, grasp.standing, lift.standing) == ("collides", "collides", "free")
     for verdict in (first, grasp):

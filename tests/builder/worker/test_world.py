@@ -25,14 +25,14 @@ def _played(world: TaskWorld, seed: int) -> Recording:
 @pytest.mark.parametrize("name", TASKS)
 def test_a_task_is_opened_and_demonstrated(copied: Copied, opened: Opened, world: TaskWorld, name: str) -> None:
     """It says what it holds; the demonstration of a seed is that of the library, tick by tick."""
-    held = opened(copied(name))
-    assert held.problems == ()
-    assert held.conditions
-    assert held.waypoints[:2] == ("waypoint0", "waypoint1")
+    task = opened(copied(name))
+    assert task.problems == ()
+    assert task.conditions
+    assert task.waypoints[:2] == ("waypoint0", "waypoint1")
     recording = _played(world, 3)
     assert recording.failure is None
-    assert recording.conditions == held.conditions
-    assert [segment.waypoint for segment in recording.segments] == list(held.waypoints)
+    assert recording.conditions == task.conditions
+    assert [segment.waypoint for segment in recording.segments] == list(task.waypoints)
     assert recording.frames[-1].success
     assert not recording.frames[0].success
     with make_environment(low_dim_config()) as environment:
@@ -44,9 +44,9 @@ def test_a_task_is_opened_and_demonstrated(copied: Copied, opened: Opened, world
 def test_without_its_code_the_scene_stands_alone(copied: Copied, opened: Opened, world: TaskWorld) -> None:
     """No line of the module is run; there are waypoints and no conditions, and the waypoints can be visited."""
     text = copied("push_button")
-    held = opened(replace(text, python="raise SystemError('was run')\n"), run_task=False)
-    assert (held.problems, held.variations, held.conditions) == ((), 1, ())
-    assert held.waypoints == ("waypoint0", "waypoint1")
+    task = opened(replace(text, python="raise SystemError('was run')\n"), run_task=False)
+    assert (task.problems, task.variations, task.conditions) == ((), 1, ())
+    assert task.waypoints == ("waypoint0", "waypoint1")
     assert world.reset(0, 0).instruction == NO_CODE
     recording = _played(world, 0)
     assert len(recording.segments) == 2
@@ -59,7 +59,7 @@ def test_a_reset_is_one_frame(copied: Copied, opened: Opened, world: TaskWorld) 
     opened(copied("push_button"))
     first, other, again = world.reset(5, 2), world.reset(6, 2), world.reset(5, 2)
     (frame,) = first.frames
-    assert (first.failure, frame.time, frame.held, frame.success) == (None, 0.0, (False,), False)
+    assert (first.failure, frame.time, frame.conditions_met, frame.success) == (None, 0.0, (False,), False)
     assert list(frame.poses) == ["button/base", "button/cap"]
     assert "base" in first.instruction
     assert np.array_equal(frame.poses["button/cap"], again.frames[0].poses["button/cap"])
@@ -128,7 +128,7 @@ def test_looking_does_not_change_what_is_played(copied: Copied, opened: Opened, 
     world.simulate(0.05, frames.append)
     assert np.abs(frames[0].poses["lid/knob"] - end.poses["lid/knob"]).max() < 1e-6
     assert frames[0].time == pytest.approx(end.time)
-    assert frames[-1].held == (True, True)
+    assert frames[-1].conditions_met == (True, True)
 
 
 def test_long_work_shows_that_it_lives(copied: Copied, opened: Opened, world: TaskWorld) -> None:

@@ -40,14 +40,14 @@ def make_environment():
 
 
 def move_the_front_camera(task, before, moved):
-    """A camera of the environment, moved: picture, matrices and cloud follow."""
+    """A camera of the environment, moved: image, matrices and cloud follow."""
     cam = VisionSensor("cam_front")
     assert Object.exists("cam_front") and not Object.exists("cam_of_nobody")
     assert cam.get_resolution() == [64, 48]
     cam.set_pose(moved)
     assert np.allclose(cam.get_pose()[:3], moved[:3], atol=1e-6)
     after = task.get_observation()
-    assert difference(before.front_rgb, after.front_rgb) > 5, "the picture is still the old one"
+    assert difference(before.front_rgb, after.front_rgb) > 5, "the image is still the old one"
     extrinsics = after.misc["front_camera_extrinsics"]
     assert np.allclose(extrinsics, cam.get_matrix(), atol=1e-6)
     assert np.allclose(extrinsics[:3, 3], moved[:3], atol=1e-6)
@@ -79,17 +79,17 @@ def make_an_own_camera(pose):
     return own
 
 
-def film_from_the_placeholder():
-    """The placeholder for cinematic pictures, as a pose to put a sensor at."""
+def video_from_the_placeholder():
+    """The placeholder for cinematic images, as a pose to put a sensor at."""
     placeholder = Dummy("cam_cinematic_placeholder")
-    film = VisionSensor.create([80, 45])
-    film.set_pose(placeholder.get_pose())
-    wide = film.capture_rgb()
+    video = VisionSensor.create([80, 45])
+    video.set_pose(placeholder.get_pose())
+    wide = video.capture_rgb()
     placeholder.set_position([1.0, 0.3, 1.5])
-    film.set_position([0.0, 0.0, 0.3], relative_to=placeholder)
+    video.set_position([0.0, 0.0, 0.3], relative_to=placeholder)
     assert wide.std() > 0.05, "the cinematic camera sees nothing"
-    assert not np.allclose(film.get_position(), placeholder.get_position())
-    return film
+    assert not np.allclose(video.get_position(), placeholder.get_position())
+    return video
 
 
 def main():
@@ -103,8 +103,8 @@ def main():
     moved = look_at(np.array([0.9, 0.6, 1.4]), [0.25, 0.0, 0.8])
     cam = move_the_front_camera(task, before, moved)
     own = make_an_own_camera(moved)
-    film = film_from_the_placeholder()
-    print("moved cam_front to", np.round(cam.get_position(), 2), "and made", own.get_name(), "and", film.get_name())
+    video = video_from_the_placeholder()
+    print("moved cam_front to", np.round(cam.get_position(), 2), "and made", own.get_name(), "and", video.get_name())
     env.shutdown()
 
 

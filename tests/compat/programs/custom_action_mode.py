@@ -61,8 +61,8 @@ class SlowHand(GripperActionMode):
             done = gripper.actuate(amount, velocity=0.04)
             scene.step()
         if amount == 0.0:
-            for thing in scene.task.get_graspable_objects():
-                gripper.grasp(thing)
+            for item in scene.task.get_graspable_objects():
+                gripper.grasp(item)
 
     def action_shape(self, scene: Scene) -> tuple:
         return (1,)

@@ -38,7 +38,7 @@ def environment(config, every, frequency=1):
     )
 
 
-def pictures(env, count):
+def images(env, count):
     env.launch()
     task = env.get_task(OpenDrawer)
     task.set_variation(0)
@@ -70,15 +70,18 @@ def main():
         config = VisualRandomizationConfig(image_directory=folder)
         assert len(config.sample(3)) == 3 and all(os.path.exists(path) for path in config.sample(3))
 
-        plain = pictures(environment(None, None), 2)
-        every = pictures(environment(config, RandomizeEvery.EPISODE), 3)
-        second = pictures(environment(config, RandomizeEvery.EPISODE, frequency=2), 4)
+        plain = images(environment(None, None), 2)
+        every = images(environment(config, RandomizeEvery.EPISODE), 3)
+        second = images(environment(config, RandomizeEvery.EPISODE, frequency=2), 4)
     assert changed(plain[0], plain[1]) < 0.02, changed(plain[0], plain[1])
     assert changed(plain[0], every[0]) > 0.3, changed(plain[0], every[0])
     assert changed(every[0], every[1]) > 0.3 and changed(every[1], every[2]) > 0.3
     kept = [changed(a, b) for a, b in zip(second, second[1:])]
     assert sorted(kept)[0] < 0.05 and max(kept) > 0.3, kept
-    print("looks changed on %.0f %% of the pixels; with frequency 2: %s" % (100 * changed(every[0], every[1]), np.round(kept, 2)))
+    print(
+        "appearance changed on %.0f %% of the pixels; with frequency 2: %s"
+        % (100 * changed(every[0], every[1]), np.round(kept, 2))
+    )
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Someone who comes from gymnasium: makes environments by their ids, random actions, pictures, several at once."""
+"""Someone who comes from gymnasium: makes environments by their ids, random actions, images, several at once."""
 
 import gymnasium as gym
 import numpy as np
@@ -50,7 +50,7 @@ def main():
     frame = env.render()
     assert frame.shape == (360, 640, 3) and frame.dtype == np.uint8 and frame.std() > 10
     env.close()
-    print("thirty steps, return", total, "; picture", frame.shape)
+    print("thirty steps, return", total, "; image", frame.shape)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Someone who clones behaviour: live demonstrations, a small network in numpy from the front picture to joint velocities."""
+"""Someone who clones behaviour: live demonstrations, a small network in numpy from the front image to joint velocities."""
 
 import numpy as np
 
@@ -32,8 +32,8 @@ class ImitationLearning(object):
 
 
 def features(observation):
-    picture = observation.front_rgb.astype(np.float64).mean(axis=2)[::4, ::4].ravel() / 255.0 - 0.5
-    return np.concatenate([picture, observation.joint_positions, [1.0]])
+    image = observation.front_rgb.astype(np.float64).mean(axis=2)[::4, ::4].ravel() / 255.0 - 0.5
+    return np.concatenate([image, observation.joint_positions, [1.0]])
 
 
 def main():

@@ -1,4 +1,4 @@
-"""Someone who crops objects out of pictures: handles of shapes in the mask images, bounding boxes, points of one object."""
+"""Someone who crops objects out of images: handles of shapes in the mask images, bounding boxes, points of one object."""
 
 import numpy as np
 from pyrep.const import ObjectType
@@ -30,7 +30,7 @@ def points_match(shape, obs):
 def stack_blocks(task):
     _, obs = task.reset()
     handles = np.unique(obs.front_mask).astype(int)
-    print("handles in the picture:", handles)
+    print("handles in the image:", handles)
     base = task._task.get_base()
     shapes = base.get_objects_in_tree(object_type=ObjectType.SHAPE, exclude_base=True)
     seen = {shape.get_name(): box(obs.overhead_mask, shape.get_handle()) for shape in shapes}
@@ -50,7 +50,7 @@ def stack_blocks(task):
     # Robot and table are in it too.
     robot = {visual.get_handle() for visual in task._robot.arm.get_visuals()}
     robot |= {s.get_handle() for s in Shape("Panda").get_objects_in_tree(ObjectType.SHAPE, exclude_base=False)}
-    assert robot & set(handles), "the arm is not in the picture"
+    assert robot & set(handles), "the arm is not in the image"
     table = Shape("diningTable_visible").get_handle()
     assert (obs.front_mask == table).mean() > 0.05
     known = robot | {s.get_handle() for s in shapes} | {table}

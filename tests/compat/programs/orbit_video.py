@@ -1,4 +1,4 @@
-"""Someone who films: a sensor that orbits the table while demonstrations and actions run, one picture every other step."""
+"""Records videos: a sensor that orbits the table while demonstrations and actions run, one image every other step."""
 
 import os
 import tempfile
@@ -80,14 +80,14 @@ def main():
     chord = np.linalg.norm(places[-1] - places[0])
     assert abs(chord - 2 * radius[0] * abs(np.sin(swept / 2))) < 0.02, (chord, swept)
     changes = [np.abs(a.astype(float) - b).mean() for a, b in zip(recorder.frames, recorder.frames[1:])]
-    assert min(changes) > 0.2, "two pictures are the same"
+    assert min(changes) > 0.2, "two images are the same"
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "orbit.mp4")
         recorder.save(path)
         with av.open(path) as container:
             stored = sum(1 for _ in container.decode(video=0))
     assert stored == len(recorder.frames)
-    print("filmed %d frames of a demonstration of %d" % (stored, len(demo)))
+    print("recorded %d frames of a demonstration of %d" % (stored, len(demo)))
     env.shutdown()
 
 

@@ -32,7 +32,7 @@ SIZE = 32
 
 
 def make_demo(seed: int, frames: int, task: str = "reach_target") -> Demo:
-    """Return a demo with smooth pictures, joints and the actions that lead from frame to frame."""
+    """Return a demo with smooth images, joints and the actions that lead from frame to frame."""
     rng = np.random.default_rng(seed)
     joints = np.cumsum(rng.normal(size=(frames, 7), scale=0.05), axis=0)
     observations = []
@@ -109,7 +109,7 @@ def lerobot(root: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.simulation
 def test_lerobot_structure(lerobot: Path, demos: list[Demo]) -> None:
-    """Frames, episodes, sentences and pictures stand where version 3.0 says; nothing else is written."""
+    """Frames, episodes, sentences and images stand where version 3.0 says; nothing else is written."""
     from pyarrow import parquet
 
     info = json.loads((lerobot / "meta" / "info.json").read_text())
@@ -132,7 +132,7 @@ def test_lerobot_structure(lerobot: Path, demos: list[Demo]) -> None:
 
 
 def test_lerobot_pictures(lerobot: Path, demos: list[Demo]) -> None:
-    """Each episode's pictures are found at its time stamps and look like the originals."""
+    """Each episode's images are found at its time stamps and look like the originals."""
     for camera in ("front", "wrist"):
         with av.open(str(lerobot / f"videos/observation.images.{camera}/chunk-000/file-000.mp4")) as container:
             stream = container.streams.video[0]
@@ -147,7 +147,7 @@ def test_lerobot_pictures(lerobot: Path, demos: list[Demo]) -> None:
 
 @pytest.mark.slow
 def test_lerobot_loads_it(lerobot: Path, demos: list[Demo]) -> None:
-    """The dataset class of `lerobot` iterates over all frames, with pictures, state, action and task."""
+    """The dataset class of `lerobot` iterates over all frames, with images, state, action and task."""
     found = _output_of("lerobot", lerobot)
     states, actions = _stacked(demos)
     assert (found["frames"], found["episodes"], found["fps"], found["window"]) == (21, 3, 20, [3, 8])
@@ -210,7 +210,7 @@ def test_robomimic_loads_it(robomimic: Path, demos: list[Demo]) -> None:
 
 
 def test_zarr_reads_it(root: Path, demos: list[Demo], tmp_path: Path) -> None:
-    """All frames in a row, split where the episodes end; pictures without loss."""
+    """All frames in a row, split where the episodes end; images without loss."""
     zarr = pytest.importorskip("zarr")
     group = zarr.open_group(str(find_exporter("zarr", ("front",))(root, tmp_path / "data.zarr")), mode="r")
     states, actions = _stacked(demos)

@@ -29,7 +29,7 @@ TASK = "reach_target"
 
 
 def make_demo(seed: int, frames: int = 4, variation: int = 0) -> Demo:
-    """Return a demo with pictures of three kinds and everything that `misc` may hold."""
+    """Return a demo with images of three kinds and everything that `misc` may hold."""
     rng = np.random.default_rng(seed)
     observations = [
         Observation(
@@ -147,7 +147,7 @@ def test_depth_survives_to_half_a_micrometre() -> None:
 
 @pytest.mark.simulation
 def test_broken_folders_are_named(root: Path, tmp_path: Path) -> None:
-    """A picture too few, a damaged picture and a missing list are errors with a path; masks are not counted."""
+    """An image too few, a damaged image and a missing list are errors with a path; masks are not counted."""
     folders = export_rlbench(root, tmp_path / "x")
     episodes = folder_episodes(folders, TASK, 0)
     (episodes[0] / "front_rgb" / "3.png").unlink()
@@ -179,7 +179,7 @@ def test_old_episodes_are_read(tmp_path: Path) -> None:
 
 
 def test_paths_instead_of_pictures(root: Path, tmp_path: Path) -> None:
-    """With `image_paths`, picture fields hold the paths of files that any program opens."""
+    """With `image_paths`, image fields hold the paths of files that any program opens."""
     folders = export_rlbench(root, tmp_path / "x")
     (demo,) = folder_demos(folders, TASK, 1, 0, image_paths=True, random_selection=False)
     assert str(demo[2].front_rgb).endswith(os.path.join("episode0", "front_rgb", "2.png"))

@@ -153,7 +153,7 @@ def test_a_live_demo_that_a_program_pickled_is_read(tmp_path: Path, protocol: in
 
 
 def test_masks_over_three_channels_are_written(tmp_path: Path) -> None:
-    """As floats in 0..1, they become the same pictures as ids."""
+    """As floats in 0..1, they become the same images as ids."""
     demo = make_demo(6)
     ids = [frame.front_mask for frame in demo]
     for frame in demo:

@@ -43,7 +43,7 @@ TEN = [
 
 
 def episode(arm: ArmActionMode) -> TaskEnvironment:
-    """A scene with the hand pointing down over the table, ready to move anywhere."""
+    """A scene with the gripper pointing down over the table, ready to move anywhere."""
     env = Environment(MoveArmThenGripper(EndEffectorPoseViaPlanning(), Discrete()), obs_config=low_dim_config(), seed=0)
     task = env.get_task("slide_block_to_target")
     task.reset(seed=1)

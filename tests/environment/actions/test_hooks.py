@@ -84,7 +84,7 @@ def test_the_three_hooks_are_the_action(make: Callable[[], ArmActionMode]) -> No
 
 
 def test_the_step_of_a_motion_is_the_whole_motion() -> None:
-    """Planned and solved poses and the opening hand move in `steps` alone."""
+    """Planned and solved poses and the opening gripper move in `steps` alone."""
     task = episode(MoveArmThenGripper(EndEffectorPoseViaPlanning(), Discrete()))
     for arm in (EndEffectorPoseViaPlanning(), EndEffectorPoseViaIK()):
         goal = task.get_observation().gripper_pose

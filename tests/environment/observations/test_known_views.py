@@ -1,4 +1,4 @@
-"""The five cameras stand where their users know them; the clear view shows what two of them hide."""
+"""The five cameras stand at their known poses; the clear view shows what two of them hide."""
 
 from __future__ import annotations
 

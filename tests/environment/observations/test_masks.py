@@ -15,7 +15,7 @@ BYTES = np.stack([IDS & 255, IDS >> 8 & 255, IDS >> 16], axis=-1)
 
 @pytest.mark.parametrize("kind", [np.uint8, np.int16, np.int64])
 def test_whole_numbers_are_bytes(kind: type) -> None:
-    """Lowest byte first; small types do not overflow, and the picture stays as it was."""
+    """Lowest byte first; small types do not overflow, and the image stays as it was."""
     rgb = BYTES.astype(kind)
     before = rgb.copy()
     mask = rgb_handles_to_mask(rgb)

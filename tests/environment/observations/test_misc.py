@@ -15,7 +15,7 @@ from rlbench_pin.recording.config import ImageConfig
 
 
 def small_config(**settings: object) -> ObservationConfig:
-    """No pictures but a small front camera's."""
+    """No images but a small front camera's."""
     config = ObservationConfig(**settings)  # type: ignore[arg-type]
     config.set_all_high_dim(False)
     config.front_camera = CameraConfig(image_size=(16, 12), point_cloud=False)
@@ -85,8 +85,8 @@ def test_episode_files_hold_descriptions_once_and_bring_them_back(tmp_path: Path
 @pytest.mark.simulation
 def test_recorded_demonstrations_keep_what_misc_said(tmp_path: Path) -> None:
     """Names of masks and descriptions are stored, joint poses are left to the model."""
-    pictures = ImageConfig(cameras=("front",), products=("mask",), image_size=(16, 12))
-    with pictures.environment() as env:
+    images = ImageConfig(cameras=("front",), products=("mask",), image_size=(16, 12))
+    with images.environment() as env:
         task = env.get_task("reach_target")
         demo = task.get_demos(1, live_demos=True, seed=0)[0]
         with Episode(DatasetWriter(tmp_path).add(demo)) as stored:

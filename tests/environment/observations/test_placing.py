@@ -1,4 +1,4 @@
-"""Cameras are moved during an episode, stay where they were put, and go back when told to."""
+"""Cameras are moved during an episode, stay where they were put, and go back when asked to."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def env() -> Iterator[Environment]:
 
 
 def test_pictures_and_matrices_follow_and_only_the_user_undoes_it(env):
-    """A moved camera stays through resets, states and tasks; `reset_pose` brings the very same pictures back."""
+    """A moved camera stays through resets, states and tasks; `reset_pose` brings the very same images back."""
     task = env.get_task("reach_target")
     _, before = task.reset(seed=1)
     state = task.get_state()
@@ -47,7 +47,7 @@ def test_pictures_and_matrices_follow_and_only_the_user_undoes_it(env):
 
 
 def test_a_moved_camera_draws_as_an_extra_one_there(env):
-    """The pictures are those of any camera at that pose."""
+    """The images are those of any camera at that pose."""
     task = env.get_task("reach_target")
     task.reset(seed=1)
     task.runtime.cameras["front"].set_pose(ELSEWHERE)
@@ -59,7 +59,7 @@ def test_a_moved_camera_draws_as_an_extra_one_there(env):
 
 
 def test_cameras_that_ride_go_on_riding(env):
-    """The wrist camera, moved, keeps its new place in the hand; its matrix in misc follows."""
+    """The wrist camera, moved, keeps its new place in the gripper; its matrix in misc follows."""
     task = env.get_task("reach_target")
     task.reset(seed=1)
     wrist = task.runtime.cameras["wrist"]

@@ -48,7 +48,7 @@ def differ(a, b) -> bool:
 
 
 def test_textures_are_drawn_with_or_without_a_generator():
-    """`sample(n)` gives n pictures of the folder; with a generator they are the same for the same seed."""
+    """`sample(n)` gives n images of the folder; with a generator they are the same for the same seed."""
     config = VisualRandomizationConfig()
     drawn = config.sample(5)
     assert len(drawn) == 5
@@ -113,7 +113,7 @@ def test_the_arm_can_be_left_alone():
 
 @pytest.mark.simulation
 def test_after_randomization_everything_is_as_before():
-    """Episodes with looks and dynamics randomized leave nothing behind: pictures and physics have the same bytes afterwards."""
+    """Randomized appearance and dynamics leave nothing behind: images and physics have the same bytes afterwards."""
 
     def run(task) -> bytes:
         task.reset(seed=7, variation=0)
@@ -174,12 +174,12 @@ def test_states_with_fewer_bodies_come_back():
 
 
 def test_mistakes_are_refused(tmp_path):
-    """Missing folders, folders without pictures, broken pictures, configs without an event."""
+    """Missing folders, folders without images, broken images, configs without an event."""
     with pytest.raises(NotADirectoryError):
         VisualRandomizationConfig(tmp_path / "missing")
     with pytest.raises(RuntimeError):
         VisualRandomizationConfig(tmp_path)
-    (tmp_path / "broken.png").write_bytes(b"no picture")
+    (tmp_path / "broken.png").write_bytes(b"no image")
     with (
         environment(RandomizeEvery.EPISODE, VisualRandomizationConfig(tmp_path)) as env,
         pytest.raises(CameraError, match="broken"),
@@ -232,7 +232,7 @@ def test_two_hundred_randomized_episodes_need_no_more_memory():
 
 @pytest.mark.slow
 def test_a_hundred_launches_leak_nothing():
-    """Launch, one picture, shutdown: memory grows by less than 3 % after the first 20; files, threads and children not at all."""
+    """Launch, one image, shutdown: memory grows by less than 3 % after the first 20; files, threads and children not at all."""
     process, start, handles = psutil.Process(), 0, (0, 0, 0)
     for cycle in range(100):
         with environment() as env:

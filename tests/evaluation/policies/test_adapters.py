@@ -53,7 +53,7 @@ def test_noop_and_random() -> None:
 
 
 def test_functions_see_what_gymnasium_delivers() -> None:
-    """Numbers are float32 of one dimension, pictures are pictures."""
+    """Numbers are float32 of one dimension, images are images."""
     seen: list[Any] = []
 
     def act(observation: dict[str, np.ndarray]) -> list[float]:
@@ -85,7 +85,7 @@ class FromDemo(KeyFramePolicy):
 
 
 def test_key_frames_are_actions() -> None:
-    """Pose, hand and collisions in the order of `key_frame_actions`; what is no pose is refused."""
+    """Pose, gripper and collisions in the order of `key_frame_actions`; what is no pose is refused."""
     poses = [np.array([0.3, 0.0, z, 0.0, 1.0, 0.0, 0.0]) for z in (1.0, 1.1)]
     frames = [
         Observation(gripper_pose=pose, gripper_open=1.0, joint_velocities=np.zeros(7), ignore_collisions=True) for pose in poses
@@ -234,9 +234,9 @@ class Policy:
 
     def select_action(self, frame):
         self.calls += 1
-        picture = frame["observation.images.front"]
-        assert picture.shape == (1, 3, 48, 64) and picture.dtype == torch.float32 and frame["task"] == "go"
-        return frame["observation.state"] * self.calls + picture.mean()
+        image = frame["observation.images.front"]
+        assert image.shape == (1, 3, 48, 64) and image.dtype == torch.float32 and frame["task"] == "go"
+        return frame["observation.state"] * self.calls + image.mean()
 
 
 class PreTrainedConfig:
@@ -255,7 +255,7 @@ def make_pre_post_processors(policy_cfg, pretrained_path, preprocessor_overrides
 
 @pytest.mark.simulation
 def test_a_directory_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """With a double of the library: state, pictures in 0..1 and the instruction go in, and the hand comes back within 0..1."""
+    """With a double of the library: state, images in 0..1 and the instruction go in, and the gripper comes back within 0..1."""
     pytest.importorskip("torch")
     for package in ("lerobot", "lerobot/policies", "lerobot/configs"):
         (tmp_path / package).mkdir()

@@ -223,12 +223,12 @@ def _wait_for(client: Any) -> None:
 
 
 def test_addresses() -> None:
-    """Other machines are kept out unless asked for, and what is no address is refused."""
+    """Other machines are kept out unless asked for, and what is not an address is refused."""
     for address in ("tcp://0.0.0.0:5555", "tcp://192.168.0.1:80", "tcp://127.evil.example:80"):
         with pytest.raises(ValueError, match="other machines"):
             listen(address)
     for address in ("tcp://127.0.0.1", "tcp://:80", "tcp://a:b", "tcp://a:99999", "udp://a:1", "", "tcp://a:-1"):
-        with pytest.raises(ValueError, match="is no address"):
+        with pytest.raises(ValueError, match="is not an address"):
             split_tcp(address)
     assert split_tcp("tcp://[::1]:80") == ("::1", 80)
     listen("tcp://0.0.0.0:0", anywhere=True).close()
@@ -276,10 +276,11 @@ def test_the_server_needs_numpy_and_msgpack_alone() -> None:
 
 
 @pytest.mark.simulation
-def test_the_command_serves_until_ctrl_c(tmp_path: Path) -> None:
-    """`rlbench-pin serve` with a policy from a file, asked from here."""
+@pytest.mark.parametrize("before", [(), ("/bin/sh", "-c", "trap '' INT; exec \"$@\"", "sh")], ids=["", "SIGINT ignored"])
+def test_the_command_serves_until_ctrl_c(tmp_path: Path, before: tuple[str, ...]) -> None:
+    """`rlbench-pin serve` with a policy from a file, asked from here; also where a shell lets it ignore SIGINT."""
     root = str(Path(__file__).resolve().parents[3])
-    command = [sys.executable, "-m", "rlbench_pin.cli.main", "serve", OBEDIENT, "--address", f"unix:{tmp_path}/s"]
+    command = [*before, sys.executable, "-m", "rlbench_pin.cli.main", "serve", OBEDIENT, "--address", f"unix:{tmp_path}/s"]
     with subprocess.Popen(command, cwd=tmp_path, env={**os.environ, "PYTHONPATH": root}, stdout=subprocess.PIPE) as server:
         assert server.stdout is not None
         assert b"is served at unix:" in server.stdout.readline()

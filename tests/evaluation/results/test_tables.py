@@ -1,4 +1,4 @@
-"""Tables and pictures show what the results say, whatever the names in them are."""
+"""Tables and images show what the results say, whatever the names in them are."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def test_a_table_has_a_row_per_task_and_one_for_the_mean() -> None:
     assert rows[3] == ["reach_target", "10", "80 %", "49 to 94", "80 %", "14", "0.60", "0.20", "12", "45", "0"]
     assert rows[4][:5] == ["open_drawer", "10", "0 %", "0 to 28", "0 %"]
     assert rows[5][:3] == ["mean over tasks", "20", "40 %"]
-    assert "Refused actions: collision 12, workspace 24." in text and "10 episodes of a task tell little" in text
+    assert "Refused actions: collision 12, workspace 24." in text and "10 episodes of a task give wide intervals" in text
     assert "crashed 1" in task_table(summary(SECOND)).text()
 
 
@@ -43,7 +43,7 @@ def test_one_task_has_no_mean() -> None:
     """It would say the same again."""
     made = summary(results({"reach_target": "1" * 100}))
     assert "mean over tasks" not in task_table(made).text() + overview_table([made, made]).text()
-    assert "tell little" not in task_table(made).text()
+    assert "give wide intervals" not in task_table(made).text()
 
 
 def test_markdown() -> None:

@@ -91,7 +91,7 @@ def test_it_is_of_one_evaluation(path: Path, change: dict[str, object], words: s
 def test_a_foreign_file_is_refused(path: Path) -> None:
     """It is not written to."""
     path.write_text("episode,success\n1,1\n")
-    with pytest.raises(EvaluationConflict, match="is no journal"):
+    with pytest.raises(EvaluationConflict, match="is not a journal"):
         EpisodeJournal(path, HEAD, resume=True)
     assert path.read_text() == "episode,success\n1,1\n"
 

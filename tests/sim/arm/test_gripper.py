@@ -1,4 +1,4 @@
-"""The hand closes on things, holds them, and lets them go."""
+"""The gripper closes on things, holds them, and lets them go."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def world():
 
 
 def in_hand(world) -> np.ndarray:
-    """Pose of the cube in the hand."""
+    """Pose of the cube in the gripper."""
     return relative(world.body("cube").pose, world.robot.link_pose("panda_hand"))
 
 
@@ -93,7 +93,7 @@ def test_a_body_may_be_held_by_some_links_alone(links, held):
 
 
 def test_an_attached_body_neither_sags_nor_shakes(world):
-    """Lifted and swung, the cube stays within 0.2 mm of its place in the hand; at rest within 5 um, and it does not move."""
+    """Lifted and swung, the cube stays within 0.2 mm of its place in the gripper; at rest within 5 um, and it does not move."""
     close_on_cube(world)
     assert world.gripper.grasp("cube")
     assert not world.gripper.grasp("cube")

@@ -1,4 +1,4 @@
-"""Smooth edges, soft shadows, dark feet, and a bright room; what is left out of a picture to save time changes nothing in it."""
+"""Smooth edges, soft shadows, dark feet, and a bright room; what is left out of an image to save time changes nothing in it."""
 
 from __future__ import annotations
 
@@ -196,7 +196,7 @@ def test_shadows_are_softer_below_what_is_high():
 
 
 def test_a_still_scene_does_not_flicker(world):
-    """Successive pictures are the same bytes, smooth ones as well, also when layers begin to be kept."""
+    """Successive images are the same bytes, smooth ones as well, also when layers begin to be kept."""
     for antialiasing in (False, True):
         taken = [world.renderer.render_all([Request(SIDE, shadows=True, antialiasing=antialiasing)])[0].rgb for _ in range(6)]
         assert all(picture.tobytes() == taken[0].tobytes() for picture in taken)
@@ -224,7 +224,7 @@ def test_links_out_of_sight_are_left_out_and_nothing_else(world):
 
 
 def _cans(folder, view, **request):
-    """A dull can and one with each finish in turn, of the same grey: the picture, and where each is seen."""
+    """A dull can and one with each finish in turn, of the same grey: the image, and where each is seen."""
     for name, gloss in (
         ("dull", ""),
         ("metal", '<specular rgb="0.35 0.35 0.35"/>'),

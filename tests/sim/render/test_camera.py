@@ -1,4 +1,4 @@
-"""Pictures agree with the stored matrices to a small part of a pixel."""
+"""Images agree with the stored matrices to a small part of a pixel."""
 
 from __future__ import annotations
 

@@ -110,7 +110,7 @@ def test_moving_things_hide_the_room_and_the_room_hides_them():
 
 
 def test_ids_are_integers_of_the_table_and_stable():
-    """Robot and room have ids up to 60, objects from 61, all of them in the table, also when pictures come from a new world."""
+    """Robot and room have ids up to 60, objects from 61, all of them in the table, also when images come from a new world."""
     tables, seen = [], []
     for _ in range(2):
         with build(cube_scene(cube("a", 0.3, 0.1), cube("b", 0.3, -0.1))) as world:
@@ -164,7 +164,7 @@ def test_shadows_fall_on_the_table_and_nowhere_without_things():
 
 
 def test_lights_are_a_setting():
-    """Lights change colours and not geometry; the old ones bring the old picture back."""
+    """Lights change colours and not geometry; the old ones bring the old image back."""
     with build() as world:
         view = camera_view("front", CameraConfig(image_size=(64, 64)), world, PANDA)
         before = world.render(view, shadows=True)

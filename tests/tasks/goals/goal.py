@@ -108,7 +108,7 @@ class Goal:
             self.task.step()
 
     def needs_release_of(self, name: str) -> None:
-        """Check that the goal is reached while a body is free, and is not while the hand holds it."""
+        """Check that the goal is reached while a body is free, and is not while the gripper holds it."""
         assert self.reached()
         assert self.task.gripper.grasp(name)
         assert not self.reached(), f"reached while '{name}' is held"
@@ -116,7 +116,7 @@ class Goal:
         assert self.reached()
 
     def counts_while_held(self, name: str) -> None:
-        """Check that the goal, reached, stays so while the hand holds a body: no release is specified."""
+        """Check that the goal, reached, stays so while the gripper holds a body: no release is specified."""
         assert self.reached()
         assert self.task.gripper.grasp(name)
         assert self.reached(), f"not reached while '{name}' is held"

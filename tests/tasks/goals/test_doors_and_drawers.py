@@ -100,7 +100,7 @@ def test_the_microwave_has_to_open_by_eighty_degrees(goal: Goal) -> None:
 
 @goal_of("open_oven")
 def test_the_oven_door_has_to_lie_flat(goal: Goal) -> None:
-    """It counts from 83.4 degrees on, with an empty hand; the knob is nothing."""
+    """It counts from 83.4 degrees on, with an empty gripper; the knob is nothing."""
     goal.joint("oven/knob", 2.0)
     assert not goal.reached()
     goal.border(lambda angle: goal.joint("oven/door", np.deg2rad(angle)), inside=83.6, outside=83.2)

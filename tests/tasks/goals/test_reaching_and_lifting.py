@@ -60,7 +60,7 @@ def test_the_asked_block_has_to_be_held_at_the_marker(goal: Goal) -> None:
 
 @goal_of("take_lid_off_saucepan")
 def test_the_lid_has_to_be_held_high_over_the_pan(goal: Goal) -> None:
-    """Not free in the air, not held lower or beside the pan; the reward counts the ways of the hand and of the knob."""
+    """Not free in the air, not held lower or beside the pan; the reward counts the ways of the gripper and of the knob."""
     lid, above = goal.task.lid, goal.task.above.position
     to_tip = np.linalg.norm(goal.task.robot.tip_pose()[:3] - lid.position)
     assert goal.task.reward() == pytest.approx(-to_tip - np.linalg.norm(lid.position - above))

@@ -1,4 +1,4 @@
-"""The simulator and its objects under names that programs know, as views on the world of `rlbench_pin`."""
+"""The simulator and its objects under the names of PyRep, as views on the world of `rlbench_pin`."""
 
 from pyrep.pyrep import PyRep
 

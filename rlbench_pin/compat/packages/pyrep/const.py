@@ -1,4 +1,4 @@
-"""Enumerations that users of scene objects know."""
+"""Enumerations of PyRep."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from enum import Enum
 
 
 class ObjectType(Enum):
-    """What an object of the scene is."""
+    """Type of an object of the scene."""
 
     ALL = -2
     SHAPE = 0
@@ -34,7 +34,7 @@ class PrimitiveShape(Enum):
 
 
 class JointType(Enum):
-    """How a joint moves."""
+    """Type of a joint."""
 
     REVOLUTE = 10
     PRISMATIC = 11
@@ -42,7 +42,7 @@ class JointType(Enum):
 
 
 class JointMode(Enum):
-    """How a joint is driven."""
+    """Drive mode of a joint."""
 
     PASSIVE = 0
     IK = 2
@@ -51,7 +51,7 @@ class JointMode(Enum):
 
 
 class RenderMode(Enum):
-    """How images are drawn; OPENGL3 has shadows, OPENGL has none, OPENGL_COLOR_CODED shows handles as colours."""
+    """Rendering of images; OPENGL3 has shadows, OPENGL has none, OPENGL_COLOR_CODED shows handles as colours."""
 
     OPENGL = 0
     OPENGL_AUXILIARY = 1
@@ -64,14 +64,14 @@ class RenderMode(Enum):
 
 
 class PerspectiveMode(Enum):
-    """How a camera projects; only PERSPECTIVE can be drawn here."""
+    """Projection of a camera; only PERSPECTIVE is available."""
 
     ORTHOGRAPHIC = 0
     PERSPECTIVE = 1
 
 
 class TextureMappingMode(Enum):
-    """How a texture lies on a shape; all are drawn as planar maps along the shape's axes here."""
+    """Mapping of a texture to a shape; all are drawn as planar maps along the axes of the shape."""
 
     PLANE = 0
     CYLINDER = 1
@@ -110,7 +110,7 @@ class ConfigurationPathAlgorithms(Enum):
 
 
 class Verbosity(Enum):
-    """How much the simulator says; it is silent here, whatever is set."""
+    """Verbosity of the simulator; it has no effect."""
 
     NONE = "none"
     ERRORS = "errors"

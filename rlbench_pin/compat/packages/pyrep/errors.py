@@ -32,15 +32,15 @@ class ObjectAlreadyRemovedError(PyRepError):
 
 
 class ObjectIsNotModelError(PyRepError):
-    """A call for models was made on something else."""
+    """A call for models was made on another object."""
 
 
 class GripperError(PyRepError):
-    """The gripper cannot do what it was asked."""
+    """The gripper cannot execute a request."""
 
 
 class ConfigurationError(PyRepError):
-    """No joint configuration of the arm does what was asked."""
+    """No joint configuration of the arm fulfils a request."""
 
 
 class ConfigurationPathError(PyRepError):

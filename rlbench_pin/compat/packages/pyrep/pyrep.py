@@ -17,7 +17,7 @@ from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.sim import read_texture
 
 _OWN_SCENE = "task_design.ttt"
-"""Name of the scene that stands for the empty table."""
+"""Name of the scene of the empty table."""
 
 
 class PyRep:
@@ -58,7 +58,7 @@ class PyRep:
 
     @property
     def simulator(self) -> Simulator:
-        """What is simulated.
+        """The simulator.
 
         Raises:
             PyRepError: It does not run.
@@ -68,7 +68,7 @@ class PyRep:
         return self._simulator
 
     def activate(self) -> None:
-        """Let views look at this simulator from now on, where a program has several; its environments do so at each call."""
+        """Let views refer to this simulator from now on, if a program has several; its environments do so at each call."""
         Simulator.make_current(self.simulator)
 
     def shutdown(self) -> None:
@@ -84,7 +84,7 @@ class PyRep:
         self.running = True
 
     def stop(self) -> None:
-        """End simulating; objects stay where they are."""
+        """Stop the simulation; objects keep their poses."""
         self.running = False
 
     def step(self) -> None:
@@ -99,10 +99,10 @@ class PyRep:
         runtime.step()
 
     def step_ui(self) -> None:
-        """Nothing: there is no window, and images show the present instant in any case."""
+        """No effect: there is no window, and images always show the present instant."""
 
     def set_simulation_timestep(self, dt: float) -> None:
-        """Warn when `dt` [s] is not the length of a control tick, which stays what it is; physics runs in finer steps inside."""
+        """Warn when `dt` [s] is not the length of a control tick, which does not change; physics has shorter steps."""
         tick = self.get_simulation_timestep()
         if abs(dt - tick) > 1e-9:
             warnings.warn(
@@ -124,10 +124,10 @@ class PyRep:
         exclude_base: bool = True,
         first_generation_only: bool = False,
     ) -> list[Object]:
-        """Return what hangs on an object.
+        """Return the descendants of an object.
 
         Args:
-            root_object: On what; None is the world.
+            root_object: The object; None is the world.
             object_type: Only objects of this type.
             exclude_base: Leave `root_object` out.
             first_generation_only: Direct children only.
@@ -149,7 +149,7 @@ class PyRep:
         """Read an image for `Shape.set_texture`. Other arguments than the file are accepted.
 
         Returns:
-            A stand-in for the shape that other simulators keep a texture on (it can be removed), and the texture.
+            A placeholder for the shape of the texture in other simulators (it can be removed), and the texture.
 
         Raises:
             CameraError: The file cannot be read as an image.
@@ -158,7 +158,7 @@ class PyRep:
         return TextureHolder(), Texture(str(filename))
 
     def set_configuration_tree(self, config_tree: ConfigurationTree) -> None:
-        """Put objects back to where `Object.get_configuration_tree` found them, at rest."""
+        """Restore the configuration that `Object.get_configuration_tree` returned, at rest."""
         config_tree.write(self.simulator.objects)
 
     def group_objects(self, objects: Sequence[Shape]) -> Shape:

@@ -22,7 +22,7 @@ class Texture:
 
 
 class TextureHolder:
-    """Stands for the shape that other simulators keep a texture on; there is none here."""
+    """Placeholder for the shape of a texture in other simulators."""
 
     def remove(self) -> None:
-        """Nothing: a texture needs no shape."""
+        """No effect: a texture needs no shape."""

@@ -1,6 +1,6 @@
 """Demonstrations as RLBench-style folders: `python -m rlbench.dataset_generator --tasks reach_target --save_path data`.
 
-The work is done by the recorder of this package: what is killed goes on with `--resume`, and the same `--seed` gives the same
+It uses the recorder of this package: `--resume` continues after an interruption, and the same `--seed` gives the same
 demonstrations with any number of processes.
 """
 
@@ -29,7 +29,7 @@ from rlbench_pin.tasks import task_names
 
 _LOG = logging.getLogger(__name__)
 _RECORDING, _EXPORT = ".recording", ".export"
-"""Folders below the save path that hold what is not finished."""
+"""Folders below the save path with unfinished data."""
 
 
 class UnknownTasks(RlbenchPinError, ValueError):
@@ -53,7 +53,7 @@ def save_demo(demo: Demo, example_path: str | Path, variation: int | None = None
     Args:
         demo: The demonstration; it is left as it is.
         example_path: The folder; made when missing.
-        variation: Number that is written beside it, as the layout with all variations together wants.
+        variation: Number of the variation, stored in the layout with all variations in one folder.
     """
     check_and_make(example_path)
     write_frames(Path(example_path), demo)
@@ -80,7 +80,7 @@ def parse_args(args: Sequence[str] | None = None) -> argparse.Namespace:
     )
     parser.add_argument("--noall_variations", dest="all_variations", action="store_false", help="a folder for each variation")
     parser.add_argument("--seed", type=int, default=None, help="seed of the data set; drawn when not given")
-    parser.add_argument("--resume", action="store_true", help="go on with what was begun in the save path")
+    parser.add_argument("--resume", action="store_true", help="continue the recording in the save path")
     found = parser.parse_args(args)
     found.tasks = [name for part in found.tasks for name in part.split(",") if name]
     sides = [int(side) for part in found.image_size for side in part.split(",") if side]
@@ -98,11 +98,11 @@ def _truth(text: str) -> bool:
 
 
 def run(args: argparse.Namespace) -> RecordReport:
-    """Record what `args`, as from `parse_args`, ask for, and write it as folders below `args.save_path`.
+    """Record the demonstrations of `args`, from `parse_args`, and write them as folders below `args.save_path`.
 
     Raises:
         UnknownTasks: Names that are not tasks of the library (also a ValueError).
-        DatasetConflict: The save path holds such episodes already, or a recording that was not finished.
+        DatasetConflict: The save path contains such episodes already, or an unfinished recording.
     """
     tasks = [name.removesuffix(".py") for name in args.tasks] or list(task_names())
     unknown = [name for name in tasks if name not in task_names()]
@@ -120,7 +120,7 @@ def run(args: argparse.Namespace) -> RecordReport:
         seed=_seed(root, args),
         max_velocity=args.arm_max_velocity,
         max_acceleration=args.arm_max_acceleration,
-        pictures=ImageConfig(image_size=(args.image_size[0], args.image_size[1]), render_mode=args.renderer),
+        images=ImageConfig(image_size=(args.image_size[0], args.image_size[1]), render_mode=args.renderer),
     )
     engine = SerialEngine() if args.processes <= 1 else ProcessEngine(args.processes)
     report = record(config, root / _RECORDING, engine=engine, resume=args.resume, on_progress=_say)
@@ -129,7 +129,7 @@ def run(args: argparse.Namespace) -> RecordReport:
 
 
 def _seed(root: Path, args: argparse.Namespace) -> int:
-    """Return the seed that was asked for, that of the recording to go on with, or a new one."""
+    """Return the given seed, that of the recording to continue, or a new one."""
     if args.seed is not None:
         return int(args.seed)
     begun = root / _RECORDING
@@ -144,15 +144,15 @@ def _say(report: RecordReport) -> None:
 def _check_free(root: Path, tasks: Sequence[str], together: bool, resume: bool) -> None:
     begun = (root / _RECORDING / RECORDING).exists()
     if begun and not resume:
-        raise DatasetConflict(f"'{root}' holds an unfinished recording. Go on with `--resume`, or choose another folder.")
+        raise DatasetConflict(f"'{root}' contains an unfinished recording. Use `--resume`, or choose another folder.")
     pattern = VARIATIONS_ALL_FOLDER if together else "variation[0-9]*"
-    held = [name for name in tasks if list((root / name).glob(pattern))]
-    if held and not begun:
-        raise DatasetConflict(f"'{root}' holds episodes of {held} already. Choose another folder.")
+    stored = [name for name in tasks if list((root / name).glob(pattern))]
+    if stored and not begun:
+        raise DatasetConflict(f"'{root}' contains episodes of {stored} already. Choose another folder.")
 
 
 def _publish(root: Path, layout: Layout, keep: bool) -> None:
-    """Turn the recording into folders, each of which appears whole; `keep` the recording, so that what is missing can follow."""
+    """Convert the recording to folders, each atomically; `keep` the recording if episodes are missing."""
     shutil.rmtree(root / _EXPORT, ignore_errors=True)
     folders = export_rlbench(root / _RECORDING, root / _EXPORT, layout=layout)
     for variation in sorted(folders.glob("*/*")):

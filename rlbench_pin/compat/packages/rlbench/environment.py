@@ -42,11 +42,11 @@ class Environment:
     """A simulated robot at a table, for which tasks can be chosen.
 
     Args:
-        action_mode: What actions mean.
+        action_mode: The action mode.
         dataset_root: Folder of stored demonstrations.
-        obs_config: What observations contain; a fresh default when None.
+        obs_config: Contents of observations; a new default when None.
         headless: Accepted; nothing is ever shown on a screen.
-        static_positions: Leave tasks where their scene files put them.
+        static_positions: Do not place tasks at random; use the poses of their scene files.
         robot_setup: Name of the arm, in any case.
         randomize_every: When to randomize, with one of the randomization settings.
         frequency: Randomize every n-th event.
@@ -210,9 +210,9 @@ class Environment:
 
         Args:
             task_name: Name of the task.
-            amount: How many; -1 is all.
-            variation_number: Of which variation; -1 is any.
-            image_paths: Put paths of image files where images belong.
+            amount: Number of demonstrations; -1 is all.
+            variation_number: Number of the variation; -1 is any.
+            image_paths: Return paths of image files instead of images.
             random_selection: Pick with numpy's global generator; otherwise in natural order.
             from_episode_number: First episode when not picked at random.
 
@@ -231,7 +231,7 @@ class Environment:
         )
 
     def get_task_descriptions_with_episode(self, task_name: str, episode_number: int) -> list[str]:
-        """Return the sentences of a stored episode, counted through all variations.
+        """Return the instructions of a stored episode, counted through all variations.
 
         Raises:
             DatasetError: There is no dataset root, or no such episode (also a RuntimeError).
@@ -247,14 +247,14 @@ class Environment:
 
     @property
     def action_shape(self) -> tuple[int]:
-        """Shape of an action; known after `launch()`."""
+        """Shape of an action; available after `launch()`."""
         return (self.action_size,)
 
     @property
     def action_size(self) -> int:
-        """How many numbers an action has; known after `launch()`."""
+        """Number of values of an action; available after `launch()`."""
         if self._scene is None:
-            raise NotLaunched("The shape of actions is known once the robot is loaded. Call `launch()` or `get_task(...)` first.")
+            raise NotLaunched("Actions have no shape before the robot is loaded. Call `launch()` or `get_task(...)` first.")
         return int(self._action_mode.action_shape(self._scene))
 
     def get_scene_data(self) -> dict[str, dict[str, Any] | None]:

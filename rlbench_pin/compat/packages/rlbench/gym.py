@@ -29,7 +29,7 @@ from rlbench_pin.observation import LOW_DIM, Demo, Observation
 
 
 class UnknownMode(UnknownName, ValueError):
-    """An observation mode or a render mode that there is not."""
+    """An unknown observation mode or render mode."""
 
 
 def convert_dtype_to_float32_if_float(dtype: Any) -> Any:
@@ -47,12 +47,12 @@ class RLBenchEnv(gymnasium.Env[GymObservation, np.ndarray]):
         task_class: The task, by class or by name.
         observation_mode: `state`, or `vision` for images as well.
         render_mode: `rgb_array`, `human`, or None.
-        action_mode: What actions mean; None is joint differences and a finger position in one tick.
+        action_mode: The action mode; None is joint differences and a finger position in one tick.
 
     Attributes:
-        rlbench_env: The environment behind it.
-        rlbench_task_env: The task environment behind it.
-        obs_config: What observations contain.
+        rlbench_env: The RLBench environment.
+        rlbench_task_env: The RLBench task environment.
+        obs_config: Contents of observations.
 
     Raises:
         UnknownMode: No such observation mode or render mode (also a ValueError).
@@ -165,7 +165,7 @@ class RLBenchEnv(gymnasium.Env[GymObservation, np.ndarray]):
 
 
 def _settings(cameras: tuple[str, ...]) -> ObservationConfig:
-    """Return settings that deliver what the spaces hold and no more."""
+    """Return settings with exactly the contents of the spaces."""
     config = ObservationConfig()
     config.set_all(False)
     for name in LOW_DIM:

@@ -1,4 +1,4 @@
-"""Noise that observations get; it draws from numpy's global generator."""
+"""Noise of observations, from numpy's global generator."""
 
 from __future__ import annotations
 

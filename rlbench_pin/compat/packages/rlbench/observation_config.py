@@ -1,4 +1,4 @@
-"""Which parts of an observation are delivered, with arguments in the known order."""
+"""Contents of observations, with arguments in the order of RLBench."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from rlbench_pin.errors import CameraError, UnknownName
 from rlbench_pin.values import Rule
 
 _SHADOWS = {"opengl": False, "opengl_auxiliary": False, "opengl3": True, "opengl3_windowed": True}
-"""Name of a way to draw -> whether it draws shadows."""
+"""Name of a render mode -> whether it draws shadows."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ def _adapted(model: Any) -> NativeNoiseModel:
 
 
 class CameraConfig(NativeCameraConfig):
-    """What one camera delivers; see `rlbench_pin.CameraConfig`.
+    """Images of one camera; see `rlbench_pin.CameraConfig`.
 
     `render_mode` is a member of `pyrep.const.RenderMode`: OPENGL3 draws shadows, OPENGL is faster without. As programs expect,
     any attribute may be set.
@@ -96,7 +96,7 @@ class CameraConfig(NativeCameraConfig):
 
 
 def _mode_name(mode: object) -> str:
-    """Return the name of a `RenderMode`, or of a text that stands for one, in lower case."""
+    """Return the name of a `RenderMode`, or of a string with its name, in lower case."""
     return str(getattr(mode, "name", mode)).lower()
 
 

@@ -1,6 +1,6 @@
 """Domain randomization: when it happens, what may change, and the scene that does it.
 
-Programs import `domain_randomization` and `domain_randomization_scene` of this name; both stand for this module.
+Programs import `domain_randomization` and `domain_randomization_scene` of this name; both are aliases of this module.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ __all__ = [
 class VisualRandomizationConfig(NativeVisualRandomizationConfig):
     """Textures of task, robot and room; see `rlbench_pin.VisualRandomizationConfig`.
 
-    White and black list may name parts of the room as programs know them (`Floor`, `Wall1`, `diningTable_visible`) or as our
+    White and black list may name parts of the room as in RLBench (`Floor`, `Wall1`, `diningTable_visible`) or as our
     scenes do (`floor`, `table`).
     """
 
@@ -64,7 +64,7 @@ def _matches(name: str, patterns: Sequence[str] | None) -> bool:
 
 
 class Distributions:
-    """What numbers are drawn from."""
+    """Distribution of random numbers."""
 
     def apply(self, val: np.ndarray) -> np.ndarray:
         """Return `val` with a draw added."""

@@ -119,7 +119,7 @@ class TaskEnvironment:
         return self._variation_number
 
     def set_variation(self, v: int) -> None:
-        """Choose the variation of the next episodes; -1 stands for all of them: any stored one, a drawn one at each reset.
+        """Choose the variation of the next episodes; -1 means all of them: any stored one, a drawn one at each reset.
 
         Raises:
             TaskEnvironmentError: The task has no such variation.
@@ -211,16 +211,16 @@ class TaskEnvironment:
         """Return demonstrations of the present variation, stored or made now.
 
         Args:
-            amount: How many; -1 is all stored ones.
+            amount: Number of demonstrations; -1 is all stored ones.
             live_demos: Plan them now; otherwise read them from the dataset root.
             image_paths: Leave images unread (stored demonstrations).
             callable_each_step: Called with every recorded observation.
-            max_attempts: Tries per live demonstration.
+            max_attempts: Attempts per live demonstration.
             random_selection: Pick stored demonstrations at random.
             from_episode_number: First stored episode when not picked at random.
 
         Raises:
-            RuntimeError: There is no dataset root, something stored is missing or broken, or a live one failed at every try.
+            RuntimeError: There is no dataset root, stored data are missing or damaged, or all attempts of a live one failed.
         """
         if live_demos:
             return self._get_live_demos(amount, callable_each_step, max_attempts)

@@ -1,6 +1,6 @@
 """The tasks by name: `ReachTarget` and the others, `rlbench.tasks.reach_target` and the others, and the task sets.
 
-Programs also import, reload and list one module per task. All these names stand for this module, so that `importlib.reload`
+Programs also import, reload and list one module per task. All these names are aliases of this module, so that `importlib.reload`
 finds a file. A task that the library does not have yet raises an error when it is made or loaded.
 """
 
@@ -16,7 +16,7 @@ from rlbench_pin.tasks import camel_case
 
 
 def _task_class(name: str) -> type[Task]:
-    """Return a class of programs for a task of the library, or for a known task that the library lacks."""
+    """Return RLBench's class of a library task, or of a task of RLBench that the library lacks."""
     text = f"The task `{name}` of our library."
     return type(camel_case(name), (Task,), {"__module__": f"{__name__}.{name}", "__doc__": text, "library_name": name})
 
@@ -33,7 +33,7 @@ __all__ = sorted([*(cls.__name__ for cls in _CLASSES.values()), *_SETS])
 
 
 def __getattr__(name: str) -> Any:
-    """Raise an error that proposes the nearest name; names that exist never get here."""
+    """Raise an error that proposes the nearest name."""
     near = nearest_name(name, __all__)
     guess = f" Did you mean '{near}'?" if near else ""
     known = f"{len(KNOWN_TASKS)} tasks, {len(PERACT_TASKS)} more of PerAct's, and {len(_SETS)} task sets"

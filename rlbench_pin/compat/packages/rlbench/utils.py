@@ -23,7 +23,7 @@ def name_to_task_class(task_file: str) -> type[Task]:
     """Return the class of a task, given the name of its file with or without `.py`: `reach_target` -> `ReachTarget`.
 
     Raises:
-        InvalidTaskName: No task is called so.
+        InvalidTaskName: No task has that name.
     """
     name = task_file.removesuffix(".py")
     try:
@@ -51,17 +51,17 @@ def get_stored_demos(
     """Return stored demonstrations of one task, from folders of both layouts or from our own files.
 
     Args:
-        amount: How many; -1 is all.
-        image_paths: Put paths of image files where images belong.
-        dataset_root: Folder that holds a folder for each task.
-        variation_number: Of which variation; -1 is any.
+        amount: Number of demonstrations; -1 is all.
+        image_paths: Return paths of image files instead of images.
+        dataset_root: Folder with a folder for each task.
+        variation_number: Number of the variation; -1 is any.
         task_name: Name of the task.
-        obs_config: Which fields are wanted, and how images are.
+        obs_config: Contents of observations.
         random_selection: Pick with numpy's global generator; otherwise in natural order.
         from_episode_number: First episode when not picked at random.
 
     Raises:
-        DatasetError: Something is missing or broken, or more are wanted than stored (also a RuntimeError).
+        DatasetError: Data are missing or damaged, or fewer demonstrations are stored (also a RuntimeError).
     """
     wanted = StoredSelection(amount, variation_number, image_paths, random_selection, from_episode_number)
     rng = np.random.default_rng(int(np.random.randint(2**31)) if random_selection else 0)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from rlbench_pin.sim.render.camera import CameraView
 from rlbench_pin.sim.render.raster.stage import Placed
 
-_LEAST_AREA = 1e-4  # twice the area of a triangle that is drawn; smaller ones are slivers [px^2]
+_MIN_AREA = 1e-4  # twice the area of a triangle that is drawn; smaller ones are slivers [px^2]
 _EDGE = np.float32(1.0)  # this far outside an image nothing is drawn any more [px]
 
 
@@ -111,7 +111,7 @@ def outlines_of(projection: Projection, wanted: NDArray[np.bool_]) -> Outlines:
         last = np.repeat(np.array([view.size[axis] - 1 for view in projection.views], dtype=np.float32), counts)
         low, high = np.ceil(_least(values)), _greatest(values)
         chosen &= (low <= high) & (low <= last) & (high >= 0.0)
-    chosen &= _twice_area(x, y) < -_LEAST_AREA
+    chosen &= _twice_area(x, y) < -_MIN_AREA
     whole = chosen.nonzero()[0]
     outlines = Outlines(x.take(whole, axis=1), y.take(whole, axis=1), camera.take(whole), triangle.take(whole))
     crossing = (~is_before & (_greatest(depth) > near)).nonzero()[0]
@@ -141,7 +141,7 @@ def _joined(outlines: Sequence[Outlines]) -> Outlines:
 
 
 def _clipped(projection: Projection, camera: NDArray[np.int64], triangle: NDArray[np.int64]) -> list[Outlines]:
-    """What of triangles that cross the near plane lies beyond it: triangles with one corner there, or quadrilaterals as two."""
+    """Parts of triangles beyond the near plane: triangles with one corner there, or quadrilaterals as two."""
     points = projection.corners(camera, triangle)
     inside = np.flatnonzero(_reaches_in(points, np.array([view.size for view in projection.views]).take(camera, axis=0)))
     if not len(inside):
@@ -161,7 +161,7 @@ def _clipped(projection: Projection, camera: NDArray[np.int64], triangle: NDArra
         for polygon in polygons:
             p = np.stack(polygon).astype(np.float32)
             x, y = p[..., 0] / p[..., 2], p[..., 1] / p[..., 2]
-            seen = np.flatnonzero(_twice_area(x, y) < -_LEAST_AREA)
+            seen = np.flatnonzero(_twice_area(x, y) < -_MIN_AREA)
             kept = chosen.take(seen)
             found.append(Outlines(x.take(seen, axis=1), y.take(seen, axis=1), camera.take(kept), triangle.take(kept)))
     return found
@@ -189,7 +189,7 @@ def _cut(a: NDArray, b: NDArray, depth: NDArray) -> NDArray:
 
 _BITS = 32
 """Bits of the number of a triangle in a key; above them are those of its inverse depth."""
-_LEAST_INVERSE = np.float32(1e-9)
+_MIN_INVERSE = np.float32(1e-9)
 """What slivers are never beyond [1/m]."""
 
 
@@ -237,7 +237,7 @@ class Spans:
         inverse = slope.astype(np.float32).take(span)
         inverse *= offset.astype(np.float32)
         inverse += begin.astype(np.float32).take(span)
-        np.fmax(inverse, _LEAST_INVERSE, out=inverse)
+        np.fmax(inverse, _MIN_INVERSE, out=inverse)
         offset += place.take(span)
         # numbers above zero are ordered as their bits are
         key = inverse.view(np.int32).astype(np.int64)

@@ -16,7 +16,7 @@ from rlbench_pin.sim.render.masks import segment_of
 from rlbench_pin.sim.render.raster.meshes import Triangles, flat_normals, triangles_of
 from rlbench_pin.urdf import DULL, Finish
 
-_LEAST_REST, _LONGEST_REST = 2, 64
+_MIN_REST, _MAX_REST = 2, 64
 """After so many instants without motion a link is still, at first and at most."""
 Link = tuple[int, int]
 """Numbers of body and link."""
@@ -141,7 +141,7 @@ class Placed:
         self.middles = np.ones((4, len(parts.links)), dtype=np.float32)
         self._frames: list[bytes] = [b""] * len(parts.links)
         self.still = np.zeros(len(parts.links), dtype=np.bool_)
-        self._rested, self._rests_after = [0] * len(parts.links), [_LEAST_REST] * len(parts.links)
+        self._rested, self._rests_after = [0] * len(parts.links), [_MIN_REST] * len(parts.links)
 
     def place(self, placements: Mapping[Link, NDArray[np.float64]]) -> None:
         """Put the links where they are now; those that have not moved cost nothing.
@@ -157,7 +157,7 @@ class Placed:
                 self.still[number] = self._rested[number] >= self._rests_after[number]
                 continue
             if self.still[number]:
-                self._rests_after[number] = min(2 * self._rests_after[number], _LONGEST_REST)
+                self._rests_after[number] = min(2 * self._rests_after[number], _MAX_REST)
             self._frames[number], self._rested[number], self.still[number] = now, 0, False
             points, triangles = parts.point_slices[number], parts.slices[number]
             for_planes = np.zeros((4, 4), dtype=np.float32)
@@ -175,7 +175,7 @@ _KEPT = 12
 
 @dataclass(frozen=True, eq=False)
 class Layer:
-    """What one camera sees of some links."""
+    """View of some links by one camera."""
 
     nearest: NDArray[np.int64]
     """Key of the nearest triangle of each pixel (h * w,), 0 for none; see `Spans.draw_into`."""
@@ -228,7 +228,7 @@ _SAME_COLOR = 0.02
 
 @dataclass(frozen=True)
 class Appearance:
-    """What PyBullet does not tell of visuals."""
+    """Appearance of visuals that PyBullet does not report."""
 
     mixed_colors: Callable[[], Visuals] = dict
     """Returns rgba of links whose visuals differ and show it. Once such a link was painted and is no more, PyBullet tells the
@@ -273,7 +273,7 @@ class Stage:
     Args:
         client: The server.
         room: Numbers of the bodies that are left out.
-        appearance: What the server does not tell.
+        appearance: Appearance that the server does not report.
 
     Attributes:
         layers: What was drawn of these shapes and stands still.

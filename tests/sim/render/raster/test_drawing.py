@@ -23,7 +23,7 @@ HOME = ABOVE + [0.4, -0.3, 0.2, 0.1, 0.5, 0.2, 0.3]
 
 
 def view_from(eye: tuple[float, float, float], size: tuple[int, int] = (128, 96), near: float = 0.01) -> CameraView:
-    """A camera that looks at the hand from somewhere."""
+    """A camera that looks at the gripper from somewhere."""
     return CameraView(pose=look_at(eye, (0.2, 0.0, 1.0)), fov=0.7, size=size, near=near, far=4.0)
 
 
@@ -137,7 +137,7 @@ def test_colours_and_hidden_links_follow_at_once() -> None:
 
 
 def test_what_was_drawn_before_changes_no_byte() -> None:
-    """Things rest, move, rest again, are painted and hidden: pictures are those of a renderer that has drawn nothing yet."""
+    """Things rest, move, rest again, are painted and hidden: images are those of a renderer that has drawn nothing yet."""
     with build(cube_scene(cube("a", 0.3, 0.1, 0.9, fixed=True), cube("b", 0.35, -0.1, 0.9, fixed=True))) as world:
         room = frozenset(body.model.uid for body in world.room.values())
         views = [view_from(eye) for eye in EYES[:2]]

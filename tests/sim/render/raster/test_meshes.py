@@ -81,7 +81,7 @@ def test_other_files_are_not_drawn_here() -> None:
 
 
 def test_a_world_with_such_a_mesh_is_left_to_tinyrenderer(tmp_path: Path) -> None:
-    """The stage says so, and pictures still show the thing."""
+    """The stage says so, and images still show the thing."""
     corners = np.array([[0, 0, 0], [0.2, 0, 0], [0, 0.2, 0], [0, 0, 0.2]], dtype=np.float32)
     faces = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
     facets = b"".join(bytes(12) + corners[list(face)].tobytes() + bytes(2) for face in faces)

@@ -1,7 +1,7 @@
 """Objects of a scene, as views on the simulated world.
 
 Dummies and sensors are defined here, as are cameras of a window, lights and octrees, which scenes do not have. Programs import
-a module per class; the names of these modules stand for this one.
+a module per class; the names of these modules are aliases of this one.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ __all__ = [
 
 
 class Dummy(Object):
-    """A frame or waypoint of the scene, the root of the task, the tip of the arm, or what a program made."""
+    """A frame or waypoint of the scene, the root of the task, the tip of the arm, or a dummy that a program made."""
 
     kinds: ClassVar[tuple[TypeName, ...]] = ("dummy",)
 
@@ -50,8 +50,8 @@ class Dummy(Object):
     def create(cls, size: float = 0.01) -> Dummy:
         """Make a dummy at the origin of the world.
 
-        It stays until `remove()`. One that hangs on something of a task goes back with it at a reset to where it was when the
-        task was set up, and is gone when it was made later, or when the task is.
+        It stays until `remove()`. A reset restores a descendant of a task to its pose when the
+        task was set up, and removes one that was made later; unloading the task removes it, too.
 
         Args:
             size: Accepted; dummies are not drawn.
@@ -62,7 +62,7 @@ class Dummy(Object):
         return cls(Element("placed", name))
 
     def copy(self) -> Dummy:
-        """Make another one at the same place, on the same parent."""
+        """Make another one at the same pose, with the same parent."""
         made = Dummy.create()
         made.set_pose(self.get_pose())
         made.set_parent(self.get_parent())
@@ -78,7 +78,7 @@ class ForceSensor(Object):
     kinds: ClassVar[tuple[TypeName, ...]] = ("force_sensor", "shape")
 
     def get_type(self) -> ObjectType:
-        """Return FORCE_SENSOR, whatever it measures at."""
+        """Return FORCE_SENSOR, for every measured object."""
         return ObjectType.FORCE_SENSOR
 
     def read(self) -> tuple[np.ndarray, np.ndarray]:
@@ -101,17 +101,17 @@ class BoxVolume:
     size: tuple[float, ...]
     """Lengths along x, y, z [m]."""
     pose: FloatArray
-    """Of its middle, (7,) in the world."""
+    """Pose (7,) of its centre in the world."""
     shape: geometry.VolumeShape = "box"
     """Kind of volume."""
 
     def contains(self, point: FloatArray) -> bool:
-        """Say whether a world point (3,) [m] lies in it."""
+        """Return whether a world point (3,) [m] is inside."""
         return geometry.volume_contains(self.shape, self.size, pose_to_se3(self.pose), point)
 
 
 class ProximitySensor(Object):
-    """A box, cylinder or ball of the scene file that says what reaches into it; it looks at each call."""
+    """A box, cylinder or ball of the scene file that detects objects inside; it is evaluated at each call."""
 
     kinds: ClassVar[tuple[TypeName, ...]] = ("proximity_sensor",)
 
@@ -126,10 +126,10 @@ class ProximitySensor(Object):
         return -1.0 if least == np.inf else float(least)
 
     def is_detected(self, obj: Object) -> bool:
-        """Say whether an object reaches into the volume: any solid part of a shape, or the origin of another object.
+        """Return whether an object is in the volume: any solid part of a shape, or the origin of another object.
 
         Args:
-            obj: What to look for; not detected while it is not detectable.
+            obj: The object; not detected while it is not detectable.
         """
         return obj.is_detectable() and self._contains(obj.element)
 
@@ -139,7 +139,7 @@ class ProximitySensor(Object):
         return self.table.world.sensor(self.element.name)
 
     def _contains(self, element: Element) -> bool:
-        """Return whether a solid part of an object, or the origin of one without parts, lies in the volume."""
+        """Return whether a solid part of an object, or the origin of one without parts, is in the volume."""
         volume, found = self._volume(), self.table.scene_object(element)
         solids = found.solids()
         if not solids:

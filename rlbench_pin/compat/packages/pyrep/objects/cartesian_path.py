@@ -18,7 +18,7 @@ from rlbench_pin.tasks.waypoints import waypoints_of
 
 
 class EmptyPath(RlbenchPinError, ValueError):
-    """A path without points was asked for a place."""
+    """A path has no points, so it has no poses."""
 
 
 class CartesianPath(Object):
@@ -54,7 +54,7 @@ class CartesianPath(Object):
         return cls(Element("placed", name))
 
     def insert_control_points(self, poses: Sequence[Sequence[float]]) -> None:
-        """Put points behind those there are.
+        """Append points.
 
         Args:
             poses: Each x, y, z [m] and Euler angles a, b, c [rad], in world coordinates.
@@ -92,7 +92,7 @@ class CartesianPath(Object):
         return [np.asarray(pose) for pose in waypoints[index].curve_poses(before)]
 
     def get_pose_on_path(self, relative_distance: float) -> tuple[list[float], list[float]]:
-        """Return position [m] and Euler angles [rad] at a share of its length.
+        """Return position [m] and Euler angles [rad] at a fraction of its length.
 
         Args:
             relative_distance: 0 at the first point to 1 at the last.
@@ -109,7 +109,7 @@ def _pose_of(numbers: Sequence[float]) -> FloatArray:
 
 
 def _pose_at(poses: FloatArray, share: float) -> FloatArray:
-    """Return the pose (7,) at a share of the length of a path, straight between its points.
+    """Return the pose (7,) at a fraction of the length of a path, straight between its points.
 
     Args:
         poses: Points (n, 7).
@@ -126,7 +126,7 @@ def _pose_at(poses: FloatArray, share: float) -> FloatArray:
 
 
 def _slerp(first: FloatArray, second: FloatArray, share: float) -> FloatArray:
-    """Return the quaternion (4,) at a share of the shorter way from one to another."""
+    """Return the quaternion (4,) at a fraction of the shorter way from one to another."""
     dot = float(np.dot(first, second))
     end = second if dot >= 0.0 else -second
     angle = float(np.arccos(np.clip(abs(dot), 0.0, 1.0)))

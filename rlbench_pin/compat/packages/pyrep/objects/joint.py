@@ -21,7 +21,7 @@ class Joint(Object):
 
     @property
     def drive(self) -> JointDrive:
-        """What reads and drives it."""
+        """The object that reads and drives it."""
         return drive_of(self.table, self.element)
 
     def get_joint_type(self) -> JointType:
@@ -48,7 +48,7 @@ class Joint(Object):
         return self.drive.position
 
     def set_joint_position(self, position: float, disable_dynamics: bool = False) -> None:
-        """Put it at a value, at rest; a joint that is held is held there from now on.
+        """Set its position, at rest; a locked joint is locked there from now on.
 
         Args:
             position: Where to.
@@ -57,19 +57,19 @@ class Joint(Object):
         self.drive.put(float(position))
 
     def get_joint_target_position(self) -> float:
-        """Return where its motor goes; where it is without one."""
+        """Return the target position of its motor; without a motor its position."""
         return self.drive.target()
 
     def set_joint_target_position(self, position: float) -> None:
-        """Let a motor drive it to a value in the coming steps, and hold it there."""
+        """Let a motor drive it to a position in the coming steps, and lock it there."""
         self.drive.set_target(float(position))
 
     def get_joint_target_velocity(self) -> float:
-        """Return the speed that its motor was asked for."""
+        """Return the target speed of its motor."""
         return self.drive.target_velocity()
 
     def set_joint_target_velocity(self, velocity: float) -> None:
-        """Let its motor turn at a speed; joints of objects accept 0 only, which holds them."""
+        """Set the target speed of its motor; joints of objects accept only 0, which locks them."""
         self.drive.set_target_velocity(float(velocity))
 
     def get_joint_velocity(self) -> float:
@@ -102,22 +102,22 @@ class Joint(Object):
         return self.drive.is_driven()
 
     def set_control_loop_enabled(self, value: bool) -> None:
-        """Let a motor hold its position, or let go."""
+        """Switch position control on or off."""
         self.drive.set_driven(bool(value))
 
     def is_motor_enabled(self) -> bool:
-        """Whether a motor holds or drives it; those of the arm always do."""
+        """Whether its motor is on; motors of the arm always are."""
         return self.element.kind == "robot_joint" or self.drive.is_driven()
 
     def set_motor_enabled(self, value: bool) -> None:
-        """Let a motor hold a joint of an object, or let go; those of the arm always hold."""
+        """Lock a joint of an object with a motor, or unlock it; motors of the arm are always on."""
         if self.element.kind == "joint":
             self.drive.set_driven(bool(value))
 
     def is_motor_locked_at_zero_velocity(self) -> bool:
-        """Whether a motor holds it where it is."""
+        """Whether a motor locks it at its position."""
         return self.is_motor_enabled()
 
     def set_motor_locked_at_zero_velocity(self, value: bool) -> None:
-        """Hold a joint of an object where it is, or let it move; those of the arm always hold."""
+        """Lock a joint of an object at its position, or unlock it; motors of the arm are always on."""
         self.set_motor_enabled(value)

@@ -22,11 +22,11 @@ _OWNERS = {"link": "body", "robot_link": "robot", "gripper": "robot", "tip": "ro
 
 
 class InvalidPlace(RlbenchPinError, ValueError):
-    """Numbers that are no place: wrong count, NaN, or a quaternion whose length is not 1."""
+    """Numbers that are not a valid pose: wrong count, NaN, or a quaternion whose length is not 1."""
 
 
 class Object:
-    """A view of one object of the scene; it holds a name only, and looks the object up at each call.
+    """A view of one object of the scene; it stores only the name, and finds the object at each call.
 
     Args:
         name_or_handle: Name or handle of the object.
@@ -37,7 +37,7 @@ class Object:
     """
 
     kinds: ClassVar[tuple[TypeName, ...]] = ()
-    """Types that the class stands for; none stands for any."""
+    """Types of the class; empty for any type."""
 
     def __init__(self, name_or_handle: str | int | Element) -> None:
         self._removed = False
@@ -53,7 +53,7 @@ class Object:
                 f"'{name_or_handle}' is a {found}, not a {type(self).__name__}. `Object.get_object` makes the class that fits."
             )
 
-    # Who it is -------------------------------------------------------------------------------------------------------
+    # Identity --------------------------------------------------------------------------------------------------------
 
     @property
     def table(self) -> ObjectTable:
@@ -62,7 +62,7 @@ class Object:
 
     @property
     def element(self) -> Element:
-        """What it stands for in the world.
+        """Its element of the world.
 
         Raises:
             ObjectAlreadyRemovedError: After `remove()`.
@@ -73,7 +73,7 @@ class Object:
 
     @property
     def scene_object(self) -> SceneObject:
-        """What answers for it in the world now."""
+        """Its present object of the world."""
         return self.table.scene_object(self.element)
 
     @property
@@ -90,12 +90,12 @@ class Object:
         return f"{type(self).__name__}('{self._element.name}')"
 
     def identity(self) -> Element:
-        """What is compared; valid after `remove()` as well."""
+        """Identity for comparisons; valid after `remove()` as well."""
         return self._element
 
     @staticmethod
     def exists(name: str) -> bool:
-        """Whether something in the scene has that name."""
+        """Whether an object of the scene has that name."""
         try:
             Simulator.current().objects.find(name)
         except UnknownObject:
@@ -104,13 +104,13 @@ class Object:
 
     @staticmethod
     def get_object_type(name: str) -> ObjectType:
-        """Return the type of what has that name."""
+        """Return the type of the object of that name."""
         table = Simulator.current().objects
         return ObjectType[table.scene_object(table.find(name)).type.upper()]
 
     @staticmethod
     def get_object_name(name_or_handle: str | int) -> str:
-        """Return the name of what has that name or handle."""
+        """Return the name of the object of that name or handle."""
         table = Simulator.current().objects
         return table.name(table.find(name_or_handle) if isinstance(name_or_handle, str) else table.of_handle(name_or_handle))
 
@@ -119,11 +119,11 @@ class Object:
         return ObjectType[self.scene_object.type.upper()]
 
     def get_handle(self) -> int:
-        """Return its number; for what masks show, the number in the masks."""
+        """Return its handle; for objects in masks, their number in the masks."""
         return self.table.handle(self.element)
 
     def still_exists(self) -> bool:
-        """Whether it is still part of the scene."""
+        """Whether it is part of the scene."""
         return not self._removed and self.table.exists(self._element)
 
     def get_name(self) -> str:
@@ -131,10 +131,10 @@ class Object:
         return self.table.name(self.element)
 
     def set_name(self, name: str) -> None:
-        """Give it another name; the old one no longer stands in lists."""
+        """Give it another name; lists no longer contain the old one."""
         self.table.rename(self.element, name)
 
-    # Who it belongs to -----------------------------------------------------------------------------------------------
+    # Parents and children --------------------------------------------------------------------------------------------
 
     @staticmethod
     def get_object(name_or_handle: str | int) -> Object:
@@ -144,7 +144,7 @@ class Object:
         return view_of(element)
 
     def get_parent(self) -> Object | None:
-        """Return what it hangs on, None for the world."""
+        """Return its parent, None for the world."""
         parent = self.table.parent(self.element)
         return None if parent is None else view_of(parent)
 
@@ -152,7 +152,7 @@ class Object:
         """Let it move with another object.
 
         Args:
-            parent_object: With what; None is the world.
+            parent_object: Its new parent; None is the world.
             keep_in_place: Stay where it is; otherwise keep the pose relative to the parent.
         """
         parent = None if parent_object is None else parent_object.element
@@ -161,7 +161,7 @@ class Object:
     def get_objects_in_tree(
         self, object_type: ObjectType = ObjectType.ALL, exclude_base: bool = True, first_generation_only: bool = False
     ) -> list[Object]:
-        """Return what hangs on it.
+        """Return its descendants.
 
         Args:
             object_type: Only objects of this type.
@@ -178,7 +178,7 @@ class Object:
         """Return the pose (7,): x, y, z [m], qx, qy, qz, qw.
 
         Args:
-            relative_to: In whose frame; None is the world.
+            relative_to: Object of the reference frame; None is the world.
         """
         pose = self.scene_object.pose
         return pose if relative_to is None else relative(pose, relative_to.get_pose())
@@ -188,7 +188,7 @@ class Object:
 
         Args:
             pose: x, y, z [m], qx, qy, qz, qw.
-            relative_to: In whose frame; None is the world.
+            relative_to: Object of the reference frame; None is the world.
             reset_dynamics: Bring it to rest as well.
         """
         numbers = _numbers(pose, 7, "pose")
@@ -232,7 +232,7 @@ class Object:
         return pose_to_matrix(self.get_pose(relative_to))
 
     def set_matrix(self, matrix: FloatArray, relative_to: Object | None = None, reset_dynamics: bool = True) -> None:
-        """Move to where a homogeneous matrix (4, 4), or its first three rows, says."""
+        """Move to the pose of a homogeneous matrix (4, 4), or of its first three rows."""
         full = np.eye(4)
         numbers = np.asarray(matrix, dtype=float)
         if numbers.size not in (12, 16) or not np.isfinite(numbers).all():
@@ -261,11 +261,11 @@ class Object:
     # Boxes, contact, distance ----------------------------------------------------------------------------------------
 
     def get_bounding_box(self) -> list[float]:
-        """Return min x, max x, min y, max y, min z, max z of its box in its own frame [m]; without what hangs on it."""
+        """Return min x, max x, min y, max y, min z, max z of its box in its own frame [m], without its descendants."""
         return [float(v) for v in self.scene_object.box().T.ravel()]
 
     def get_model_bounding_box(self) -> list[float]:
-        """Return the same six numbers for everything that hangs on it as well."""
+        """Return the same six numbers, its descendants included."""
         table, root = self.table, self.scene_object
         boxes = [root.box()]
         for member in table.tree(self.element):
@@ -278,7 +278,7 @@ class Object:
         return [float(v) for v in np.stack([lowest, highest]).T.ravel()]
 
     def check_collision(self, obj: Object | None = None) -> bool:
-        """Say whether it touches an object, or anything collidable outside its own tree when `obj` is None."""
+        """Return whether it touches an object, or any collidable object outside its own tree when `obj` is None."""
         table, element = self.table, self.element
         if not self.is_collidable():
             return False
@@ -300,7 +300,7 @@ class Object:
         """Return the contact points of the last physics step.
 
         Args:
-            contact_obj: With what; None is everything.
+            contact_obj: The other object; None is any.
             get_contact_normal: Kept for programs that pass it; normals are always returned.
 
         Returns:
@@ -326,7 +326,7 @@ class Object:
         return velocity[:3], velocity[3:]
 
     def get_configuration_tree(self) -> ConfigurationTree:
-        """Return where it and all that hangs on it are, for `PyRep.set_configuration_tree`."""
+        """Return its configuration with that of its descendants, for `PyRep.set_configuration_tree`."""
         return ConfigurationTree.read(self.table, self.element)
 
     # Switches --------------------------------------------------------------------------------------------------------
@@ -344,11 +344,11 @@ class Object:
                 self.table.world.body(element.name).obstacle = bool(value)
 
     def is_collidable(self) -> bool:
-        """Whether collision checks and plans look at it."""
+        """Whether collision checks and plans include it."""
         return self.flag("collidable")
 
     def set_collidable(self, value: bool) -> None:
-        """Let collision checks and plans look at it, or not; physics is not changed (see `Shape.set_respondable`)."""
+        """Include it in collision checks and plans, or not; physics is not changed (see `Shape.set_respondable`)."""
         self.set_flag("collidable", value)
 
     def is_measurable(self) -> bool:
@@ -356,7 +356,7 @@ class Object:
         return self.flag("measurable")
 
     def set_measurable(self, value: bool) -> None:
-        """Say whether distances to it are measured."""
+        """Set whether distances to it are measured."""
         self.set_flag("measurable", value)
 
     def is_detectable(self) -> bool:
@@ -364,7 +364,7 @@ class Object:
         return self.flag("detectable")
 
     def set_detectable(self, value: bool) -> None:
-        """Say whether proximity sensors see it."""
+        """Set whether proximity sensors see it."""
         self.set_flag("detectable", value)
 
     def is_renderable(self) -> bool:
@@ -372,35 +372,35 @@ class Object:
         return self.flag("renderable")
 
     def set_renderable(self, value: bool) -> None:
-        """Say whether cameras see it; shapes that are not are hidden."""
+        """Set whether cameras see it; other shapes are hidden."""
         self.set_flag("renderable", value)
 
     def is_model_collidable(self) -> bool:
-        """Whether collision checks look at it and at all that hangs on it."""
+        """Whether collision checks include it and its descendants."""
         return self._all("collidable")
 
     def set_model_collidable(self, value: bool) -> None:
-        """Let collision checks look at it and at all that hangs on it, or not."""
+        """Include it and its descendants in collision checks, or not."""
         self.set_flag("collidable", value, model=True)
 
     def is_model_measurable(self) -> bool:
-        """Whether distances to it and to all that hangs on it are measured."""
+        """Whether distances to it and its descendants are measured."""
         return self._all("measurable")
 
     def set_model_measurable(self, value: bool) -> None:
-        """Say whether distances to it and to all that hangs on it are measured."""
+        """Set whether distances to it and its descendants are measured."""
         self.set_flag("measurable", value, model=True)
 
     def is_model_detectable(self) -> bool:
-        """Whether proximity sensors see it and all that hangs on it."""
+        """Whether proximity sensors see it and its descendants."""
         return self._all("detectable")
 
     def set_model_detectable(self, value: bool) -> None:
-        """Say whether proximity sensors see it and all that hangs on it."""
+        """Set whether proximity sensors see it and its descendants."""
         self.set_flag("detectable", value, model=True)
 
     def is_model_renderable(self) -> bool:
-        """Whether cameras see it and all that hangs on it."""
+        """Whether cameras see it and its descendants."""
         return self._all("renderable")
 
     def _all(self, name: str) -> bool:
@@ -410,15 +410,15 @@ class Object:
     # Models ----------------------------------------------------------------------------------------------------------
 
     def is_model(self) -> bool:
-        """Whether it is a model: what `set_model` said, otherwise whether anything hangs on it."""
+        """Whether it is a model: the value of `set_model`, by default whether it has children."""
         return self.flag("model", default=bool(self.table.children(self.element)))
 
     def set_model(self, value: bool) -> None:
-        """Say whether `is_model` calls it a model; nothing else depends on that."""
+        """Set the value of `is_model`; nothing else depends on it."""
         self.set_flag("model", value)
 
     def set_model_renderable(self, value: bool) -> None:
-        """Show it and all that hangs on it to cameras, or hide it."""
+        """Show it and its descendants to cameras, or hide them."""
         for member in self.get_objects_in_tree(exclude_base=False):
             member.set_renderable(value)
 
@@ -448,14 +448,14 @@ class Object:
         return all(shape.is_dynamic() for shape in self.get_objects_in_tree(ObjectType.SHAPE, exclude_base=False))
 
     def get_explicit_handling(self) -> int:
-        """Return 1 for sensors that are read only when asked, which is how all sensors work here."""
+        """Return 1 for sensors that are read only on request, as all sensors are."""
         return 1
 
     def set_explicit_handling(self, value: int) -> None:
-        """Accepted; sensors are read when asked, whatever is set."""
+        """Accepted without effect: sensors are read on request."""
 
     def get_extension_string(self) -> str:
-        """Return the words that a waypoint of a scene file carries; empty for other objects."""
+        """Return the extension string of a waypoint of a scene file; empty for other objects."""
         found = [w for w in self.table.world.spec.waypoint if self.element == Element("frame", w.name)]
         if not found:
             return ""
@@ -479,14 +479,14 @@ class Object:
         raise UnsupportedCall("save_model", "there are no ttm files here.", "Scenes are TOML files and models URDF files.")
 
     def copy(self) -> Object:
-        """Make another one like it; only what a program made, and shapes, can be copied."""
+        """Make a copy; only objects that a program made, and shapes, can be copied."""
         raise UnsupportedCall(f"copy of '{self.get_name()}'", "it is part of the fixed scene.", "Copy a Shape or a Dummy.")
 
     def remove(self) -> None:
-        """Take it out of the scene; what hangs on it stays where it is.
+        """Remove it from the scene; its children keep their poses.
 
         Raises:
-            PyRepError: It belongs to the scene file: only what a program made can be removed.
+            PyRepError: It belongs to the scene file; only objects that a program made can be removed.
         """
         try:
             made_shapes.discard(self.table, self.element)
@@ -503,7 +503,7 @@ def view_of(element: Element) -> Object:
 
 
 def _classes(base: type[Object]) -> list[type[Object]]:
-    """Return the classes of this package that derive from `base`; those that programs derive are theirs alone."""
+    """Return the classes of this package that derive from `base`, without those that programs derive."""
     own = [c for c in base.__subclasses__() if f"{c.__module__}.".startswith("pyrep.objects.")]
     return [c for direct in own for c in (direct, *_classes(direct))]
 
@@ -524,7 +524,7 @@ def _touch(table: ObjectTable, first: Element, second: Element) -> bool:
 
 
 def point_part() -> geometry.Part:
-    """Return a ball of a micrometre, to measure distances from."""
+    """Return a ball with a radius of a micrometre, for distance queries."""
     ball = geometry.volume("sphere", (1e-6,))
     return ball, pose_to_se3((0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0))
 

@@ -1,4 +1,4 @@
-"""Shapes: bodies, their links, planes of a scene, and what programs make."""
+"""Shapes: bodies, their links, planes of a scene, and shapes that programs make."""
 
 from __future__ import annotations
 
@@ -28,12 +28,11 @@ WHITE: Rgba = (1.0, 1.0, 1.0, 1.0)
 class Shape(Object):
     """A body of the scene, one of its links, a part of the room or of the arm, or a plane to place objects on.
 
-    A body with several links goes by its own name for the whole, and its links by `<body>/<link>`, or by the link's name alone
-    where only one body has it.
+    A body with several links has its own name for the whole, and its links have `<body>/<link>`, or the link's name alone
+    if only one body has it.
 
-    What a program makes in `init_task`, or before the first step, is there in every episode; what it makes during an episode is
-    gone after the next reset, as a reset goes back to how the task was set up. What it makes while no task is loaded is there in
-    every task, too.
+    A shape that a program makes in `init_task`, or before the first step, exists in every episode. A shape made during an
+    episode is removed by the next reset. A shape made while no task is loaded exists in every task.
     """
 
     kinds: ClassVar[tuple[TypeName, ...]] = ("shape",)
@@ -54,10 +53,10 @@ class Shape(Object):
         orientation: Sequence[float] | None = None,
         color: Sequence[float] | None = None,
     ) -> Shape:
-        """Add a primitive to the running world; how long it stays is told by `Shape`.
+        """Add a primitive to the running world; see `Shape` for its lifetime.
 
         * `type`: which solid; `size`: its lengths along x, y, z [m]; `mass` [kg].
-        * `respondable`: touches other objects; `static`: stays where it is put; `renderable`: cameras see it.
+        * `respondable`: touches other objects; `static`: does not move; `renderable`: cameras see it.
         * `position` (3,) [m], None is the origin; `orientation`: Euler angles (3,) [rad].
         * `color`: rgb in 0..1, None is light grey.
         * The rest is accepted: both sides are drawn, edges are not.
@@ -80,9 +79,9 @@ class Shape(Object):
         backface_culling: bool = False,
         visible_edges: bool = False,
     ) -> Shape:
-        """Add a surface to the running world, welded to its place; how long it stays is told by `Shape`.
+        """Add a surface to the running world, fixed in place; see `Shape` for its lifetime.
 
-        Its frame is in the middle of its box. Others touch its convex hull.
+        Its frame is at the centre of its box. Its collision shape is its convex hull.
 
         * `vertices`: x, y, z of all corners [m], one after the other, in world coordinates.
         * `indices`: corner numbers of all triangles.
@@ -120,14 +119,14 @@ class Shape(Object):
         """Add another body like it, at the same place."""
         element = self.element
         if element.kind != "body":
-            raise UnsupportedCall(f"copy of '{self.get_name()}'", "it is no body of its own.", "Copy a whole body.")
+            raise UnsupportedCall(f"copy of '{self.get_name()}'", "it is not a whole body.", "Copy a whole body.")
         made = made_shapes.duplicate(self.table, element)
         shape = type(self)(made)
         shape.set_color(self.get_color())
         return shape
 
     def ungroup(self) -> list[Shape]:
-        """Return the links of a body as shapes of their own; they stay joined by their joints."""
+        """Return the links of a body as separate shapes; their joints still connect them."""
         element = self.element
         if element.kind != "body":
             return [self]
@@ -141,7 +140,7 @@ class Shape(Object):
     # Appearance ------------------------------------------------------------------------------------------------------
 
     def _get_rgba(self) -> Rgba:
-        """Return the colour of the shape; planes, which are not drawn, have the one that they were given."""
+        """Return the colour of the shape; planes, which are not drawn, have the colour that was set."""
         world, element, (owner, _, link) = self.table.world, self.element, self.element.name.partition("/")
         if element.kind in ("body", "room"):
             return world.body(element.name).color
@@ -169,11 +168,11 @@ class Shape(Object):
             self.table.flags[element, "color"] = tuple(rgba)
 
     def _robot_links(self) -> list[int]:
-        """Return the numbers of the links of the robot that the shape stands for, those with visuals first."""
+        """Return the numbers of the robot's links that belong to the shape, those with visuals first."""
         world, description = self.table.world, self.table.runtime.description
         model = world.robot.model
-        hand = (description.hand_link, *description.finger_links)
-        names = {"robot": tuple(model.links), "gripper": hand}.get(self.element.kind, (self.element.name,))
+        gripper = (description.hand_link, *description.finger_links)
+        names = {"robot": tuple(model.links), "gripper": gripper}.get(self.element.kind, (self.element.name,))
         seen = world.texture_overrides.robot_links
         return sorted((model.link_index(name) for name in names), key=lambda index: index not in seen)
 
@@ -195,17 +194,17 @@ class Shape(Object):
         return 1.0 - float(self._get_rgba()[3])
 
     def set_transparency(self, value: float) -> None:
-        """Set 0 for opaque to 1 for invisible; in between is drawn as opaque.
+        """Set 0 for opaque to 1 for invisible; values in between are drawn as opaque.
 
         Raises:
             ValueError: `value` is not in 0..1.
         """
         if not 0.0 <= value <= 1.0:
-            raise ValueError(f"A transparency lies between 0 (opaque) and 1 (invisible), not {value}.")
+            raise ValueError(f"A transparency is between 0 (opaque) and 1 (invisible), not {value}.")
         self._set_rgba((*self._get_rgba()[:3], 1.0 - float(value)))
 
     def set_renderable(self, value: bool) -> None:
-        """Show the shape to cameras, or hide it; its colour comes back with it."""
+        """Show the shape to cameras, or hide it; its colour is kept."""
         shown = bool(value)
         if shown == self.is_renderable():
             return
@@ -240,7 +239,7 @@ class Shape(Object):
         """
         file = getattr(texture, "filename", None)
         if file is None:
-            raise UnsupportedCall("set_texture", f"{texture!r} is no texture.", "Make one with `PyRep.create_texture(file)`.")
+            raise UnsupportedCall("set_texture", f"{texture!r} is not a texture.", "Make one with `PyRep.create_texture(file)`.")
         image, repeats = read_texture(file), 1.0 / float(uv_scaling[0]) if uv_scaling else 1.0
         overrides, kind, name = self.table.world.texture_overrides, self.element.kind, self.element.name
         if kind in ("body", "link"):
@@ -252,7 +251,7 @@ class Shape(Object):
                 overrides.set_robot_link(index, image, repeats)
 
     def get_texture(self) -> None:
-        """Refused: a shape does not say which texture it has."""
+        """Refused: the texture of a shape cannot be read back."""
         raise UnsupportedCall("get_texture", "textures are not read back.", "Keep what `create_texture` returned.")
 
     def remove_texture(self) -> None:
@@ -297,7 +296,7 @@ class Shape(Object):
         return self._has_body() and not self.body("is_dynamic").fixed
 
     def set_dynamic(self, value: bool) -> None:
-        """Let it move under gravity and contacts, or weld it to where it is.
+        """Let it move under gravity and contacts, or fix it at its pose.
 
         Raises:
             UnsupportedCall: It is part of the room, or a link.
@@ -321,7 +320,7 @@ class Shape(Object):
         return self.table.world.dynamics_overrides.mass(self.body("get_mass").model, self._link_index())
 
     def set_mass(self, mass: float) -> None:
-        """Give it another mass [kg]; it stays so until it is set again, resets included."""
+        """Set its mass [kg]; resets do not change it back."""
         if not 0.0 < mass < float("inf"):
             raise ValueError(f"A mass is positive and finite, not {mass} kg.")
         model = self.body("set_mass").model
@@ -333,7 +332,7 @@ class Shape(Object):
         return self.table.world.dynamics_overrides.friction(model, self._link_index())
 
     def set_bullet_friction(self, friction: float) -> None:
-        """Set the coefficient of sliding friction; it stays so until it is set again, resets included."""
+        """Set the coefficient of sliding friction; resets do not change it back."""
         if not 0.0 <= friction < float("inf"):
             raise ValueError(f"A coefficient of friction is not negative, but {friction} was given.")
         model = self.body("set_bullet_friction").model
@@ -351,8 +350,8 @@ class Shape(Object):
         """Push it during the next step. The push acts as an impulse at once; call it before each step to go on pushing.
 
         Args:
-            position: Where, in its own frame (3,) [m].
-            force: How, along its own axes (3,) [N].
+            position: Point of action, in its own frame (3,) [m].
+            force: Force along its own axes (3,) [N].
             reset_force_torque: Accepted; what was added before has acted already.
         """
         T_world_shape = self.get_matrix()
@@ -373,12 +372,12 @@ class Shape(Object):
         self._push(_three(force), _three(torque))
 
     def _push(self, force: FloatArray, torque: FloatArray, at: FloatArray | None = None) -> None:
-        """Give a body the impulse at once that a force and a torque of one step have; what cannot move stays.
+        """Apply the impulse of a force and a torque during one step at once; a fixed body does not move.
 
         Args:
             force: In the world (3,) [N].
             torque: In the world (3,) [N m].
-            at: Where the force acts, in the world (3,) [m]; None is the centre of mass.
+            at: Point of action of the force, in the world (3,) [m]; None is the centre of mass.
 
         Raises:
             UnsupportedCall: It is a part of something larger.
@@ -411,7 +410,7 @@ def body_of(table: ObjectTable, element: Element, call: str) -> Body:
     """
     if element.kind not in BODIES:
         raise UnsupportedCall(
-            f"{call} of '{table.name(element)}'", "it is no body of the scene.", "Call it on a body, or a link of one."
+            f"{call} of '{table.name(element)}'", "it is not a body of the scene.", "Call it on a body, or a link of one."
         )
     return table.world.body(element.name.partition("/")[0])
 

@@ -1,4 +1,4 @@
-"""Cameras that capture images when asked."""
+"""Cameras that capture images on request."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from rlbench_pin.spatial import IDENTITY
 
 
 class VisionSensor(Object):
-    """A camera: one of the five of observations, their twins for masks, or one that a program made.
+    """A camera: one of the five of observations, one of their mask cameras, or one that a program made.
 
     The camera's frame has z forward, x to the left, y up. Images show the present instant and come top row first.
     """
@@ -67,12 +67,12 @@ class VisionSensor(Object):
     # Images --------------------------------------------------------------------------------------------------------
 
     def view(self) -> CameraView:
-        """Return what it sees now, as pure geometry."""
+        """Return its present view, as geometry."""
         camera = self.scene_object
         return self.table.cameras.view(camera.name) if isinstance(camera, CameraObject) else _view(camera.pose, self.camera)
 
     def handle_explicitly(self) -> None:
-        """Nothing: images show the present instant in any case.
+        """No effect: images always show the present instant.
 
         Raises:
             RuntimeError: Explicit handling is off.
@@ -81,7 +81,7 @@ class VisionSensor(Object):
             raise RuntimeError("Explicit handling is off. Call `set_explicit_handling(1)` first, or just capture.")
 
     def capture_rgb(self) -> np.ndarray:
-        """Take an image: float32 (h, w, 3) in 0..1; of twins for masks the handles, spread over the channels."""
+        """Take an image: float32 (h, w, 3) in 0..1; mask cameras encode handles in the channels."""
         world, mode = self.table.world, self.camera.render_mode
         if mode == COLOR_CODED:
             mask = world.render(self.view(), rgb=False, depth=False).mask
@@ -140,7 +140,7 @@ class VisionSensor(Object):
         return camera
 
     def change(self, **changes: Any) -> None:
-        """Change some of the settings; raise CameraError when no image can be captured like that."""
+        """Change some of the settings; raise CameraError when no image can be captured with them."""
         camera, name = replace(self.camera, **changes), self.element.name
         _view(IDENTITY, camera)
         found = self.scene_object
@@ -203,11 +203,11 @@ class VisionSensor(Object):
         self.change(far=float(far_clipping))
 
     def get_render_mode(self) -> RenderMode:
-        """Return how images are drawn."""
+        """Return the render mode."""
         return RenderMode[self.camera.render_mode]
 
     def set_render_mode(self, render_mode: RenderMode) -> None:
-        """Set how images are drawn."""
+        """Set the render mode."""
         self.change(render_mode=_mode(render_mode).name)
 
     def get_windowed_size(self) -> Sequence[int]:
@@ -248,16 +248,16 @@ class VisionSensor(Object):
         return made
 
     def remove(self) -> None:
-        """Take it away; the five cameras of observations stay, and just see nothing more.
+        """Remove it; the five cameras of observations are only switched off.
 
         Raises:
-            PyRepError: It is the twin of one of the five cameras.
+            PyRepError: It is the mask camera of one of the five cameras.
         """
         camera = self.scene_object
         if not isinstance(camera, CameraObject):
             super().remove()
         elif camera.is_mask:
-            raise PyRepError(f"'{self.get_name()}' goes with its camera. Switch masks off in the observation config.")
+            raise PyRepError(f"'{self.get_name()}' belongs to its camera. Switch masks off in the observation config.")
         else:
             self.table.cameras.settings_of(camera.name).set_all(False)
         self._removed = True
@@ -273,7 +273,7 @@ def _placed(camera: CameraSettings) -> Element:
 
 
 def _view(pose: np.ndarray, camera: CameraSettings) -> CameraView:
-    """Return what a camera at a pose (7,) sees, or raise CameraError when no image can be captured."""
+    """Return the view of a camera at a pose (7,), or raise CameraError when no image can be captured."""
     return CameraView(pose.copy(), math.radians(camera.angle), camera.size, camera.near, camera.far)
 
 

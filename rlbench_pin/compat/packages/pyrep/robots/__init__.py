@@ -1,6 +1,6 @@
-"""Arms and grippers, as views on the robot of the running world. What both share: joints in a fixed order, commanded together.
+"""Arms and grippers, as views on the robot of the running world. Both have joints in a fixed order, commanded together.
 
-Programs import `RobotComponent` from `pyrep.robots.robot_component`; that name stands for this module.
+Programs import `RobotComponent` from `pyrep.robots.robot_component`; that name is an alias of this module.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class RobotComponent(Object):
     """An arm or a gripper of the running world; every list of numbers has one per joint, in the order of `joints`.
 
     Args:
-        count: Which robot of this kind, counted from 0; a world has one.
+        count: Number of the robot, from 0; a world has one.
         name: Name of the component.
         joint_names: Names of its joints.
         base_name: Name of the object that carries it; None is `name`.
@@ -42,7 +42,7 @@ class RobotComponent(Object):
 
     @property
     def motors(self) -> Motors:
-        """What drives the joints."""
+        """The motors of the joints."""
         raise NotImplementedError(f"{type(self).__name__} has no motors of its own. Derive from `Arm` or `Gripper`.")
 
     def copy(self) -> RobotComponent:
@@ -68,7 +68,7 @@ class RobotComponent(Object):
         return self.motors.positions().tolist()
 
     def set_joint_positions(self, positions: Numbers, disable_dynamics: bool = False) -> None:
-        """Put the joints somewhere at once, at rest, and hold them there.
+        """Set the joint positions at once, at rest, and keep them there.
 
         Args:
             positions: One per joint [rad] or [m].
@@ -77,7 +77,7 @@ class RobotComponent(Object):
         self.motors.teleport(self._numbers(positions))
 
     def get_joint_target_positions(self) -> list[float]:
-        """Return where the motors go [rad] or [m]."""
+        """Return the target positions of the motors [rad] or [m]."""
         return self.motors.target_positions().tolist()
 
     def set_joint_target_positions(self, positions: Numbers) -> None:
@@ -91,7 +91,7 @@ class RobotComponent(Object):
         return self.motors.velocities().tolist()
 
     def get_joint_target_velocities(self) -> list[float]:
-        """Return the velocities that were asked for [rad/s] or [m/s]."""
+        """Return the target velocities [rad/s] or [m/s]."""
         return self.motors.target_velocities().tolist()
 
     def set_joint_target_velocities(self, velocities: Numbers) -> None:
@@ -134,7 +134,7 @@ class RobotComponent(Object):
         self.motors.set_control_loop(bool(value))
 
     def set_motor_locked_at_zero_velocity(self, value: bool) -> None:
-        """Nothing: motors with a target velocity of zero always hold, whatever `value` says."""
+        """No effect: motors with a target velocity of zero always keep the joints at rest."""
 
     def get_joint_modes(self) -> list[JointMode]:
         """Return the modes of the joints: they are driven by forces."""
@@ -151,7 +151,7 @@ class RobotComponent(Object):
                 f"joint mode {value.name}", "a robot's joints are driven by forces.", "Use `set_joint_positions`."
             )
 
-    # Looks -----------------------------------------------------------------------------------------------------------
+    # Appearance ------------------------------------------------------------------------------------------------------
 
     def get_visuals(self) -> list[Shape]:
         """Return the shapes that cameras see."""

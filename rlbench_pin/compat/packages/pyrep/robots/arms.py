@@ -1,7 +1,7 @@
 """Arms: kinematics, collisions, and paths through the world as it is now.
 
-There is one arm, the Panda; making one of the others raises an error that lists the arms there are. Programs import a module
-per arm; all these names stand for this module.
+There is one arm, the Panda; making another one raises an error that lists the available arms. Programs import a module
+per arm; all these names are aliases of this module.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ from rlbench_pin.planning import Plan
 from rlbench_pin.spatial import FloatArray
 
 ROBOT_KINDS = ("robot", "gripper", "tip", "robot_link", "robot_joint")
-"""What belongs to the arm itself."""
+"""Kinds of elements that belong to the arm itself."""
 CURVE_POINTS = 50
-"""How many poses of a Cartesian path the tip is led through."""
+"""Number of poses of a Cartesian path that the tip passes."""
 
 
 class Arm(RobotComponent):
@@ -38,9 +38,9 @@ class Arm(RobotComponent):
     or a quaternion (x, y, z, w).
 
     Args:
-        count: Which arm of this kind; a world has one.
+        count: Number of the arm, from 0; a world has one.
         name: Name of the arm.
-        num_joints: How many joints it has.
+        num_joints: Number of its joints.
         base_name: Name of the object that carries it; None is `name`.
         max_velocity: No joint is faster in paths [rad/s].
         max_acceleration: No joint accelerates more in paths [rad/s^2].
@@ -66,12 +66,12 @@ class Arm(RobotComponent):
 
     @property
     def pace(self) -> Pace:
-        """How fast paths are."""
+        """Limits of the speed of paths."""
         return Pace(self.max_velocity, self.max_acceleration, self.max_jerk)
 
     @property
     def motors(self) -> ArmMotors:
-        """What drives the joints."""
+        """The motors of the joints."""
         return ArmMotors()
 
     def get_tip(self) -> Dummy:
@@ -186,12 +186,12 @@ class Arm(RobotComponent):
     def set_ik_group_properties(
         self, resolution_method: str = "pseudo_inverse", max_iterations: int = 6, dls_damping: float = 0.1
     ) -> None:
-        """Accept settings of another solver: ours damps by itself and goes on until the pose is met to a micrometre."""
+        """Accept settings of another solver: ours has its own damping and iterates to an error of a micrometre."""
 
     # Collisions ------------------------------------------------------------------------------------------------------
 
     def check_arm_collision(self, obj: Object | None = None) -> bool:
-        """Say whether arm or gripper overlap `obj`, no part of them; with None anything collidable, or the arm itself."""
+        """Return whether arm or gripper overlap `obj`; None: any collidable object, or the arm itself."""
         if obj is None:
             return arm_planning.arm_collides(Simulator.current(), None)
         if obj.element.kind in ("body", "room"):
@@ -217,7 +217,7 @@ class Arm(RobotComponent):
         """Plan a timed path to a pose: along a straight line of the tip if that is free, otherwise around obstacles.
 
         * Pose: see the class.
-        * `ignore_collisions`: plan as if nothing could be touched. Otherwise what the arm touches already may be touched.
+        * `ignore_collisions`: plan without collision checks. Otherwise objects that the arm touches already may be touched.
         * `algorithm`: searches around obstacles; names that `arm_planning.ALGORITHMS` lacks mean our RRT-Connect.
         * The rest is accepted: our planner has a budget of its own.
 
@@ -264,7 +264,7 @@ class Arm(RobotComponent):
         return self._path((position, euler, quaternion, relative_to), False, ignore_collisions, algorithm)
 
     def get_path_from_cartesian_path(self, path: CartesianPath) -> ArmConfigurationPath:
-        """Plan a timed path that leads the tip from where it is along a Cartesian path; collisions do not count.
+        """Plan a timed path of the tip from its present pose along a Cartesian path, without collision checks.
 
         Raises:
             ConfigurationPathError: The arm cannot follow it.
@@ -300,10 +300,10 @@ class Arm(RobotComponent):
 
 
 class KnownArm(Arm):
-    """An arm of a known name.
+    """An arm of PyRep by its class name.
 
     Args:
-        count: Which one, counted from 0; a world has one.
+        count: Number of the arm, from 0; a world has one.
         max_velocity: No joint is faster in paths [rad/s].
         max_acceleration: No joint accelerates more in paths [rad/s^2].
         max_jerk: Accelerations change no faster in paths [rad/s^3]; from 1000 on they may jump.

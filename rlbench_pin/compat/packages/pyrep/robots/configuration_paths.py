@@ -1,6 +1,6 @@
-"""Paths of configurations, played step by step: `step()` commands a path, whoever follows it steps the simulation.
+"""Paths of configurations, played step by step: `step()` commands the motion, and the caller steps the simulation.
 
-Programs import `configuration_path` and `arm_configuration_path` of this name; both stand for this module.
+Programs import `configuration_path` and `arm_configuration_path` of this name; both are aliases of this module.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 ARRIVED = 2e-3
 """Distance of a joint from the end of the path that the coming tick covers [rad]."""
 SETTLING = 10
-"""How often the end of a path is commanded again, at most, to an arm that lags."""
+"""Maximum number of repetitions of the last command for an arm that lags."""
 
 
 class ConfigurationPath:
@@ -61,7 +61,7 @@ class ArmConfigurationPath(ConfigurationPath):
     Args:
         arm: The arm that follows it.
         path_points: Joint positions of one configuration after the other, in one list (m * n,), [rad].
-        trajectory: Their timing; None is worked out at the first step.
+        trajectory: Their timing; None computes it at the first step.
     """
 
     def __init__(self, arm: Arm, path_points: Numbers, trajectory: Trajectory | None = None) -> None:
@@ -86,7 +86,7 @@ class ArmConfigurationPath(ConfigurationPath):
 
     @property
     def trajectory(self) -> Trajectory:
-        """When the arm is where; worked out again for points that were replaced.
+        """Timing of the path; computed again after points were replaced.
 
         Raises:
             ConfigurationPathError: No timing keeps the limits of the arm.
@@ -136,10 +136,10 @@ class ArmConfigurationPath(ConfigurationPath):
         return None if self._joint_position_action is None else self._joint_position_action.copy()
 
     def visualize(self) -> None:
-        """Nothing: there is no window to draw in. `path[:]` has the configurations, for a plot of your own."""
+        """No effect: there is no window. `path[:]` returns the configurations, for your own plot."""
 
     def clear_visualization(self) -> None:
-        """Nothing, as nothing is drawn."""
+        """No effect, because nothing is drawn."""
 
     def _begin_again(self) -> None:
         self._tracker = self._joint_position_action = None

@@ -1,7 +1,7 @@
-"""Grippers: fingers that go to an opening at a speed, and what they hold.
+"""Grippers: opening and closing of the fingers, and grasped objects.
 
-There is one gripper, the Panda's; making one of the others raises an error. Programs import a module per gripper; all these
-names stand for this module.
+There is one gripper, the Panda's; making another one raises an error. Programs import a module per gripper; all these
+names are aliases of this module.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.environment.runtime import Runtime
 
 NEAR = 5e-4
-"""Distance of a finger from where it should be that counts as none [m]."""
+"""Tolerance of a finger position [m]."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Gripper(RobotComponent):
     """The gripper of the running world.
 
     Args:
-        count: Which gripper of this kind; a world has one.
+        count: Number of the gripper, from 0; a world has one.
         name: Name of the gripper.
         joint_names: Names of its joints.
     """
@@ -51,21 +51,21 @@ class Gripper(RobotComponent):
 
     @property
     def motors(self) -> FingerMotors:
-        """What drives the fingers."""
+        """The motors of the fingers."""
         return FingerMotors()
 
     @property
     def _proximity_sensor(self) -> ProximitySensor:
-        """What sees objects between the fingertips, by the name that programs know."""
+        """The sensor between the fingertips, by its name in PyRep."""
         return ProximitySensor(f"{self.get_name()}_attachProxSensor")
 
-    # Holding ---------------------------------------------------------------------------------------------------------
+    # Grasping --------------------------------------------------------------------------------------------------------
 
     def grasp(self, obj: Object) -> bool:
         """Fix an object to the gripper where it is, if it reaches between the fingers.
 
         Returns:
-            Whether it is fixed now by this call: not when it is elsewhere, held already, or cannot move.
+            Whether this call attached it: False when it is elsewhere, attached already, or cannot move.
         """
         element = obj.element
         if element.kind != "body" or element.name in self._runtime.gripper.grasped:
@@ -73,11 +73,11 @@ class Gripper(RobotComponent):
         return self._runtime.gripper.reaches_between_fingers(element.name) and self._runtime.gripper.grasp(element.name)
 
     def release(self) -> None:
-        """Let everything go; the fingers stay where they are."""
+        """Release all objects; the fingers do not move."""
         self._runtime.gripper.release()
 
     def get_grasped_objects(self) -> list[Object]:
-        """Return what is fixed to the gripper, in the order in which it was grasped."""
+        """Return the objects attached to the gripper, in the order in which they were grasped."""
         return [Shape(self.table.handle(Element("body", name))) for name in self._runtime.gripper.grasped]
 
     # Fingers ---------------------------------------------------------------------------------------------------------
@@ -90,7 +90,7 @@ class Gripper(RobotComponent):
             velocity: Speed of a finger [m/s].
 
         Returns:
-            Whether the fingers are there, or can go no further.
+            Whether the fingers have arrived, or can go no further.
 
         Raises:
             ValueError: `amount` is not between 0 and 1, or `velocity` is not positive and finite.
@@ -138,10 +138,10 @@ class Gripper(RobotComponent):
 
 
 class KnownGripper(Gripper):
-    """A gripper of a known name.
+    """A gripper of PyRep by its class name.
 
     Args:
-        count: Which one, counted from 0; a world has one.
+        count: Number of the gripper, from 0; a world has one.
     """
 
     known_name: ClassVar[str]

@@ -1,19 +1,19 @@
-"""What the numbers of an action mean."""
+"""Action modes."""
 
 from __future__ import annotations
 
 from rlbench_pin.errors import RlbenchPinError
 
 _FIRST_RELEASE = ("ActionMode", "ArmActionMode", "GripperActionMode")
-"""Names that this package had itself when it was one module with enumerations."""
+"""Names in RLBench's first releases, where this package was one module with enumerations."""
 
 
 class OldActionMode(RlbenchPinError, ImportError):
-    """A program imports action modes as the first releases of RLBench had them."""
+    """A program imports action modes of the first releases of RLBench."""
 
 
 def __getattr__(name: str) -> object:
-    """Say where the action modes are to programs of the first releases.
+    """Raise an error that names the present action modes to programs of the first releases.
 
     Raises:
         OldActionMode: The name is one of theirs.

@@ -30,11 +30,11 @@ DELTA_LIMIT = 0.1
 
 
 class ActionMode:
-    """An arm mode and a gripper mode; subclasses say how they share one array.
+    """An arm mode and a gripper mode; subclasses define how they share one array.
 
     Args:
-        arm_action_mode: What the first numbers do.
-        gripper_action_mode: What the numbers after them do.
+        arm_action_mode: Mode of the first numbers.
+        gripper_action_mode: Mode of the numbers after them.
     """
 
     def __init__(self, arm_action_mode: ArmActionMode, gripper_action_mode: GripperActionMode) -> None:
@@ -56,8 +56,8 @@ class ActionMode:
 class MoveArmThenGripper(ActionMode):
     """The arm action runs to its end, then the gripper action; each part is given the scene.
 
-    An arm mode that takes `ignore_collisions` may be given one number more, behind the gripper's: other than 0, that action
-    ignores collisions.
+    For an arm mode with the argument `ignore_collisions`, an action may have one more number at its end: if it is not 0, the
+    action ignores collisions.
     """
 
     def action(self, scene: SceneLike, action: Action) -> None:
@@ -79,7 +79,7 @@ class MoveArmThenGripper(ActionMode):
         return int(np.prod(self.arm_action_mode.action_shape(scene))) + int(np.prod(self.gripper_action_mode.action_shape(scene)))
 
     def action_bounds(self) -> tuple[FloatArray, FloatArray]:
-        """Return the bounds of the arm's numbers, then of the gripper's, in the world that runs."""
+        """Return the bounds of the arm's numbers, then of the gripper's, in the present world."""
         parts = (self.arm_action_mode.action_bounds(), self.gripper_action_mode.action_bounds())
         return np.concatenate([low for low, _ in parts]), np.concatenate([high for _, high in parts])
 
@@ -99,7 +99,7 @@ class JointPositionActionMode(ActionMode):
         super().__init__(JointPosition(absolute_mode=False), GripperJointPosition(absolute_mode=True))
 
     def action(self, scene: SceneLike, action: Action) -> None:
-        """Command both, step once, hold both.
+        """Command both, step once, stop both.
 
         Raises:
             InvalidActionError: The action is refused; nothing has moved.
@@ -129,7 +129,7 @@ Part = tuple[ArmActionMode | GripperActionMode, FloatArray]
 
 
 def require_accepted(scene: SceneLike, parts: Iterable[Part]) -> None:
-    """Raise InvalidActionError when a mode of this package refuses its numbers; modes of programs are not asked."""
+    """Raise InvalidActionError when a mode of this package refuses its numbers; modes of programs are not checked."""
     for mode, numbers in parts:
         if isinstance(mode, ScenePart):
             mode.values(scene, numbers)

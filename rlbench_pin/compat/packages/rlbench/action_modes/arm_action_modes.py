@@ -1,4 +1,4 @@
-"""What the numbers for the arm mean."""
+"""Action modes of the arm."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ class JointVelocity(OneStepPart, modes.JointVelocity, ArmActionMode):
 
 
 class JointPosition(OneStepPart, modes.JointPosition, ArmActionMode):
-    """Joint positions [rad], or changes of the measured ones: one step towards them, then hold.
+    """Joint positions [rad], or changes of the measured ones: one step towards them, then stop.
 
     Args:
         absolute_mode: Positions; otherwise changes.
@@ -94,7 +94,7 @@ class JointTorque(OneStepPart, modes.JointTorque, ArmActionMode):
 
 
 class PosePart(ScenePart, pose.PoseMode):
-    """What modes share whose numbers begin with a tip pose: their settings by the names that derived classes know."""
+    """Settings of modes whose actions begin with a tip pose, under the names that derived classes use."""
 
     _absolute_mode = setting("absolute_mode")
 
@@ -120,7 +120,7 @@ class EndEffectorPoseViaPlanning(PosePart, pose.EndEffectorPoseViaPlanning, ArmA
         absolute_mode: World pose; otherwise a delta to the present tip pose.
         frame: Frame of the delta: an item of `RelativeFrame`, or 'world' or 'end effector'; the latter makes the pose relative
             whatever `absolute_mode` says.
-        collision_checking: Plan around what is in the way, unless the action says otherwise.
+        collision_checking: Plan around obstacles, unless the action says otherwise.
     """
 
     _callable_each_step: actions.OnStep | None = None
@@ -132,11 +132,11 @@ class EndEffectorPoseViaPlanning(PosePart, pose.EndEffectorPoseViaPlanning, ArmA
         Args:
             scene: What moves.
             action: Tip pose (7,): x, y, z [m], qx, qy, qz, qw.
-            ignore_collisions: None: as `collision_checking` says. True: nothing is in the way. False: plan around what is in the
-                way, and where there is no such plan through it.
+            ignore_collisions: None: as `collision_checking`. True: without collision checks. False: around obstacles, or without
+                collision checks if that fails.
 
         Raises:
-            InvalidActionError: The pose cannot be reached, or is no pose; nothing has moved.
+            InvalidActionError: The pose is invalid or cannot be reached; nothing has moved.
         """
         target = self.target(runtime_of(scene), self.values(scene, action))
         ignore = not self.collision_checking if ignore_collisions is None else bool(ignore_collisions)
@@ -148,11 +148,11 @@ class EndEffectorPoseViaPlanning(PosePart, pose.EndEffectorPoseViaPlanning, ArmA
         self._callable_each_step = callable_each_step
 
     def record_end(self, scene: SceneLike, steps: int = 60, step_scene: bool = True) -> None:
-        """Give further observations to the function of `set_callable_each_step`.
+        """Pass further observations to the function of `set_callable_each_step`.
 
         Args:
-            scene: What is observed.
-            steps: How many.
+            scene: The scene.
+            steps: Number of observations.
             step_scene: Step the simulation before each.
         """
         for _ in range(steps if self._callable_each_step is not None else 0):
@@ -200,5 +200,5 @@ class ERJointViaIK(PosePart, pose.ERJointViaIK, ArmActionMode):
 
 
 def takes_ignore_collisions(mode: object) -> bool:
-    """Whether the `action` of an arm mode can be told to ignore collisions."""
+    """Whether the method `action` of an arm mode has the argument `ignore_collisions`."""
     return "ignore_collisions" in inspect.signature(mode.action).parameters  # type: ignore[attr-defined]

@@ -1,4 +1,4 @@
-"""What the numbers for the gripper mean."""
+"""Action modes of the gripper."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class GripperActionMode(UserMode):
 
 
 class GripperPart(OneStepPart, native.GripperMode):
-    """What modes of the gripper share: their settings by the names that derived classes know."""
+    """Settings of the modes of the gripper, under the names that derived classes use."""
 
     @property
     def _attach_grasped_objects(self) -> bool:
@@ -45,11 +45,11 @@ class Discrete(GripperPart, native.Discrete, GripperActionMode):
     """
 
     def check(self, runtime: Runtime, values: FloatArray) -> FloatArray:
-        """Return the number as it is: networks deliver values beyond 0 and 1, and they mean shut and open as well."""
+        """Return the number unchanged: networks also return values beyond 0 and 1, which mean closed and open."""
         return values
 
     def action(self, scene: SceneLike, action: object) -> None:
-        """Open or close until the fingers stand.
+        """Open or close until the fingers are at rest.
 
         Raises:
             InvalidActionError: The action is refused; nothing has moved.
@@ -57,7 +57,7 @@ class Discrete(GripperPart, native.Discrete, GripperActionMode):
         self.steps(runtime_of(scene), self.values(scene, action))
 
     def action_pre_step(self, scene: SceneLike, action: object) -> None:
-        """Send the fingers on their way, for modes that step the simulation themselves."""
+        """Command the fingers, for modes that step the simulation themselves."""
         runtime, wants_open = runtime_of(scene), bool(self.values(scene, action)[0] > 0.5)
         if wants_open and self.detach_before_open:
             runtime.gripper.release()
@@ -68,14 +68,14 @@ class Discrete(GripperPart, native.Discrete, GripperActionMode):
             runtime.gripper.set_target(goal, runtime.description.finger_speed)
 
     def action_post_step(self, scene: SceneLike, action: object) -> None:
-        """Let go, or fix to the gripper what stopped the fingers."""
+        """Release objects, or attach the object between the fingers."""
         runtime, wants_open = runtime_of(scene), bool(self.values(scene, action)[0] > 0.5)
-        stands = not runtime.gripper.moving
-        hold_or_release(runtime, release=wants_open, attach=self.attaches(runtime) and stands)
+        at_rest = not runtime.gripper.moving
+        hold_or_release(runtime, release=wants_open, attach=self.attaches(runtime) and at_rest)
 
 
 class GripperJointPosition(GripperPart, native.GripperJointPosition, GripperActionMode):
-    """One number: the position of both fingers [m], or its change, for one step; then the fingers hold.
+    """One number: the position of both fingers [m], or its change, for one step; then the fingers stop.
 
     Args:
         attach_grasped_objects: Fix graspable objects to the gripper once the fingers can close no further; None leaves it to the

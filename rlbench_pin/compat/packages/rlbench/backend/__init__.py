@@ -1,1 +1,1 @@
-"""What lies under environments and tasks."""
+"""Modules below environments and tasks."""

@@ -1,4 +1,4 @@
-"""What success is made of, under the known names. Every condition is asked for the present instant."""
+"""Conditions under RLBench's names. Every condition is evaluated at the present instant."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ from rlbench_pin.compat.task_memory import Remembered
 from rlbench_pin.spatial import FloatArray
 
 MAX_STRIKES = 3
-"""Misses that a `FollowCondition` forgives."""
+"""Number of misses that a `FollowCondition` tolerates."""
 
 Answer = tuple[bool, bool]
 """Whether the condition is met, and whether the episode should end."""
 
 
 class Condition:
-    """Base class; a condition of one's own overrides `condition_met`, and `reset` when it remembers something."""
+    """Base class; subclasses override `condition_met`, and `reset` if they have state."""
 
     def condition_met(self) -> Answer:
         """Return whether the condition is met now, and whether the episode should end."""
         raise NotImplementedError(f"{type(self).__name__} must define condition_met(self) -> (met, terminate).")
 
     def reset(self) -> None:
-        """Forget what was remembered; called when an episode begins."""
+        """Reset the state; called when an episode begins."""
 
 
 class NativeCondition(tasks.Condition):
-    """A condition of a user as one of ours; what it remembers is saved with the episode."""
+    """A condition of a user as a native one; its state is saved with the episode."""
 
     def __init__(self, condition: Condition) -> None:
         self.condition, self._memory = condition, Remembered(condition)
@@ -49,16 +49,16 @@ class NativeCondition(tasks.Condition):
         self.condition.reset()
 
     def state(self) -> object:
-        """Return what the condition remembers."""
+        """Return the state of the condition."""
         return self._memory.state()
 
     def set_state(self, state: Any) -> None:
-        """Let the condition remember what `state()` returned before."""
+        """Restore the state that `state()` returned."""
         self._memory.set_state(state)
 
 
 class LibraryCondition(Condition):
-    """A condition of a task of the library, as programs ask it."""
+    """A condition of a library task, with the interface of RLBench."""
 
     def __init__(self, condition: tasks.Condition) -> None:
         self.condition = condition
@@ -73,7 +73,7 @@ class LibraryCondition(Condition):
 
 
 def condition_of(native: tasks.Condition) -> Condition:
-    """Return a condition that a task registered: that of a program itself, one of the library's as programs ask it."""
+    """Return a registered condition with the interface of RLBench: the program's own, or a view of a native one."""
     return native.condition if isinstance(native, NativeCondition) else LibraryCondition(native)
 
 
@@ -115,7 +115,7 @@ class DetectedSeveralCondition(Condition):
 
 
 class NothingGrasped(Condition):
-    """Met while the gripper holds nothing."""
+    """Met while no object is attached to the gripper."""
 
     def __init__(self, gripper: Gripper) -> None:
         self.gripper = gripper
@@ -135,7 +135,7 @@ class GraspedCondition(Condition):
     def condition_met(self) -> Answer:
         """Return whether the object is attached to the gripper now."""
         handle = self.object.get_handle()
-        met = any(held.get_handle() == handle for held in self.gripper.get_grasped_objects())
+        met = any(grasped.get_handle() == handle for grasped in self.gripper.get_grasped_objects())
         return met, met
 
 
@@ -154,11 +154,11 @@ class EmptyCondition(Condition):
 class FollowCondition(Condition):
     """Met once an object has visited all points in order, coming within half of `delta_limit` of each.
 
-    A question that finds the object farther than `delta_limit` from the point it looks at first is a strike; a visited point
+    An evaluation with the object farther than `delta_limit` from the next point is a strike; a visited point
     clears the strikes. After more than `MAX_STRIKES` strikes, a further miss asks for the end of the episode.
 
     Args:
-        obj: What has to travel.
+        obj: The object that has to follow the points.
         points: Points or poses; x, y, z come first [m].
         relative_to: The points are in its frame; None is the world.
         delta_limit: Distance of a miss [m].
@@ -201,8 +201,8 @@ class ConditionSet(Condition):
     """Met while all conditions are met; with `order_matters`, once they were met one after the other.
 
     Args:
-        conditions: What has to be met.
-        order_matters: What was met in its turn stays met.
+        conditions: The conditions.
+        order_matters: A condition that was met in its turn stays met.
         simultaneously_met: Without effect: unordered conditions have to be met together.
     """
 
@@ -235,7 +235,7 @@ class OrConditions(Condition):
         self.conditions = list(conditions)
 
     def condition_met(self) -> Answer:
-        """Return whether a condition is met now; every one is asked."""
+        """Return whether a condition is met now; all are evaluated."""
         answers = [condition.condition_met() for condition in self.conditions]
         met = any(answer[0] for answer in answers)
         return met, met

@@ -5,7 +5,7 @@ from __future__ import annotations
 from rlbench_pin.datasets.formats.rlbench import DEPTH_STEPS, DESCRIPTIONS_FILE, LOW_DIM_FILE, VARIATION_FILE
 
 TTT_FILE = "task_design.ttt"
-"""Name of the base scene elsewhere; here nothing is read from it, the table and the arm are always there."""
+"""Name of the base scene in RLBench; it is not read, because table and arm always exist."""
 
 LEFT_SHOULDER_RGB_FOLDER = "left_shoulder_rgb"
 LEFT_SHOULDER_DEPTH_FOLDER = "left_shoulder_depth"

@@ -1,4 +1,4 @@
-"""What is known at one instant."""
+"""The observation of one instant."""
 
 from __future__ import annotations
 

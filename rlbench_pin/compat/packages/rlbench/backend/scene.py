@@ -1,4 +1,4 @@
-"""The scene: world, task and robot together, under the names that programs know."""
+"""The scene: world, task and robot, under RLBench's names."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _WORD = 32  # [bit]
 
 
 class EpisodeSeeds:
-    """Draws seeds, and knows the seeds of demonstrations again.
+    """Draws seeds, and recognizes the seeds of demonstrations.
 
     A program may seed the global generator as a demonstration says (`demo.restore_state()`), then reset, and expects the start of
     that demonstration. So a generator that was just seeded with the seed of a remembered demonstration gives its start.
@@ -46,7 +46,7 @@ class EpisodeSeeds:
         self._known: dict[bytes, tuple[int, int]] = {}
 
     def remember(self, demo: Demo) -> None:
-        """Know the seed of a demonstration again; one without a seed is left out."""
+        """Remember the seed of a demonstration; one without a seed is left out."""
         seed = demo.random_seed
         if isinstance(seed, int | np.integer) and seed >= 0:
             words = np.array([int(seed) >> shift & 0xFFFFFFFF for shift in range(0, max(int(seed).bit_length(), 1), _WORD)])
@@ -54,14 +54,14 @@ class EpisodeSeeds:
             self._known[_fingerprint(fresh.get_state())] = int(seed), demo.attempt
 
     def draw(self) -> tuple[int, int]:
-        """Return the seed of an episode and which try of it."""
+        """Return the seed of an episode and the number of the attempt."""
         known = self._known.get(_fingerprint(np.random.get_state())) if self._known else None
         seed = int(np.random.randint(SEEDS))
         return (seed, 0) if known is None else known
 
 
 def _fingerprint(state: Any) -> bytes:
-    """Return what tells states of a generator apart."""
+    """Return a fingerprint of the state of a generator."""
     keys, position = state[1], int(state[2])
     return position.to_bytes(2, "big") + np.asarray(keys).tobytes()
 
@@ -69,13 +69,13 @@ def _fingerprint(state: Any) -> bytes:
 class Scene:
     """World, task and robot together.
 
-    What the package itself steps and observes goes through `step`, `get_observation` and `check_target_in_workspace` of this
-    object, so a subclass that overrides them is asked every time.
+    The package steps and observes through `step`, `get_observation` and `check_target_in_workspace` of this
+    object, so that a subclass can override them.
 
     Args:
         pyrep: The simulator.
         robot: Arm and gripper.
-        obs_config: What observations contain; a fresh default when None.
+        obs_config: Contents of observations; a new default when None.
         robot_setup: Name of the arm.
 
     Attributes:
@@ -126,7 +126,7 @@ class Scene:
         return runtime
 
     def _set_camera_properties(self) -> None:
-        """Check that the cameras can be served; images follow the settings at every observation."""
+        """Check the settings of the cameras; images follow the settings at every observation."""
         self._obs_config.check()
 
     @property
@@ -137,7 +137,7 @@ class Scene:
     # Workspace and callbacks ----------------------------------------------------------------------------------------
 
     def prepare(self) -> None:
-        """Put the arm where `_start_arm_joint_pos` says, when a program says another posture than that of the robot file."""
+        """Move the arm to `_start_arm_joint_pos`, if a program set another posture than that of the robot file."""
         if not np.array_equal(self._start_arm_joint_pos, self.robot.arm.get_joint_positions()):
             self.robot.arm.set_joint_positions(self._start_arm_joint_pos, disable_dynamics=True)
 
@@ -151,7 +151,7 @@ class Scene:
         )
 
     def register_step_callback(self, func: Callable[[], None] | None) -> None:
-        """Call `func` after every control tick, in place of what was registered before; None calls nothing."""
+        """Call `func` after every control tick, in place of the one registered before; None removes it."""
         self._step_callback = func
 
     def _after_step(self) -> None:
@@ -178,7 +178,7 @@ class Scene:
     # Tasks ----------------------------------------------------------------------------------------------------------
 
     def load(self, task: Task) -> None:
-        """Build the world of a task in place of the present one, and tie the task to it."""
+        """Build the world of a task in place of the present one, and connect the task to it."""
         self._forget_task()
         self._runtime = self._build(type(task).native_class())
         self.task = task
@@ -196,12 +196,12 @@ class Scene:
         self._runtime = self._build(EmptyTable)
 
     def init_task(self) -> None:
-        """Remember how the task begins; its own `init_task` was called when it was loaded."""
+        """Save the initial state of the task; its own `init_task` was called when it was loaded."""
         self._initial_task_state = self._loaded("init_task").get_state()
         self._has_init_task = True
 
     def init_episode(self, index: int, randomly_place: bool = True, max_attempts: int = 5, place_demo: bool = False) -> list[str]:
-        """Lay out one episode; what is drawn comes from numpy's global generator.
+        """Set up one episode, with random values from numpy's global generator.
 
         Args:
             index: Variation of the task.
@@ -210,10 +210,10 @@ class Scene:
             place_demo: Accepted; a demonstration that `start_next_as` was given is started from in any case.
 
         Returns:
-            Sentences that say what to do.
+            The instructions.
 
         Raises:
-            BoundaryError: Something found no place.
+            BoundaryError: There was no free place for an object.
             WaypointError: The last placement had waypoints out of reach.
         """
         self._loaded("init_episode")
@@ -240,7 +240,7 @@ class Scene:
         return list(start.instructions)
 
     def start_next_as(self, demo: Demo | None) -> None:
-        """Let the next `init_episode` start as a demonstration did; None lets it start at random again."""
+        """Let the next `init_episode` start as a demonstration; None lets it start at random again."""
         if demo is not None:
             demos.check_start(demo, self._loaded("start_next_as").get_name())
         self._next_demo = demo
@@ -251,7 +251,7 @@ class Scene:
 
     @property
     def descriptions(self) -> list[str]:
-        """Sentences of the present episode.
+        """Instructions of the present episode.
 
         Raises:
             NotReset: There is none (also a RuntimeError).
@@ -261,7 +261,7 @@ class Scene:
         return list(self._origin.instructions)
 
     def sign(self, demo: Demo) -> None:
-        """Tell a demonstration that a program made of bare observations how its episode began."""
+        """Add the start of the episode to a demonstration that a program made of plain observations."""
         if self._origin is not None and demo.random_seed is None:
             origin = self._origin
             demo.random_seed, demo.attempt, demo.num_reset_attempts = origin.seed, origin.attempt, origin.reset_attempts
@@ -276,14 +276,14 @@ class Scene:
         """Called when an episode is laid out and settled."""
 
     def reset(self) -> None:
-        """End the episode and put the world back as it was built."""
+        """End the episode and restore the world as it was built."""
         self._runtime.task.end_episode()
         world = self._runtime.world
         world.restore(world.origin)
         self._has_init_episode = False
 
     def _place_task(self) -> None:
-        """Put the task at a random place on the table. Every placement of an episode comes here, unless it is static."""
+        """Put the task at a random place on the table. Every placement of an episode calls this, unless the task is static."""
         root, world = self.task.boundary_root(), self._runtime.world
         if root == self.task.get_base() and not np.array_equal(world.root.pose, world.spec.placement.pose):
             world.place_root(world.spec.placement.pose)
@@ -325,7 +325,7 @@ class Scene:
         return misc
 
     def get_observation_config(self) -> ObservationConfig:
-        """Return what observations contain."""
+        """Return the observation config."""
         return self._obs_config
 
     # Demonstrations -------------------------------------------------------------------------------------------------
@@ -381,7 +381,7 @@ class Scene:
     def _keep_frame(
         self, frame: Observation, frames: list[Observation], record: bool, func: Callable[[Observation], None] | None
     ) -> None:
-        """Let `_demo_record_step` have a frame that was just observed."""
+        """Pass a frame that was just observed to `_demo_record_step`."""
         self._joint_position_action, self._frame = frame.misc.get("joint_position_action"), frame
         try:
             self._demo_record_step(frames, record, func)

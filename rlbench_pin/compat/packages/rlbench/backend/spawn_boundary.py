@@ -1,4 +1,4 @@
-"""Random places inside boundaries, under the known names. All draws come from numpy's global generator."""
+"""Random places inside boundaries, under RLBench's names. All draws come from numpy's global generator."""
 
 from __future__ import annotations
 
@@ -42,13 +42,13 @@ class BoundingBox:
         return cls(*(float(bound) for pair in zip(low, high) for bound in pair))
 
     def within_boundary(self, boundary: BoundingBox, is_plane: bool) -> bool:
-        """Return whether this box lies inside another; on a plane the height does not count."""
+        """Return whether this box is inside another; on a plane the height does not count."""
         axes = 2 if is_plane else 3
         mine, other = self.corners[:, :axes], boundary.corners[:, :axes]
         return bool(np.all(mine[0] >= other[0] - 1e-9) and np.all(mine[1] <= other[1] + 1e-9))
 
     def rotate(self, rotation: Sequence[float] | FloatArray) -> BoundingBox:
-        """Return the box around this one when turned about its origin.
+        """Return the box around this one after a rotation about its origin.
 
         Args:
             rotation: Roll, pitch, yaw (3,) [rad], or a quaternion (4,), x, y, z, w.
@@ -63,7 +63,7 @@ class BoundingBox:
 
 
 class BoundaryObject:
-    """One boundary and what was placed in it.
+    """One boundary and the objects in it.
 
     Args:
         boundary: A flat region, on which the height of objects stays as it is, or a box.
@@ -77,7 +77,7 @@ class BoundaryObject:
 
     @property
     def contained_objects(self) -> list[Object]:
-        """What was placed in the boundary since the last `clear`."""
+        """Objects placed in the boundary since the last `clear`."""
         return list(self._contained_objects)
 
     def get_area(self) -> float:
@@ -101,11 +101,11 @@ class BoundaryObject:
             ignore_collisions: Do not look at what was placed already.
             min_rotation: Lowest roll, pitch, yaw in the axes of the boundary, on top of the present rotation [rad].
             max_rotation: Highest roll, pitch, yaw [rad].
-            min_distance: Least distance between origins [m].
-            others: What was placed already; None is what this boundary holds.
+            min_distance: Minimum distance between origins [m].
+            others: Objects placed already; None: those of this boundary.
 
         Returns:
-            1 when placed, -1 when it did not fit, -2 when it would touch something, -3 when it would be too near to something.
+            1 when placed, -1 when it did not fit, -2 when it would touch an object, -3 when it would be too near to an object.
         """
         start = np.asarray(obj.get_pose(relative_to=self._boundary), dtype=float)
         turn = self.draw(np.asarray(min_rotation, dtype=float), np.asarray(max_rotation, dtype=float))
@@ -157,7 +157,7 @@ class BoundaryObject:
         return [float(x) for x in place]
 
     def clear(self) -> None:
-        """Forget what was placed."""
+        """Forget the placed objects."""
         self._contained_objects = []
 
 
@@ -192,7 +192,7 @@ class SpawnBoundary:
             ignore_collisions: Do not look at what was placed already.
             min_rotation: Lowest roll, pitch, yaw, on top of the present rotation [rad].
             max_rotation: Highest roll, pitch, yaw [rad].
-            min_distance: Least distance between origins of objects placed [m].
+            min_distance: Minimum distance between origins of placed objects [m].
 
         Raises:
             BoundaryError: No place was found in `MAX_SAMPLES` tries.
@@ -213,13 +213,13 @@ class SpawnBoundary:
         return self._boundaries[int(np.random.choice(len(self._boundaries), p=self._probabilities))]
 
     def clear(self) -> None:
-        """Forget what was placed; call it at the start of every episode."""
+        """Forget the placed objects; call it at the start of every episode."""
         for boundary in self._boundaries:
             boundary.clear()
 
 
 def bounding_box(obj: Object) -> BoundingBox:
-    """Return the box around an object in its own axes; anything but a shape is a point."""
+    """Return the box around an object in its own axes; an object that is not a shape is a point."""
     if not isinstance(obj, Shape):
         return BoundingBox(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     bounds = obj.get_model_bounding_box() if obj.is_model() else obj.get_bounding_box()
@@ -227,12 +227,12 @@ def bounding_box(obj: Object) -> BoundingBox:
 
 
 class WorkspaceArea(BoundaryObject):
-    """The plane itself. Of an object that is placed, only its footprint has to fit.
+    """The plane of the workspace. Only the footprint of an object has to fit.
 
-    Places are drawn just as the native placement draws them, so one seed gives one place with both.
+    Places are drawn exactly as the native placement draws them, so one seed gives one place with both.
 
     Attributes:
-        rng: What places are drawn from; None is numpy's global generator.
+        rng: Generator of the places; None is numpy's global generator.
     """
 
     rng: np.random.Generator | None = None
@@ -262,7 +262,7 @@ class WorkspaceArea(BoundaryObject):
 
 
 class Workspace(SpawnBoundary):
-    """The boundary that every placement of a task goes through.
+    """The boundary of all placements of a task.
 
     Args:
         plane: The workspace of the scene.
@@ -278,7 +278,7 @@ class Workspace(SpawnBoundary):
 
     @contextmanager
     def drawing_from(self, rng: np.random.Generator | None) -> Iterator[None]:
-        """Draw from `rng` meanwhile; None is numpy's global generator."""
+        """Draw from `rng` in a block; None is numpy's global generator."""
         before, self._area.rng = self._area.rng, rng
         try:
             yield

@@ -1,4 +1,4 @@
-"""What every task is under the known names: a class of the library, or one written in the paper's style."""
+"""Tasks under RLBench's names: classes of the library, or classes written in the paper's style."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ TASKS_PATH = str(LIBRARY)
 
 @dataclass(frozen=True, eq=False)
 class TreeState:
-    """Where the objects of a task are."""
+    """Poses, joint values and parents of the objects of a task."""
 
     bodies: dict[str, tuple[FloatArray, FloatArray]]
     """Name -> pose (7,) and velocity (6,)."""
@@ -49,14 +49,14 @@ class TreeState:
 
 
 class TreeChanged(RlbenchPinError, RuntimeError):
-    """The task has other objects than it had."""
+    """The objects of the task have changed."""
 
 
 class Task:
     """A task: override `init_task`, `init_episode` and `variation_count`; the rest is optional.
 
-    The scene of a user's task is a `.toml` file of ours beside its module, called after the task or after the module. What
-    `init_episode` and hooks draw from `np.random` or `random` repeats with the seed of the episode.
+    The scene of a user's task is a `.toml` file in the folder of its module, named after the task or the module. Draws of
+    `init_episode` and of hooks from `np.random` or `random` repeat with the seed of the episode.
 
     Args:
         pyrep: The simulator.
@@ -65,7 +65,7 @@ class Task:
     """
 
     library_name: ClassVar[str] = ""
-    """Name of the task of our library that the class is, or was made from; empty for others."""
+    """Name of the library task that the class is, or is derived from; empty for others."""
 
     def __init__(self, pyrep: PyRep, robot: Robot, name: str | None = None) -> None:
         if self.library_name:
@@ -75,12 +75,12 @@ class Task:
         self._native: NativeTask | None = None
 
     def __getattr__(self, name: str) -> Any:
-        """Return an object that a loaded task of the library keeps, such as `target` of `reach_target`, as an object.
+        """Return an attribute of a loaded library task as an object of PyRep, such as `target` of `reach_target`.
 
-        A task of a program's own may keep what it likes under the same names.
+        Attributes of a task of a program take precedence.
 
         Raises:
-            AttributeError: The task keeps nothing of that name.
+            AttributeError: The task has no such attribute.
         """
         native = vars(self).get("_native")
         if native is not None and name == "_success_conditions":
@@ -92,11 +92,11 @@ class Task:
         except AttributeError:
             raise AttributeError(f"'{type(self).__name__}' object has no attribute '{name}'", name=name, obj=self) from None
 
-    # The task behind it -----------------------------------------------------------------------------------------------
+    # The native task --------------------------------------------------------------------------------------------------
 
     @classmethod
     def native_origin(cls) -> type[NativeTask]:
-        """Return the native class whose behaviour holds for what is not overridden."""
+        """Return the native class of the methods that are not overridden."""
         return library_task(cls.library_name) if cls.library_name else NativeTask
 
     @classmethod
@@ -105,7 +105,7 @@ class Task:
         return cls.native_origin() if "library_name" in vars(cls) else adapter_of(cast("Any", cls), cls.step is not Task.step)
 
     def bind(self, native: NativeTask) -> None:
-        """Take the native task of the world that was built; a task in the paper's style looks its objects up now."""
+        """Connect the native task of the world that was built; a task in the paper's style now finds its objects."""
         self._native = native
         if isinstance(native, PaperTask):
             native.tie(self)
@@ -124,13 +124,13 @@ class Task:
     # To override ------------------------------------------------------------------------------------------------------
 
     def init_task(self) -> None:
-        """Look objects up and register what never changes; called once."""
+        """Find objects and register conditions and graspable objects; called once."""
         if not self.library_name:
             raise NotImplementedError(f"Task '{self.name}' must define init_task(self).")
         type(self).native_origin().init_task(self.native)
 
     def init_episode(self, index: int) -> list[str]:
-        """Lay out one episode of variation `index` and return sentences that all ask for the goal."""
+        """Set up one episode of variation `index` and return instructions that all describe the goal."""
         if not self.library_name:
             raise NotImplementedError(f"Task '{self.name}' must define init_episode(self, index).")
         if isinstance(self.native, PaperTask):
@@ -139,14 +139,14 @@ class Task:
         return self.native.begin_episode(index, rng)
 
     def variation_count(self) -> int:
-        """Return how many variations there are; tasks of the library know it before they are loaded."""
+        """Return the number of variations; for library tasks also before they are loaded."""
         if not self.library_name:
             raise NotImplementedError(f"Task '{self.name}' must define variation_count(self).")
         origin = type(self).native_origin()
         return origin.variation_count(object.__new__(origin) if self._native is None else self._native)
 
     def get_low_dim_state(self) -> FloatArray:
-        """Return poses of bodies by name, joint values, poses of shapes that `init_task` hung in the task, shape (n,)."""
+        """Return poses of bodies by name, joint values, poses of shapes that `init_task` attached to the task, shape (n,)."""
         state, native = type(self).native_origin().get_low_dim_state(self.native), self.native
         return np.concatenate([state, native.poses_of_made()]) if isinstance(native, PaperTask) else state
 
@@ -163,23 +163,23 @@ class Task:
         type(self).native_origin().cleanup(self.native)
 
     def base_rotation_bounds(self) -> RotationBounds:
-        """Return the lowest and highest roll, pitch, yaw [rad] of the random rotation; by default what the scene file says."""
+        """Return the lowest and highest roll, pitch, yaw [rad] of the random rotation; by default those of the scene file."""
         return type(self).native_origin().base_rotation_bounds(self.native)
 
     def boundary_root(self) -> Object:
-        """Return what is moved when the task is placed at random; by default the whole task."""
+        """Return the object that is moved when the task is placed at random; by default the whole task."""
         return self.get_base()
 
     def decorate_observation(self, observation: Observation) -> Observation:
-        """Return the observation, perhaps with more in it."""
+        """Return the observation, with changes or additions of the task."""
         return type(self).native_origin().decorate_observation(self.native, observation)
 
     def is_static_workspace(self) -> bool:
-        """Return whether the task stays where it is; by default what the scene file says."""
+        """Return whether the task has a fixed place; by default as in the scene file."""
         return type(self).native_origin().is_static_workspace(self.native)
 
     def set_initial_objects_in_scene(self) -> None:
-        """Nothing: which objects the low-dimensional state has, and their order, follows from the scene file."""
+        """No effect: the objects of the low-dimensional state, and their order, follow from the scene file."""
 
     def load(self) -> Object:
         """Build the world of the task in place of the present one, unless it is the present one, and return its base.
@@ -195,15 +195,15 @@ class Task:
     # To register; each call replaces what was registered before -------------------------------------------------------
 
     def register_success_conditions(self, condition: Sequence[Condition]) -> None:
-        """Success is all of these at the same instant."""
+        """Define success: all of these conditions are met at the same instant."""
         self.native.register_success_conditions([NativeCondition(c) for c in condition])
 
     def register_fail_conditions(self, condition: Sequence[Condition]) -> None:
-        """All of these at the same instant end the episode without success."""
+        """Define failure: all of these conditions, met at the same instant, end the episode without success."""
         self.native.register_fail_conditions([NativeCondition(c) for c in condition])
 
     def register_graspable_objects(self, objects: Iterable[Object]) -> None:
-        """Allow the gripper to hold these objects."""
+        """Allow the gripper to grasp these objects."""
         self.native.register_graspable_objects([_world_name(item) for item in objects])
 
     def register_waypoint_ability_start(self, waypoint_index: int, func: Callable[[Waypoint], Any]) -> None:
@@ -215,7 +215,7 @@ class Task:
         self.native.register_waypoint_ability_end(waypoint_index, lambda w: func(waypoint_of(w, self.robot)))
 
     def register_waypoints_should_repeat(self, func: Callable[[], bool]) -> None:
-        """Ask `func` after the last waypoint whether to play the list again."""
+        """Call `func` after the last waypoint; if it returns True, the list is repeated."""
         self.native.register_waypoints_should_repeat(func)
 
     def register_stop_at_waypoint(self, waypoint_index: int) -> None:
@@ -229,7 +229,7 @@ class Task:
         return self.name
 
     def get_base(self) -> Dummy:
-        """Return the root of the task, which carries all its objects."""
+        """Return the root of the task, the ancestor of all its objects."""
         return Dummy(self.native.world.root.name)
 
     def get_waypoints(self) -> list[Waypoint]:
@@ -237,11 +237,11 @@ class Task:
         return [waypoint_of(waypoint, self.robot) for waypoint in self.native.get_waypoints()]
 
     def should_repeat_waypoints(self) -> bool:
-        """Return whether the waypoint list is to be played again; asked once after the last waypoint."""
+        """Return whether the waypoint list is to be repeated; called once after the last waypoint."""
         return self.native.should_repeat_waypoints()
 
     def get_graspable_objects(self) -> list[Object]:
-        """Return the objects that the gripper may hold."""
+        """Return the objects that the gripper may grasp."""
         return [Shape(name) for name in self.native.get_graspable_objects()]
 
     def success(self) -> tuple[bool, bool]:
@@ -256,17 +256,17 @@ class Task:
         check_feasible(runtime.planner, self.native.get_waypoints(), home, np.random.default_rng(0))
 
     def get_state(self) -> TreeState:
-        """Return where the objects of the task are."""
+        """Return the state of the objects of the task."""
         world = self.native.world
         bodies = {name: (body.pose, body.velocity) for name, body in world.bodies.items()}
         joints = {joint.name: joint.state() for body in world.bodies.values() for joint in body.joints.values()}
         return TreeState(bodies, joints, {name: frame.state() for name, frame in world.frames.items()})
 
     def restore_state(self, state: TreeState) -> None:
-        """Put the objects of the task back; the arm stays.
+        """Restore the objects of the task; the arm does not move.
 
         Raises:
-            TreeChanged: The task has other objects than it had (also a RuntimeError).
+            TreeChanged: The objects of the task have changed (also a RuntimeError).
         """
         world = self.native.world
         if set(world.bodies) != set(state.bodies):
@@ -303,7 +303,7 @@ class Task:
             waypoint.set_hooks(None, None)
 
     def unload(self) -> None:
-        """Take the task out of the simulator, its registrations with it."""
+        """Remove the task and its registrations from the simulator."""
         native, self._native = self._native, None
         simulator = Simulator.running
         if native is not None and simulator is not None and simulator.runtime.task is native:
@@ -311,23 +311,23 @@ class Task:
 
 
 def _world_name(item: Any) -> str:
-    """Return what the world calls an object of the scene: a view, or the name itself; for a part the object that it is of."""
+    """Return the name in the world of an object of the scene, given a view or a name; for a part, that of its object."""
     return (item if isinstance(item, str) else str(item.element.name)).partition("/")[0]
 
 
 PLAIN_VALUES = (str, bytes, Number, np.ndarray, np.generic)
-"""Values that are handed over as they are."""
+"""Types of values that are returned unchanged."""
 
 
 def _attribute_of(native: object | None, name: str) -> Any:
-    """Return what a native task keeps as attribute `name`: an object of its scene as a view, a plain value as it is.
+    """Return the attribute `name` of a native task: an object of its scene as a view, a plain value unchanged.
 
     Args:
         native: The task, or None when it is not loaded.
         name: A public name; lists and tuples of objects are possible, too.
 
     Raises:
-        AttributeError: It keeps nothing of that name that a program could use.
+        AttributeError: It has no attribute of that name that a program could use.
     """
     kept = {} if native is None or name.startswith("_") else vars(native)
     if name not in kept:

@@ -12,7 +12,7 @@ from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.scene.spec import BodySpec
 
 _SOLIDS = 25
-"""So many convex solids are among the assets."""
+"""Number of convex solids in the assets."""
 _SCALES = (0.85, 1.2)
 """Lowest and highest scale of a solid."""
 
@@ -20,11 +20,11 @@ _SCALES = (0.85, 1.2)
 def sample_procedural_objects(task_base: Object, num_samples: int, mass: float = 0.1) -> list[Shape]:
     """Add convex solids of random form and size to the scene, drawn from numpy's global generator.
 
-    They stand beside each other above the base, belong to the episode and are gone after it.
+    They are placed side by side above the base, belong to the episode and are removed after it.
 
     Args:
-        task_base: Where they appear: above this object.
-        num_samples: How many.
+        task_base: Object above which they are placed.
+        num_samples: Number of solids.
         mass: Mass of each [kg].
     """
     world = Simulator.current().world

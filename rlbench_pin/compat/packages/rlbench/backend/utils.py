@@ -40,7 +40,7 @@ def float_array_to_rgb_image(
 ) -> Image.Image:
     """Spread numbers (h, w) over the 24 bits of a colour image; what does not fit is clipped.
 
-    With `scale_factor=rlbench.backend.const.DEPTH_SCALE`, depth 0..1 becomes the very image that stored demonstrations hold.
+    With `scale_factor=rlbench.backend.const.DEPTH_SCALE`, depth 0..1 becomes the same image as in stored demonstrations.
 
     Args:
         float_array: The numbers, shape (h, w), not negative.
@@ -69,7 +69,7 @@ def float_array_to_grayscale_image(
     """
     kind = _GRAY_MODES.get(np.dtype(image_dtype))
     if kind is None:
-        raise CameraError(f"An image of one channel holds uint8, uint16 or int32, not {image_dtype}.")
+        raise CameraError(f"An image of one channel has the type uint8, uint16 or int32, not {image_dtype}.")
     scale = DEFAULT_GRAY_SCALE_FACTOR[kind] if scale_factor is None else scale_factor
     highest = float(np.iinfo(str(np.dtype(kind))).max)
     steps = np.rint(ClipFloatValues(_plane(float_array).astype(np.float64) * scale, 0.0, highest))

@@ -1,4 +1,4 @@
-"""Waypoints under their known names: what the tip visits in a demonstration, and paths to it."""
+"""Waypoints of demonstrations under RLBench's names, and paths to them."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ class Waypoint:
     Args:
         waypoint: Object that marks the place.
         robot: Arm and gripper.
-        ignore_collisions: Plan without looking at collisions.
+        ignore_collisions: Plan without collision checks.
         start_of_path_func: Called with the waypoint before its path is planned.
         end_of_path_func: Called with the waypoint when it was reached.
-        native: The waypoint of the scene; what it says holds then.
+        native: The waypoint of the scene; its settings take precedence.
     """
 
     def __init__(
@@ -65,10 +65,10 @@ class Waypoint:
     def get_path(self, ignore_collisions: bool = False) -> ArmConfigurationPath:
         """Return a path of the arm from where it is to the waypoint, planned as in demonstrations.
 
-        A gripper that may arrive turned takes the turn with which the waypoints that follow can be reached as well.
+        With grasp symmetry, the rotation of the gripper is one with which the following waypoints can be reached as well.
 
         Args:
-            ignore_collisions: Plan as if nothing could be touched, whatever the waypoint says.
+            ignore_collisions: Plan without collision checks, whatever the setting of the waypoint.
 
         Raises:
             ConfigurationPathError: There is none.
@@ -92,7 +92,7 @@ class Waypoint:
         raise NotImplementedError(f"{type(self).__name__} must define get_path(self, ignore_collisions).")
 
     def get_ext(self) -> str:
-        """Return what happens besides: `ignore_collision`, `linear`, `open_gripper(x)`, `close_gripper(x)`."""
+        """Return the extension string: `ignore_collision`, `linear`, `open_gripper(x)`, `close_gripper(x)`."""
         return self._ext
 
     def get_waypoint_object(self) -> Object:
@@ -129,27 +129,27 @@ class Point(Waypoint):
 
 
 class PredefinedPath(Waypoint):
-    """A curve that the tip follows; it never looks at collisions."""
+    """A curve that the tip follows, without collision checks."""
 
     def _asked_path(self, ignore_collisions: bool, turn: float = 0.0) -> ArmConfigurationPath:
         return self._robot.arm.get_path_from_cartesian_path(cast("CartesianPath", self._waypoint))
 
 
 def waypoint_of(native: NativeWaypoint, robot: Robot) -> Waypoint:
-    """Return a waypoint of a scene under its known name."""
+    """Return a waypoint of a scene as a waypoint of RLBench."""
     kind = PredefinedPath if native.path == "curve" else Point
     return kind(Object.get_object(native.frame.name), robot, native=native)
 
 
 def _extension(waypoint: Object, native: NativeWaypoint | None) -> str:
-    """Return the words of a waypoint; opening to a fraction from further open is called closing."""
+    """Return the extension string of a waypoint; opening to a fraction from further open is called closing."""
     text = str(waypoint.get_extension_string())
     closes = native is not None and isinstance(native.gripper, float) and not native.releases
     return text.replace("open_gripper(", "close_gripper(") if closes else text
 
 
 def _rest_of_run(native: NativeWaypoint, task: NativeTask) -> list[NativeWaypoint]:
-    """Return a waypoint and those after it that share the turn of the gripper with it."""
+    """Return a waypoint and those after it that share its grasp symmetry."""
     for run in grasp_groups([w for w in task.get_waypoints() if w is native or not w.skip]):
         if native in run:
             return run[run.index(native) :]

@@ -1,7 +1,7 @@
-"""Draw an animated picture of every task of the library, each from the beginning of a demonstration to its end.
+"""Draw an animated image of every task of the library, each from the beginning of a demonstration to its end.
 
-Usage: python scripts/readme_film.py [TASK ...] [--out FILE.webp]    docs/images/tasks.webp by default
-All tasks take as long in the picture, so that they do not go at the same speed; the last moment stands still for a while.
+Usage: python scripts/readme_animation.py [TASK ...] [--out FILE.webp]    docs/images/tasks.webp by default
+All tasks take as long in the image, so that they do not go at the same speed; the last moment stands still for a while.
 """
 
 from __future__ import annotations
@@ -13,21 +13,21 @@ import numpy as np
 from PIL import Image
 
 from rlbench_pin.environment.presets import low_dim_config, make_environment
-from rlbench_pin.recording.video import Reel, framed, grid_frames, points_to_show
+from rlbench_pin.recording.video import Clip, framed, grid_frames, points_to_show
 from rlbench_pin.tasks import library_names
 
 OUT = Path(__file__).resolve().parents[1] / "docs" / "images" / "tasks.webp"
 CELL, PICTURES, STILL, PAUSE, SEED, QUALITY = (150, 140), 44, 8, 110, 0, 40
-"""Size of a task [px], pictures of a demonstration, of its end, time of each [ms], seed, quality of WebP."""
+"""Size of a task [px], images of a demonstration, of its end, time of each [ms], seed, quality of WebP."""
 LIMIT = 3_000_000
 """Bytes that the file may have."""
 EYE = (0.75, 1.45, 1.95)
 """Ahead of the robot's left shoulder [m]."""
 
 
-def reel_of(name: str) -> Reel:
-    """Play a demonstration of a task and keep pictures at equal intervals, first and last among them."""
-    reel = Reel()
+def clip_of(name: str) -> Clip:
+    """Play a demonstration of a task and keep images at equal intervals, first and last among them."""
+    clip = Clip()
     with make_environment(low_dim_config()) as environment:
         task = environment.get_task(name)
         demo = task.get_demos(1, live_demos=True, seed=SEED)[0]
@@ -41,13 +41,13 @@ def reel_of(name: str) -> Reel:
             if shown:
                 small = Image.fromarray(task.world.renderer.image(view)).resize(CELL, Image.Resampling.LANCZOS)
                 for _ in range(shown):
-                    reel.add(np.asarray(small))
+                    clip.add(np.asarray(small))
             frame += 1
 
         task.try_demo(seed=SEED, attempt=demo.attempt, on_frame=look)
     for _ in range(STILL):
-        reel.add(np.asarray(reel.frame(len(reel) - 1)))
-    return reel
+        clip.add(np.asarray(clip.frame(len(clip) - 1)))
+    return clip
 
 
 def main() -> None:
@@ -56,11 +56,11 @@ def main() -> None:
     parser.add_argument("tasks", nargs="*")
     parser.add_argument("--out", type=Path, default=OUT)
     options = parser.parse_args()
-    reels = {}
+    clips = {}
     for name in options.tasks or library_names():
-        reels[name] = reel_of(name)
-        print(f"{name}: {len(reels[name])} pictures", flush=True)
-    first, *rest = (Image.fromarray(picture) for picture in grid_frames(reels, CELL))
+        clips[name] = clip_of(name)
+        print(f"{name}: {len(clips[name])} images", flush=True)
+    first, *rest = (Image.fromarray(image) for image in grid_frames(clips, CELL))
     options.out.parent.mkdir(parents=True, exist_ok=True)
     first.save(options.out, save_all=True, append_images=rest, duration=PAUSE, loop=0, quality=QUALITY, method=4)
     size = options.out.stat().st_size

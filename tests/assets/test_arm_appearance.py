@@ -9,7 +9,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
 
-from assets_lib.arm_looks import light_looks
+from assets_lib.arm_appearance import light_appearances
 from assets_lib.collapse import collapse, quadrics_of, sharp_edges
 from assets_lib.decimate import weld, without_small_holes
 from assets_lib.mesh import Mesh, cylinder, icosphere
@@ -43,7 +43,7 @@ def test_a_flat_plate_keeps_its_border() -> None:
 
 def test_a_ball_stays_round_and_shines_as_before() -> None:
     """Points stay near the sphere, and normals point away from its middle."""
-    looks = light_looks({"ball": [(WHITE, icosphere(0.05, 4))]}, {}, 300)
+    looks = light_appearances({"ball": [(WHITE, icosphere(0.05, 4))]}, {}, 300)
     mesh, normals = looks[0].piece.mesh, looks[0].normals
     assert len(mesh.faces) <= 300
     assert np.abs(np.linalg.norm(mesh.vertices, axis=1) - 0.05).max() < 0.001
@@ -55,7 +55,7 @@ def test_pieces_share_the_triangles_and_keep_their_colours() -> None:
     """A closed drum and a dark plate above it: both stay, the sharp rim of the drum too, and what the plate hides may go."""
     drum = weld(cylinder(0.05, 0.1, 200), 5)
     plate = Mesh((_plate(12).vertices - [0.5, 0.5, 0.0]) * 0.05 + [0.0, 0.0, 0.052], _plate(12).faces)
-    looks = light_looks({"drum": [(WHITE, drum), (BLACK, plate)]}, {}, 120)
+    looks = light_appearances({"drum": [(WHITE, drum), (BLACK, plate)]}, {}, 120)
     assert [look.piece.color for look in looks] == [WHITE, BLACK]
     assert sum(len(look.piece.mesh.faces) for look in looks) <= 120
     assert np.allclose(looks[0].piece.mesh.bounds(), drum.bounds(), atol=0.001)

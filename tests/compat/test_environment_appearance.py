@@ -67,16 +67,16 @@ def test_looks_change_with_every_episode(textures: Path) -> None:
     assert visual.should_randomize("chest") and not visual.should_randomize("table") and not visual.should_randomize("floor")
     assert len(visual.sample(5)) == 5
     everything = VisualRandomizationConfig(str(textures))
-    pictures = {}
+    images = {}
     for name, config in (("spared", visual), ("all", everything)):
         env = make(settings(), randomize_every=RandomizeEvery.EPISODE, frequency=1, visual_randomization_config=config)
         task = env.get_task(OpenDrawer)
         assert isinstance(task._scene, DomainRandomizationScene)
         np.random.seed(4)
-        pictures[name] = [task.reset()[1].front_rgb for _ in range(3)]
+        images[name] = [task.reset()[1].front_rgb for _ in range(3)]
         env.shutdown()
-    spared = max(share_changed(pictures["spared"][0], other) for other in pictures["spared"][1:])
-    everywhere = max(share_changed(pictures["all"][0], other) for other in pictures["all"][1:])
+    spared = max(share_changed(images["spared"][0], other) for other in images["spared"][1:])
+    everywhere = max(share_changed(images["all"][0], other) for other in images["all"][1:])
     assert 0.0 < spared < 0.35 < everywhere
 
 

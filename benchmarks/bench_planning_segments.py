@@ -47,9 +47,9 @@ def _by_task(segments: dict[str, list[SegmentReport]]) -> list[Result]:
     groups: dict[str, list[float]] = defaultdict(list)
     for segment in everything:
         groups[segment.method].append(segment.planning_time)
-    rows = [("plan a leg, all tasks", [segment.planning_time for segment in everything])]
-    rows += [(f"plan a leg, {method}", times) for method, times in sorted(groups.items())]
-    rows += [(f"plan a leg, {name}", [segment.planning_time for segment in of_task]) for name, of_task in segments.items()]
+    rows = [("plan a segment, all tasks", [segment.planning_time for segment in everything])]
+    rows += [(f"plan a segment, {method}", times) for method, times in sorted(groups.items())]
+    rows += [(f"plan a segment, {name}", [segment.planning_time for segment in of_task]) for name, of_task in segments.items()]
     return [summary(name, times, f"{len(times)} segments") for name, times in rows if times]
 
 

@@ -1,4 +1,4 @@
-"""The looks of an arm's links: detailed pieces in, few triangles with the normals of the detailed surface out."""
+"""The appearance of an arm's links: detailed pieces in, few triangles with the normals of the detailed surface out."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Piece:
 
 
 @dataclass(frozen=True)
-class Look:
+class Appearance:
     """A piece with few triangles."""
 
     piece: Piece
@@ -47,7 +47,9 @@ class Look:
     """Unit normals of the corners of its faces, shape (m, 3, 3)."""
 
 
-def light_looks(parts: Mapping[str, Sequence[tuple[Rgb, Mesh]]], weights: Mapping[str, float], target: int) -> list[Look]:
+def light_appearances(
+    parts: Mapping[str, Sequence[tuple[Rgb, Mesh]]], weights: Mapping[str, float], target: int
+) -> list[Appearance]:
     """Return all pieces of all parts with about `target` triangles together.
 
     The first pass, without regard for edges, takes away what is smaller than a tenth of a millimetre, steps and grooves between
@@ -74,7 +76,7 @@ def light_looks(parts: Mapping[str, Sequence[tuple[Rgb, Mesh]]], weights: Mappin
     quadrics = [_edge_quadrics(mesh) * _weight(mesh, weights.get(p.part)) for p, mesh in zip(pieces, middle, strict=True)]
     light = collapse(middle, quadrics, target)
     return [
-        Look(Piece(piece.part, piece.number, piece.color, mesh), _normals_from(mesh, source))
+        Appearance(Piece(piece.part, piece.number, piece.color, mesh), _normals_from(mesh, source))
         for piece, mesh, source in zip(pieces, light, middle, strict=True)
         if len(mesh.faces)
     ]
