@@ -63,9 +63,9 @@ class Lighting:
 
     key: Light = Light((0.6, 0.4, 1.6), 0.36)
     """The sun of the scene; casts the shadows."""
-    fills: tuple[Light, ...] = field(default=(Light((-0.9, 0.8, 0.9), 0.20), Light((0.5, -1.2, 0.5), 0.10)))
+    fills: tuple[Light, ...] = field(default=(Light((-0.9, 0.8, 0.9), 0.17), Light((0.5, -1.2, 0.5), 0.10)))
     """Soft lights from the other sides."""
-    ambient: float = 0.52
+    ambient: float = 0.53
     """Brightness of a white surface that no light reaches."""
 
     def __post_init__(self) -> None:

@@ -76,7 +76,7 @@ def _lining() -> Mesh:
 def _plates() -> Mesh:
     """Return the four cooking plates."""
     places = ((-0.085, 0.105, 0.07), (0.085, 0.105, 0.055), (-0.085, -0.105, 0.055), (0.085, -0.105, 0.07))
-    return merge(cylinder(r, 0.006, 12).moved((x, y, HEIGHT + 0.003)) for x, y, r in places)
+    return merge(cylinder(r, 0.006, 11).moved((x, y, HEIGHT + 0.003)) for x, y, r in places)
 
 
 def _knob_mesh() -> Mesh:

@@ -256,6 +256,6 @@ def test_metal_and_glass_mirror_the_room(tmp_path):
     view = CameraView(pose=look_at((0.9, 0.0, 1.0), (0.3, 0.0, 0.8)), fov=0.7, size=(256, 192), near=0.05, far=6.0)
     colors, seen = _cans(tmp_path, view, shadows=True)
     spread = {name: np.std(colors[where].sum(axis=1)) for name, where in seen.items()}
-    assert spread["metal"] > 2.0 * spread["dull"] and spread["metal"] > 1.3 * spread["glass"] > 1.3 * spread["dull"]
+    assert spread["metal"] > 1.7 * spread["dull"] and spread["metal"] > 1.3 * spread["glass"] > 1.3 * spread["dull"]
     plain, seen = _cans(tmp_path, view, shadows=False)
     assert np.ptp([np.std(plain[where].sum(axis=1)) for where in seen.values()]) < 0.3 * spread["dull"]
