@@ -184,17 +184,17 @@ class ShadowMap:
         for values, side in ((column, width), (row, height)):
             np.maximum(values, np.float32(2.0), out=values)
             np.minimum(values, np.float32(side - 3), out=values)
-        row, column = row.astype(np.int64), column.astype(np.int64)
-        block = row >> 2
+        down, right = row.astype(np.int64), column.astype(np.int64)
+        block = down >> 2
         block *= width >> 2
-        block += column >> 2
+        block += right >> 2
         limit = spots.depth - bias
         least, greatest = self._extremes
         is_free = least.take(block) >= limit
         share = is_free.astype(np.float32)
         reached = (~is_free).nonzero()[0]
         edge = reached.take((greatest.take(block.take(reached)) >= limit.take(reached)).nonzero()[0])
-        share[edge] = self._share(row.take(edge) * width + column.take(edge), limit.take(edge))
+        share[edge] = self._share(down.take(edge) * width + right.take(edge), limit.take(edge))
         return share
 
     def _share(self, texel: NDArray[np.int64], limit: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -377,9 +377,8 @@ def table_spots(light: CameraView, view: CameraView, depth: NDArray[np.float32],
     for values in (right, down):
         np.maximum(values, np.float32(1.0), out=values)
         np.minimum(values, np.float32(_SIZE - 1.501), out=values)
-    column, row = right.astype(np.int64), down.astype(np.int64)
-    texel = row * _SIZE
-    texel += column
+    texel = down.astype(np.int64) * _SIZE
+    texel += right.astype(np.int64)
     if not len(z) or float(z.min()) > -_TEXEL * float(k[0, 0]):
         return TableSpots(pixels, texel, None, None)
-    return TableSpots(pixels, texel, right - column - np.float32(0.5), down - row - np.float32(0.5))
+    return TableSpots(pixels, texel, right - np.floor(right) - np.float32(0.5), down - np.floor(down) - np.float32(0.5))

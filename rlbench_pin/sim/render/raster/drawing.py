@@ -108,11 +108,11 @@ def _seen(keys: NDArray[np.int64], sights: Sequence[Sight], starts: NDArray[np.i
     triangles, inverse = parts_of_keys(keys.take(pixels))
     depth: NDArray[np.float32] = np.float32(1.0) / inverse
     ends = np.searchsorted(pixels, starts)
-    drawn = []
+    drawn: list[tuple[NDArray, ...]] = []
     for number, sight in enumerate(sights):
         part = slice(ends[number], ends[number + 1])
         flat = pixels[part] - starts[number]
-        quantities = flat, triangles[part], inverse[part], depth[part]
+        quantities: tuple[NDArray, ...] = (flat, triangles[part], inverse[part], depth[part])
         if sight.limit is not None:
             seen = quantities[3] < sight.limit.take(flat) + TOUCHING
             if not seen.all():

@@ -386,7 +386,7 @@ def _materials(entries: list[tuple], mixed: Visuals, known: Finishes) -> Materia
         colors=np.ascontiguousarray((colors[:, :3] * np.float32(255.0)).T),
         opacity=np.ascontiguousarray(colors[:, 3]),
         gloss=np.ascontiguousarray(gloss.T),
-        is_glossy=gloss.any(axis=1),
+        is_glossy=np.asarray(gloss.any(axis=1)),
         shines=shines,
         reach=reach,
     )
