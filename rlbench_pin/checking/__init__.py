@@ -6,6 +6,7 @@ from rlbench_pin.checking.explain import explain_failure
 from rlbench_pin.checking.reach import Reach
 from rlbench_pin.checking.records import (
     DemoTrial,
+    FrictionTrial,
     KeyFramesTrial,
     NoopTrial,
     Part,
@@ -25,6 +26,7 @@ __all__ = [
     "CheckProgress",
     "DemoTrial",
     "Failure",
+    "FrictionTrial",
     "Item",
     "KeyFramesTrial",
     "NoopEpisode",

@@ -144,7 +144,6 @@ class Runtime:
         task: The task that is running.
         model: Analytic model of the arm.
         planner: Motion planner over `model`.
-        attach_grasped_objects: Whether closing the gripper fixes grasped bodies to it, unless the gripper mode says otherwise.
         listeners: Called for ticks, observations and segments; see `listening`.
         before_tick: Functions that `step` calls before each control tick, in order.
         after_tick: Functions that `step` calls after each control tick, in order: listeners, the step of the task, randomization,
@@ -165,7 +164,8 @@ class Runtime:
         self.world, self.task, self.description, self.model, self.planner = world, task, robot, model, planner
         self.robot, self.gripper = world.robot, world.gripper
         self.observer = Observer(world, model, config, camera_places)
-        self.attach_grasped_objects = attach_grasped_objects
+        if not attach_grasped_objects:
+            self.gripper.rely_on_friction()
         self.variation = 0
         self._planning_seed = 0
         self.instructions: tuple[str, ...] = ()
