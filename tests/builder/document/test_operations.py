@@ -36,7 +36,7 @@ def test_texts_of_the_python_are_renamed_and_the_rest_is_told(opened: Opener) ->
     assert 'self.world.body("brick")' in document.python_text and 'objects(["brick"])' in document.python_text
     assert document.problems == ()
     assert any(line.startswith("15: ") and "self.block" in line for line in left)
-    assert any("{name} block at it" in line for line in left)
+    assert any("{name} block in it" in line for line in left)
     assert not any(line.endswith('register_graspable_objects(["brick"])') for line in left)
 
 
