@@ -1,4 +1,4 @@
-"""Random joint velocities of full range through the safety filter, in simulated task scenes: what is violated, and what it costs.
+"""Random joint velocities and gripper commands through the safety filter in task scenes: what is violated, and what it costs.
 
 Usage: python benchmarks/bench_safety.py [--actions 1000000] [--workers 2] [--tasks NAME ...] [--shards DIR] [--out docs/results]
 Actions are kept for 1 tick, and some for 6 or 12. Every tick is measured: joint positions, velocities and

@@ -18,6 +18,7 @@ import bench_cameras
 import bench_control_ik
 import bench_control_loops
 import bench_controllers
+import bench_dataset
 import bench_demo
 import bench_planning
 import bench_planning_segments
@@ -35,6 +36,7 @@ BENCHMARKS: dict[str, Callable[[bool], Sequence[Result]]] = {
     "cameras": lambda quick: bench_cameras.benchmark(),
     "control_ik": lambda quick: bench_control_ik.benchmark(*((4, 20) if quick else (10, 200))),
     "control_loops": lambda quick: bench_control_loops.benchmark(100 if quick else 1000),
+    "dataset": lambda quick: bench_dataset.benchmark(*((2, 20) if quick else (20, 1000))),
     "safety": lambda quick: bench_safety.benchmark(100 if quick else 1000),
     "controllers": lambda quick: bench_controllers.benchmark(("reach_target",) if quick else ("pick_and_lift", "open_drawer")),
 }

@@ -1,4 +1,4 @@
-"""The arm behind its safety filter under random velocities in one scene, every tick of it measured."""
+"""The arm behind its safety filter under random velocities and gripper commands in one scene, every tick of it measured."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from harness import state_only
 
-from rlbench_pin.control import SafetyConfig
+from rlbench_pin.control import SafeCommand, SafetyConfig
 from rlbench_pin.environment import Discrete, Environment, JointVelocity, MoveArmThenGripper, SafeArm, TaskEnvironment
 from rlbench_pin.environment.actions.safe_arm import LIMIT_MARGIN, RuntimeFilter, wanted_velocity
 from rlbench_pin.environment.runtime import Runtime
@@ -20,7 +20,9 @@ from rlbench_pin.spatial import FloatArray
 
 CONFIG = SafetyConfig(limit_margin=LIMIT_MARGIN)
 EPISODE = 204
-"""Ticks of an episode, a multiple of all holdings."""
+"""Actions of the arm in an episode, a multiple of all holdings."""
+GRIPPER_CHANGES = 1 / 12
+"""Probability that an action opens a shut gripper, or shuts an open one."""
 SLACK = 0.001
 """How much below its margin a distance may be [m]."""
 TREMBLE = 1e-6
@@ -40,9 +42,15 @@ class Figures:
     acceleration: int = 0
     """Ticks at which a joint was beyond its limit of this kind."""
     contact: int = 0
-    """Ticks at which the arm touched something."""
+    """Ticks at which the arm touched something, other than bodies between the fingers."""
     distance: int = 0
-    """Ticks at which a distance was below its margin by more than the slack."""
+    """Ticks at which a distance was below its margin by more than the slack, other than to bodies between the fingers."""
+    openings: int = 0
+    """Commands to open a shut gripper."""
+    refused: int = 0
+    """Those that were refused for want of room."""
+    gripping: int = 0
+    """Ticks at which a body was between the fingers."""
     nearest_world_m: float = np.inf
     nearest_self_m: float = np.inf
     hardest: float = 0.0
@@ -106,12 +114,13 @@ class TimedArm(SafeArm):
         """Make the filter, timed."""
         return TimedFilter(super().make_filter(runtime).filter)
 
-    def filter_command(self, runtime: Runtime, runtime_filter: RuntimeFilter) -> None:
+    def filter_command(self, runtime: Runtime, runtime_filter: RuntimeFilter) -> SafeCommand:
         q, v = runtime.robot.joint_positions, runtime.robot.joint_velocities
         self.states.append((q, v, wanted_velocity(runtime, q, v).copy()))
         began = time.process_time()
-        super().filter_command(runtime, runtime_filter)
+        command = super().filter_command(runtime, runtime_filter)
         self.seconds.append(time.process_time() - began + runtime_filter.update_seconds[-1])
+        return command
 
     def alone(self, runtime: Runtime) -> list[float]:
         """Filter the states again, and nothing else; return the processor time of each [s]."""
@@ -131,7 +140,7 @@ class Checker:
         self.task, self.limits, self.dt = task, task.runtime.model.limits, task.world.control_dt
         self.distances = DistanceModel(task.runtime.model)
         self.figures = Figures()
-        self._seen = np.zeros(0)
+        self._seen, self._between = np.zeros(0), list[str]()
 
     def begin(self, episode: str) -> None:
         """Begin an episode, which is named in what is reported."""
@@ -144,7 +153,11 @@ class Checker:
         hardest = float((np.abs(v - self.v) / self.dt / limits.acceleration).max())
         outside = bool((q < limits.lower - 1e-6).any() or (q > limits.upper + 1e-6).any())
         fast = bool((np.abs(v) > limits.velocity * 1.001).any())
-        broken = (outside, fast, hardest > 1.01, bool(robot.touching()), self._too_near(q))
+        snapshot, gripper = self.task.world.snapshot(), self.task.world.gripper
+        between = [body.name for body in snapshot.bodies if body.collides and gripper.reaches_between_fingers(body.name)]
+        f.gripping += bool(between)
+        touched = not set(robot.touching()) <= set(between)
+        broken = (outside, fast, hardest > 1.01, touched, self._too_near(q, snapshot, between))
         f.position, f.velocity, f.acceleration = f.position + broken[0], f.velocity + broken[1], f.acceleration + broken[2]
         f.contact, f.distance = f.contact + broken[3], f.distance + broken[4]
         state = f"q {q.tolist()}, v {v.tolist()}, before {self.v.tolist()}"
@@ -155,17 +168,18 @@ class Checker:
         f.avoided += bool(reasons - {"limits", "torque"})
         f.stops += arm.last is not None and arm.last.stopped
 
-    def _take_over(self, snapshot: WorldSnapshot) -> None:
+    def _take_over(self, snapshot: WorldSnapshot, between: list[str]) -> None:
         """Take over the world, when anything but the arm moved since by more than `TREMBLE`."""
         now = np.concatenate([snapshot.fingers, *(body.link_poses.ravel() for body in snapshot.bodies)])
-        if self._seen.shape != now.shape or np.abs(now - self._seen).max() > TREMBLE:
-            self.distances.update(snapshot)
-            self._seen = now
+        moved = self._seen.shape != now.shape or np.abs(now - self._seen).max() > TREMBLE
+        if moved or between != self._between or snapshot.attached:
+            self.distances.update(snapshot, [name for name in between if name not in snapshot.attached])
+            self._seen, self._between = now, between
 
-    def _too_near(self, q: FloatArray) -> bool:
+    def _too_near(self, q: FloatArray, snapshot: WorldSnapshot, between: list[str]) -> bool:
         """Measure the distances that can be the smallest so far or too small, with the arm at `q` [rad]; say whether one is."""
         f, model = self.figures, self.distances
-        self._take_over(self.task.world.snapshot())
+        self._take_over(snapshot, between)
         model.place(q)
         least = np.where(model.crosses, max(f.nearest_world_m, CONFIG.margin), max(f.nearest_self_m, CONFIG.self_margin))
         near = np.flatnonzero(model.counts & (model.bounds < least))  # bounds from below
@@ -176,11 +190,11 @@ class Checker:
 
 
 def measure_scene(name: str, ticks: int, hold: int, rng: np.random.Generator, first: int = 0) -> Figures:
-    """Play random joint velocities of full range in the scene of one task.
+    """Play random joint velocities of full range, and random gripper commands, in the scene of one task.
 
     Args:
         name: The task.
-        ticks: How many, `EPISODE` in each episode.
+        ticks: How many for the arm, `EPISODE` in each episode; the fingers take more.
         hold: Ticks for which an action is kept.
         rng: Draws the actions.
         first: Seed of the first episode; each has the next one.
@@ -196,11 +210,16 @@ def measure_scene(name: str, ticks: int, hold: int, rng: np.random.Generator, fi
                 arm.states.clear()
                 task.reset(seed=seed)
                 checker.begin(f"{name}, held {hold}, seed {seed}")
+                opened = True
             if tick % EPISODE % hold == 0:
-                action = np.append(rng.uniform(-fastest, fastest), 1.0)
+                opened ^= bool(rng.random() < GRIPPER_CHANGES)
+                action = np.append(rng.uniform(-fastest, fastest), float(opened))
                 checker.figures.actions += 1
-            mode.action(task.runtime, action)  # a step without observation and reward
-            checker.measure(arm)
+            opens = opened and not task.world.gripper.is_open
+            with task.runtime.acting() as result, task.runtime.calling(after=lambda: checker.measure(arm)):
+                mode.action(task.runtime, action)  # a step without observation
+            checker.figures.openings += opens
+            checker.figures.refused += result.refused_opening is not None
         checker.figures.loop_tick_us, checker.figures.tick_us = _percentiles(arm.seconds), _percentiles(arm.alone(task.runtime))
     return checker.figures
 

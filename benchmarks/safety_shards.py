@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from safety_scene import CONFIG, EPISODE, Figures, measure_scene
+from safety_scene import CONFIG, EPISODE, GRIPPER_CHANGES, Figures, measure_scene
 from tqdm import tqdm
 
 from rlbench_pin.environment.actions.safe_arm import ACCELERATION_SHARE, SHARE
@@ -21,7 +21,13 @@ EPISODES = 10
 """Episodes of a piece."""
 SHARES = {1: 0.95, 6: 0.034, 12: 0.017}
 """Ticks for which an action is kept -> share of the actions. Those kept take about 200,000 ticks each in a million actions."""
-SETTINGS = {"episode_ticks": EPISODE, "episodes": EPISODES, "shares": [SHARE, ACCELERATION_SHARE], **asdict(CONFIG)}
+SETTINGS = {
+    "episode_actions": EPISODE,
+    "gripper_changes": GRIPPER_CHANGES,
+    "episodes": EPISODES,
+    "shares": [SHARE, ACCELERATION_SHARE],
+    **asdict(CONFIG),
+}
 """Settings that all shards of one run share."""
 
 

@@ -58,9 +58,11 @@ __all__ = [
     "StorageError",
     "TaskEnvironmentError",
     "TaskError",
+    "UnknownArgument",
     "UnknownName",
     "UnknownSetting",
     "UntrustedTaskFile",
+    "UsedByTwoThreads",
     "WaypointError",
     "install_hint",
     "nearest_name",
@@ -137,6 +139,10 @@ class UnknownSetting(UnknownName, AttributeError):  # type: ignore[misc]  # both
     def __reduce__(self) -> tuple[Any, ...]:
         """Say how the error is made again: `name` is kept by AttributeError, beside the other attributes."""
         return type(self), (self.record, self.name, self.known)
+
+
+class UnknownArgument(RlbenchPinError, TypeError):
+    """A function has no argument of that name; made from a text alone, because gymnasium raises TypeErrors again."""
 
 
 class InvalidValue(RlbenchPinError, ValueError):
@@ -416,6 +422,16 @@ class ResetError(TaskEnvironmentError):
         counts = {c: self.causes.count(c) for c in dict.fromkeys(self.causes)}
         text = "; ".join(f"{n} x {c}" for c, n in counts.items())
         super().__init__(f"Task '{task}' could not be placed in {len(self.causes)} attempts: {text}.")
+
+
+class UsedByTwoThreads(TaskEnvironmentError, RuntimeError):
+    """An environment was called while another thread was in a call of it."""
+
+    def __init__(self, call: str) -> None:
+        super().__init__(
+            f"`{call}` was called while another thread was in a call of the same environment, which simulates one world. "
+            "Give each thread an environment of its own, or better each process: threads share one core."
+        )
 
 
 class EnvironmentClosed(TaskEnvironmentError, RuntimeError):

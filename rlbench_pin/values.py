@@ -9,15 +9,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import fields, is_dataclass
-from functools import partial
+from functools import partial, wraps
+from inspect import signature
 from os import PathLike, fsencode, fspath
 from pathlib import Path
-from typing import Any, ClassVar, TypeGuard, TypeVar
+from typing import Any, ClassVar, ParamSpec, TypeGuard, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rlbench_pin.errors import InvalidActionError, InvalidValue, UnknownName, UnknownSetting
+from rlbench_pin.errors import InvalidActionError, InvalidValue, UnknownArgument, UnknownName, UnknownSetting
 
 KindT = TypeVar("KindT")
 LARGEST_SEED = 2**63 - 1
@@ -115,6 +116,25 @@ def as_choice(value: object, what: str, choices: Collection[str]) -> str:
     if not isinstance(value, str) or value not in choices:
         raise UnknownName(what, value, tuple(choices))  # type: ignore[arg-type] # it shows whatever it is
     return value
+
+
+ParamsT = ParamSpec("ParamsT")
+ResultT = TypeVar("ResultT")
+
+
+def names_arguments(function: Callable[ParamsT, ResultT]) -> Callable[ParamsT, ResultT]:
+    """Return the function; called with an argument that it does not have, it raises UnknownArgument, which names the nearest."""
+    known = tuple(name for name in signature(function).parameters if name != "self")
+    owner = function.__qualname__.removesuffix(".__init__")
+
+    @wraps(function)
+    def call(*args: ParamsT.args, **named: ParamsT.kwargs) -> ResultT:
+        for name in named:
+            if name not in known:
+                raise UnknownArgument(str(UnknownName(f"argument of {owner}", name, known)))
+        return function(*args, **named)
+
+    return call
 
 
 def as_seed(value: object, what: str = "seed", error: type[InvalidValue] = InvalidValue) -> int:

@@ -11,11 +11,15 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 SIMULATION = ("contract", "integration", "cli", "evaluation")
 """Folders whose tests play episodes or run commands; `make check` leaves them out, single tests elsewhere are marked."""
+SLOW = 14_400
+"""Time limit of a test that is marked `slow` [s]; `timeout` in pyproject.toml is that of the others."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark all tests of these folders `simulation`."""
+    """Mark all tests of these folders `simulation`, and give slow tests more time."""
     root = Path(__file__).parent
     for item in items:
         if item.path.is_relative_to(root) and item.path.relative_to(root).parts[0] in SIMULATION:
             item.add_marker(pytest.mark.simulation)
+        if item.get_closest_marker("slow") and not item.get_closest_marker("timeout"):
+            item.add_marker(pytest.mark.timeout(SLOW))

@@ -43,7 +43,7 @@ class MadeUpEngine:
         self.begun: list[WorkItem] = []
 
     def map(
-        self, worker: Callable[[], Worker], items: Sequence[WorkItem], stop: threading.Event
+        self, worker: Callable[[], Worker], items: Sequence[WorkItem], stop: threading.Event, max_deaths: int = 3
     ) -> Generator[ItemResult, None, None]:
         """Yield results until stopped."""
         for item in reversed(items) if self.backwards else items:

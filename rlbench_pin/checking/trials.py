@@ -32,10 +32,11 @@ from rlbench_pin.checking.validate import (
     reset_repeats,
     solved_by_other_plans,
 )
+from rlbench_pin.datasets import key_frame_actions
 from rlbench_pin.environment import DemoOutcome, Environment, TaskEnvironment
 from rlbench_pin.environment.episode import drawn_variations
 from rlbench_pin.environment.presets import key_frame_mode, low_dim_config, make_environment
-from rlbench_pin.environment.replay import key_frame_actions, reaches_goal, replay_succeeds
+from rlbench_pin.environment.replay import reaches_goal, replay_succeeds
 from rlbench_pin.environment.runtime import Listener, Runtime
 from rlbench_pin.errors import BoundaryError, InvalidActionError, PlanningError, ResetError
 from rlbench_pin.planning.plan import Plan, PlanRequest

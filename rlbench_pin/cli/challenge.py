@@ -198,12 +198,12 @@ class ChallengeBar:
 
     def __call__(self, progress: ChallengeProgress) -> None:
         """Show how far it is."""
-        from tqdm import tqdm
+        from rlbench_pin.cli.bars import progress_bar
 
         if progress.stage != self._stage:
             self.close()
             self._stage, name = progress.stage, f"{self._learner}, {progress.stage}"
-            self._bar = tqdm(total=progress.wanted, initial=progress.done, desc=name, dynamic_ncols=True)
+            self._bar = progress_bar(total=progress.wanted, initial=progress.done, desc=name)
         assert self._bar is not None
         self._bar.update(progress.done - self._bar.n)
         notes = [f"success {100.0 * progress.successes / progress.done:.0f} %"] if "shot" in self._stage and progress.done else []

@@ -65,13 +65,12 @@ class Verify:
 
     def run(self) -> int:
         """Print the faults; 1 when there are any."""
-        from tqdm import tqdm
-
+        from rlbench_pin.cli.bars import progress_bar
         from rlbench_pin.datasets import read_manifest, stored_tasks, task_faults
 
         bad = 0
         tasks = stored_tasks(self.root, at_least_one=True)
-        for task in tqdm(tasks, unit="task", desc="verify"):
+        for task in progress_bar(tasks, unit="task", desc="verify"):
             for fault in task_faults(self.root, task, structure=not self.quick):
                 bad += 1
                 print(fault)
@@ -93,8 +92,7 @@ class Merge:
 
     def run(self) -> int:
         """Merge and print how many episodes were copied."""
-        from tqdm import tqdm
-
+        from rlbench_pin.cli.bars import progress_bar
         from rlbench_pin.datasets import merge_datasets, plan_merge, read_manifest, stored_tasks
 
         if not self.roots:
@@ -102,7 +100,7 @@ class Merge:
         for root in self.roots:
             if not any(read_manifest(root, task) for task in stored_tasks(root, at_least_one=True)):
                 raise _nothing_listed(root)
-        with tqdm(total=len(plan_merge(self.roots, self.out)), unit="episode", desc="merge") as bar:
+        with progress_bar(total=len(plan_merge(self.roots, self.out)), unit="episode", desc="merge") as bar:
             moves = merge_datasets(self.roots, self.out, lambda _: bar.update() and None)
         print(f"{len(moves)} episodes copied to {self.out}")
         return 0
@@ -196,13 +194,12 @@ class Export:
 
     def run(self) -> int:
         """Export and say where it is."""
-        from tqdm import tqdm
-
+        from rlbench_pin.cli.bars import progress_bar
         from rlbench_pin.datasets.formats import export_dataset, stored_episodes
 
         tasks = _tasks(self.tasks)
         total = len(stored_episodes(self.root, tasks))
-        with tqdm(total=total, unit="episode", desc=f"export {self.format}") as bar:
+        with progress_bar(total=total, unit="episode", desc=f"export {self.format}") as bar:
             export_dataset(
                 self.format,
                 self.root,

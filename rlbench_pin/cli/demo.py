@@ -65,9 +65,9 @@ class RecordDemos:
         return 0
 
     def _record_all(self, task: TaskEnvironment) -> Iterator[Recorded]:
-        from tqdm import tqdm
+        from rlbench_pin.cli.bars import progress_bar
 
-        with tqdm(total=self.episodes, unit="demo", desc=self.task) as bar:
+        with progress_bar(total=self.episodes, unit="demo", desc=self.task) as bar:
             for seed in range(self.seed, self.seed + self.episodes):
                 recorded = self._record(task, seed, bar)
                 bar.update()

@@ -7,7 +7,7 @@ import shlex
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -19,6 +19,7 @@ from rlbench_pin.cli.list_tasks import split_names
 from rlbench_pin.cli.options import (
     EngineName,
     MaybeInt,
+    MaybeText,
     RobotName,
     TaskNames,
     check_at_least,
@@ -51,7 +52,8 @@ EPISODES = 25
 class Evaluate:
     """Evaluate a policy on tasks: success with its interval, collisions, limits. `--resume` continues after an interruption.
 
-    Results files are byte-identical for any number of workers. `rlbench-pin results FILE...` shows and compares them.
+    Given the key of the run, results files are byte-identical for any number of workers. `rlbench-pin results FILE...` shows and
+    compares them.
     """
 
     policy: tyro.conf.Positional[MaybePolicy] = ""
@@ -81,6 +83,8 @@ class Evaluate:
     """Name of the arm."""
     tell_task: bool = True
     """Pass the name of the task to the policy, in addition to the instruction."""
+    policy_seed_key: MaybeText = None
+    """Key of the seeds for the policy, as a results file publishes it, to repeat that run; drawn when not given."""
     workers: int = 1
     """Worker processes, each with a policy of its own; with 0 this process does the work."""
     engine: EngineName = "processes"
@@ -99,10 +103,13 @@ class Evaluate:
         if not self.policy:
             raise TaskEnvironmentError("No policy was named. Use `rlbench-pin evaluate POLICY`, for example `expert`.")
         from rlbench_pin.cli.progress import EvaluationBar, stopping_gently
+        from rlbench_pin.evaluation.policies.references import EXPERT, find_policy
         from rlbench_pin.evaluation.run import EvaluationStopped, evaluate
 
         check_at_least(self, workers=0, videos=0)
         config = self.config()
+        if self.policy != EXPERT:
+            find_policy(self.policy)
         check_file(self.out)
         engine, page = self._engine(), watched(self.page, self.policy)
         with page as make, stopping_gently() as stop, closing(EvaluationBar(self.policy)) as bar:
@@ -118,7 +125,8 @@ class Evaluate:
         print(f"Results in {self.out}; `rlbench-pin results {shlex.quote(str(self.out))}` shows all of them.")
         if self.videos:
             folder = self.out.with_name(f"{self.out.stem}_videos")
-            for video in record_failures(config, results, self.videos, folder):
+            repeated = replace(config, policy_seed_key=results.policy_seed_key)
+            for video in record_failures(repeated, results, self.videos, folder):
                 print(f"  video  {video}")
         return 0
 
@@ -155,6 +163,7 @@ class Evaluate:
             start_limit=self.start_limit,
             robot=self.robot,
             tell_task=self.tell_task,
+            policy_seed_key=self.policy_seed_key,
         )
 
     def go_on(self) -> str:
@@ -166,14 +175,19 @@ class Evaluate:
 
 
 def summary(results: Results) -> str:
-    """Return a line for each task: success rate with its interval, stable successes, faults; and the mean of the tasks."""
+    """Return a line for each task with its rate of success and its faults, the mean of the tasks, and the first faults."""
+    import numpy as np
+
+    from rlbench_pin.evaluation.results.statistics import summarise
+    from rlbench_pin.evaluation.results.tables import fault_notes
     from rlbench_pin.rates import Rate
 
     width = max(len(task) for task in (*results.tasks, "mean"))
     lines = [f"{'task':<{width}}  success        95 %       stable  refused  collisions  faults"]
     lines += [_line(task, width, results.of_task(task)) for task in results.tasks]
     means = [Rate(sum(e.success for e in some), len(some)).value for some in map(results.of_task, results.tasks)]
-    return "\n".join([*lines, f"{'mean':<{width}}  {100.0 * math.fsum(means) / len(means):5.1f} %"])
+    mean = f"{'mean':<{width}}  {100.0 * math.fsum(means) / len(means):5.1f} %"
+    return "\n".join([*lines, mean, *fault_notes(summarise(results, np.random.default_rng(0)))])
 
 
 def _line(task: str, width: int, episodes: tuple[EpisodeRecord, ...]) -> str:
@@ -197,8 +211,7 @@ def record_failures(config: EvaluationConfig, results: Results, count: int, fold
         count: Failures of each task.
         folder: Where videos go: `<task>_<seed>_<how it ended>.mp4`.
     """
-    from tqdm import tqdm
-
+    from rlbench_pin.cli.bars import progress_bar
     from rlbench_pin.evaluation.run import EpisodeRunner, plan_episodes
 
     check_folder(folder)
@@ -208,7 +221,7 @@ def record_failures(config: EvaluationConfig, results: Results, count: int, fold
     for task in results.tasks:
         of_task = [(item, records[item.name, item.variation, item.seed]) for item in items if item.name == task]
         chosen += [(item, record) for item, record in of_task if not record.success][:count]
-    with EpisodeRunner(config) as runner, tqdm(total=len(chosen), unit="video", desc="videos") as bar:
+    with EpisodeRunner(config) as runner, progress_bar(total=len(chosen), unit="video", desc="videos") as bar:
         for item, record in chosen:
             path = folder / f"{item.name}_{item.seed}_{record.end}.mp4"
             runner.play(item, lambda task, path=path: _recorded(task, path))  # type: ignore[misc]

@@ -39,6 +39,8 @@ MaybePath = Annotated[Path | None, tyro.conf.arg(metavar="PATH")]
 """An optional file or folder."""
 MaybeInt = Annotated[int | None, tyro.conf.arg(metavar="INT")]
 """An optional number."""
+MaybeText = Annotated[str | None, tyro.conf.arg(metavar="TEXT")]
+"""An optional text."""
 MaybeBool = Annotated[bool | None, tyro.conf.arg(metavar="{True,False}")]
 """An optional choice."""
 Files = Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FILE...", help_behavior_hint="")]

@@ -49,7 +49,8 @@ def check_port(page: Any) -> None:
 
 
 def announce(address: str, browser: bool) -> None:
-    """Print the address of a page, and open it if that is wanted and there is a screen."""
+    """Print the address of a page, and open it if that is wanted and there is a screen; signals end the command from now on."""
+    answer_signals()
     print(f"{address}  (Ctrl-C ends it)", flush=True)
     if browser and has_screen():
         webbrowser.open(address)

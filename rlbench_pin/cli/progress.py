@@ -11,6 +11,7 @@ from types import FrameType
 from tqdm import tqdm
 
 from rlbench_pin.checking import CheckProgress
+from rlbench_pin.cli.bars import progress_bar
 from rlbench_pin.cli.interrupts import say
 from rlbench_pin.evaluation.run import EvaluationProgress
 from rlbench_pin.recording.record import RecordReport
@@ -26,7 +27,7 @@ class RecordBar:
     def __call__(self, report: RecordReport) -> None:
         """Show how far it is."""
         if self._bar is None:
-            self._bar = tqdm(total=report.wanted, initial=report.found, unit="episode", desc=self._what, dynamic_ncols=True)
+            self._bar = progress_bar(total=report.wanted, initial=report.found, unit="episode", desc=self._what)
         self._bar.update(report.found + report.recorded - self._bar.n)
         notes = [f"{count} {cause}" for cause, count in sorted(report.causes.items(), key=lambda item: -item[1])]
         notes += [f"{len(report.failed)} given up"] if report.failed else []
@@ -48,7 +49,7 @@ class CheckBar:
     def __call__(self, progress: CheckProgress) -> None:
         """Show how far the check is."""
         if self._bar is None:
-            self._bar = tqdm(total=progress.total, initial=progress.found, unit="trial", desc="check", smoothing=0.05)
+            self._bar = progress_bar(total=progress.total, initial=progress.found, unit="trial", desc="check", smoothing=0.05)
         if progress.latest is not None:
             self._bar.set_postfix_str(f"{progress.latest.task} {progress.latest.part}", refresh=False)
         self._bar.update(progress.found + progress.done - self._bar.n)
@@ -92,7 +93,7 @@ class EvaluationBar:
         """Show how far it is."""
         if self._bar is None:
             total, found = progress.wanted, progress.found
-            self._bar = tqdm(total=total, initial=found, unit="episode", desc=self._what, dynamic_ncols=True)
+            self._bar = progress_bar(total=total, initial=found, unit="episode", desc=self._what)
         played = progress.found + progress.done
         self._bar.update(played - self._bar.n)
         notes = [f"success {100.0 * progress.successes / played:.0f} %"] if played else []

@@ -109,7 +109,11 @@ class ShowResults:
 def _summary(summary: Summary) -> dict[str, Any]:
     tasks = [{**asdict(task), "success": task.success.as_dict(), "held": task.held.as_dict()} for task in summary.tasks]
     mean = {"success": summary.success.as_dict(), "held": summary.held.as_dict()}
-    return {"policy": summary.policy, "episodes": summary.episodes, "mean": mean, "tasks": tasks}
+    faults = [
+        {"fault": e.fault, "task": e.task, "variation": e.variation, "seed": e.seed, "detail": e.fault_detail}
+        for e in summary.first_faults
+    ]
+    return {"policy": summary.policy, "episodes": summary.episodes, "mean": mean, "tasks": tasks, "first_faults": faults}
 
 
 def _comparison(comparison: Comparison) -> dict[str, Any]:

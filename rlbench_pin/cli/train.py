@@ -181,12 +181,12 @@ def _train_on_demonstrations(
     command: FromDemonstrations, baseline: str, task: str, stop: threading.Event, options: dict[str, Any]
 ) -> bool:
     """Train one task and return whether it is finished."""
-    from tqdm import tqdm
+    from rlbench_pin.cli.bars import progress_bar
 
     steps, batch, rate = STEPS[baseline]
     cloning = importlib.import_module(f"{BASELINES}.cloning")
     config = cloning.TrainConfig(steps=command.steps or steps, batch=batch, rate=rate, seed=command.seed, device=command.device)
-    with tqdm(total=config.steps, unit="step", desc=task, dynamic_ncols=True) as bar:
+    with progress_bar(total=config.steps, unit="step", desc=task) as bar:
         options = {"demos": command.demos, "on_step": _show_loss(bar), "stop": stop, **options}
         roots: list[Path] = list(command.data)
         if baseline == "cloning":
@@ -238,14 +238,14 @@ def train_rl(command: ReinforcementLearning, algorithm: str) -> int:
 
 def _train_rl(learning: Any, command: ReinforcementLearning, algorithm: str, task: str, stop: threading.Event) -> bool:
     """Train one task and return whether it is finished."""
-    from tqdm import tqdm
+    from rlbench_pin.cli.bars import progress_bar
 
     config = learning.ReinforcementConfig(
         algorithm, task, steps=command.steps, shaped=command.shaped, demonstrations=command.demonstrations, seed=command.seed,
         workers=command.workers, device=command.device, episode_steps=command.episode_steps,
         checkpoint_steps=command.checkpoint_steps,
     )  # fmt: skip
-    with tqdm(total=config.segments * config.segment, unit="step", desc=f"{algorithm} {task}", dynamic_ncols=True) as bar:
+    with progress_bar(total=config.segments * config.segment, unit="step", desc=f"{algorithm} {task}") as bar:
         return bool(learning.train_reinforcement(config, command.out, _show_success(bar), stop))
 
 

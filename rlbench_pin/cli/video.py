@@ -128,12 +128,12 @@ class Video:
 
     def _play(self, task: TaskEnvironment, orbit: Orbit, add: Callable[[np.ndarray], None]) -> None:
         """Find an attempt that succeeds, then replay it with a camera whose image contains the whole end state."""
-        from tqdm import tqdm
+        from rlbench_pin.cli.bars import progress_bar
 
         task.set_variation(self.variation)
         attempt = self._successful_attempt(task)
         orbit = orbit.around(task.world)
-        with tqdm(unit="frame", desc=task.get_name(), leave=False) as bar, _each_tick(task, orbit, add, bar, self.smooth):
+        with progress_bar(unit="frame", desc=task.get_name(), leave=False) as bar, _each_tick(task, orbit, add, bar, self.smooth):
             task.try_demo(seed=self.seed, attempt=attempt, record=False)
 
     def _successful_attempt(self, task: TaskEnvironment) -> int:

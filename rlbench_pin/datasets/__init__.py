@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from rlbench_pin.datasets.episode import Episode
-from rlbench_pin.datasets.key_frames import key_frames
+from rlbench_pin.datasets.frames import FrameDataset
+from rlbench_pin.datasets.key_frames import key_frame_actions, key_frames
 from rlbench_pin.datasets.layout import (
     EPISODE_SUFFIX,
     checked_task_name,
@@ -39,6 +40,7 @@ __all__ = [
     "DatasetWriter",
     "Episode",
     "EpisodeEntry",
+    "FrameDataset",
     "Inspector",
     "KeptTask",
     "Move",
@@ -58,6 +60,7 @@ __all__ = [
     "hold",
     "keep_files",
     "kept_task",
+    "key_frame_actions",
     "key_frames",
     "merge_datasets",
     "plan_merge",

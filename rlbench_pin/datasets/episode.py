@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -14,9 +13,9 @@ import h5py
 import numpy as np
 
 from rlbench_pin.datasets.inspection_child import is_oversized
-from rlbench_pin.datasets.manifest import LARGEST, MAX_FRAMES, digest, is_text_map, is_texts, is_whole, short
+from rlbench_pin.datasets.manifest import LARGEST, MAX_FRAMES, is_text_map, is_texts, is_whole, short
 from rlbench_pin.datasets.series import from_json, read_series
-from rlbench_pin.datasets.trust import Inspector, altered, check_file
+from rlbench_pin.datasets.trust import Inspector, check_file, file_stamp
 from rlbench_pin.datasets.writer import DESCRIPTIONS, FORMAT, VERSION
 from rlbench_pin.errors import DatasetError, EpisodeFileError, InvalidValue
 from rlbench_pin.observation import Demo, Observation, RandomState
@@ -102,12 +101,12 @@ _JSON = ("instructions", "versions", "random_state")
 class Episode:
     """An open episode file. Use it in a `with` block; `len(episode)` frames, `episode[i]` is one observation.
 
-    A file is opened when its SHA-256 is the one that its manifest lists, or when another process has survived reading it.
+    A file is opened when its SHA-256 is the one that its manifest lists, or when another process has survived reading it. Either
+    is done once in a process, for as long as size and modification time of the file stay the same. Only what is used is read.
 
     Args:
         path: The file.
-        sha256: What its bytes must add up to. With None it is looked up in the manifest of the dataset that the file lies in;
-            only what is used is kept in memory then.
+        sha256: What its bytes must add up to. With None it is looked up in the manifest of the dataset that the file lies in.
         inspector: Reads the file first when no manifest lists it; a process of its own does when None.
 
     Raises:
@@ -121,15 +120,18 @@ class Episode:
         if not self.path.is_file():
             raise EpisodeFileError(self.path, f"The episode '{self.path}' does not exist.")
         with self._named():
-            if sha256 is None:
-                check_file(self.path, inspector)
-            source = self.path if sha256 is None else io.BytesIO(_checked_bytes(self.path, sha256))
-            self._file = h5py.File(source, "r")
+            stamp = file_stamp(self.path)
+            check_file(self.path, sha256, inspector)
+            self._file = h5py.File(self.path, "r")
         try:
             with self._named():
-                self._check_version()
-                self._check_contents()
-                self._head = self._read_head()
+                if file_stamp(self.path) != stamp:
+                    raise EpisodeFileError(self.path, f"'{self.path}' was changed while it was opened. Open it again.")
+                attributes = dict(self._file.attrs)
+                self._check_version(attributes)
+                self._groups, self._sound = self._checked_groups(), set[tuple[str, str]]()
+                self._fields = tuple(sorted(name for name in self._groups["observations"] if "@" not in name))
+                self._head = read_head({name: from_json(v) if name in _JSON else v for name, v in attributes.items()})
                 self._length = self._head.frames
         except DatasetError:
             self._file.close()
@@ -172,13 +174,13 @@ class Episode:
     def fields(self) -> tuple[str, ...]:
         """Names of the fields of observations that are stored."""
         with self._named():
-            return tuple(sorted(name for name in self._file["observations"] if "@" not in name))
+            return self._fields
 
     def shape(self, field: str) -> tuple[int, ...]:
         """Return the shape that a field of arrays has in one frame; DatasetError when it is not stored."""
         self._check_held(field)
         with self._named():
-            return tuple(self._file["observations"][field].shape[1:])
+            return tuple(self._dataset("observations", field).shape[1:])
 
     # Reading ----------------------------------------------------------------------------------------------------
 
@@ -201,7 +203,7 @@ class Episode:
         self._check_held(field)
         frames = self._checked_frames(frames)
         with self._named():
-            return read_series(self._file["observations"], field, self._length, frames)
+            return self._read("observations", field, frames)
 
     def array(self, field: str) -> np.ndarray:
         """Read one field of all frames, stacked along the first axis.
@@ -220,18 +222,16 @@ class Episode:
         with self._named():
             if key == DESCRIPTIONS and self._head.describes:
                 return [list(self.instructions) for _ in range(self._length)]
-            group = self._file["misc"]
-            return read_series(group, key, self._length) if key in group else [None] * self._length
+            return self._read("misc", key) if key in self._groups["misc"] else [None] * self._length
 
     def observations(self, frames: range | None = None, fields: Collection[str] | None = None) -> list[Observation]:
         """Read frames, all when None, with some fields, all when None; `misc` always comes along."""
         frames = self._checked_frames(frames)
         fields = None if fields is None else as_names(fields, "fields")
         with self._named():
-            group, misc = self._file["observations"], self._file["misc"]
             wanted = [name for name in self.fields if fields is None or name in fields]
-            columns = {name: read_series(group, name, self._length, frames) for name in wanted}
-            extras = {key: read_series(misc, key, self._length, frames) for key in misc if "@" not in key}
+            columns = {name: self._read("observations", name, frames) for name in wanted}
+            extras = {key: self._read("misc", key, frames) for key in self._groups["misc"] if "@" not in key}
             if self._head.describes:
                 extras[DESCRIPTIONS] = [list(self.instructions) for _ in frames]
         return [_observation(columns, extras, i) for i in range(len(frames))]
@@ -246,11 +246,18 @@ class Episode:
                 num_reset_attempts=head.num_reset_attempts,
                 variation_number=head.variation,
                 instructions=head.instructions,
-                state=_read_state(self._file),
+                state=self._read_state(),
                 versions=head.versions,
                 attempt=head.attempt,
                 task_name=head.task,
             )
+
+    def _read_state(self) -> dict[str, np.ndarray] | None:
+        if "state" not in self._groups:
+            return None
+        group = self._groups["state"]
+        names = sorted((name for name in group if "@" not in name), key=lambda n: int(n.removeprefix("array")))
+        return {str(group[name].attrs["name"]): self._read("state", name, length=1)[0] for name in names}
 
     # What is asked for ------------------------------------------------------------------------------------------
 
@@ -273,12 +280,12 @@ class Episode:
 
     # Trust ------------------------------------------------------------------------------------------------------
 
-    def _check_version(self) -> None:
-        if self._file.attrs.get("format") != FORMAT:
+    def _check_version(self, attributes: dict[str, Any]) -> None:
+        if attributes.get("format") != FORMAT:
             raise EpisodeFileError(
                 self.path, f"'{self.path}' is an HDF5 file, but not an episode. `rlbench-pin record` makes some."
             )
-        version = self._file.attrs.get("version", -1)
+        version = attributes.get("version", -1)
         if not isinstance(version, int | np.integer):
             raise ValueError("its version is not a number")
         if version != VERSION:
@@ -288,28 +295,41 @@ class Episode:
                 "Read it with the release of rlbench_pin that wrote it, or record it again.",
             )
 
-    def _read_head(self) -> Head:
-        attrs = self._file.attrs
-        return read_head({name: from_json(attrs[name]) if name in _JSON else attrs[name] for name in attrs})
+    def _checked_groups(self) -> dict[str, h5py.Group]:
+        """Return the groups of the file, which is made of groups alone."""
+        for name in self._file:
+            self._check_link(self._file, name)
+        groups = {name: self._file[name] for name in self._file}
+        for name in {*groups, *_GROUPS}:
+            if not isinstance(groups.get(name), h5py.Group):
+                raise ValueError(f"'{name}' is missing, or no group")
+        return groups
 
-    def _check_contents(self) -> None:
-        """Refuse what would read other files, or more than is there: links, external storage, virtual datasets, false sizes."""
-        groups = [self._file[name] for name in (*_GROUPS, *(["state"] if "state" in self._file else []))]
-        if not all(isinstance(group, h5py.Group) for group in groups):
-            raise ValueError("an array lies where a group belongs")
-        for group in (self._file, *groups):
-            for name in group:
-                if not isinstance(group.get(name, getlink=True), h5py.HardLink):
-                    raise EpisodeFileError(
-                        self.path, f"'{self.path}' has a link at '{name}' that leads elsewhere. Do not trust it."
-                    )
-                item = group[name]
-                if isinstance(item, h5py.Dataset) and (item.external or item.is_virtual):
-                    raise EpisodeFileError(self.path, f"'{self.path}' keeps '{name}' in another file. Do not trust it.")
-                if isinstance(item, h5py.Dataset) and is_oversized(item):
-                    raise ValueError(f"'{name}' claims more values than are stored")
-                if isinstance(item, h5py.Dataset) == (group is self._file):
-                    raise ValueError(f"'{name}' is not what belongs there")
+    def _dataset(self, place: str, name: str) -> h5py.Dataset:
+        """Return a dataset, unless it would read other files, or more than is there: links, external storage, false sizes."""
+        group = self._groups[place]
+        if (place, name) in self._sound:
+            return group[name]
+        self._check_link(group, name)
+        dataset = group[name]
+        if not isinstance(dataset, h5py.Dataset):
+            raise ValueError(f"'{name}' is not what belongs there")
+        if dataset.external or dataset.is_virtual:
+            raise EpisodeFileError(self.path, f"'{self.path}' keeps '{name}' in another file. Do not trust it.")
+        if is_oversized(dataset):
+            raise ValueError(f"'{name}' claims more values than are stored")
+        self._sound.add((place, name))
+        return dataset
+
+    def _read(self, place: str, name: str, frames: range | None = None, length: int | None = None) -> list[Any]:
+        """Read a series of a group whose datasets are checked first."""
+        group, beside = self._groups[place], f"{name}@frames"
+        rows = self._dataset(place, beside) if beside in group else None
+        return read_series(self._dataset(place, name), rows, self._length if length is None else length, frames)
+
+    def _check_link(self, group: h5py.Group, name: str) -> None:
+        if not isinstance(group.get(name, getlink=True), h5py.HardLink):
+            raise EpisodeFileError(self.path, f"'{self.path}' has a link at '{name}' that leads elsewhere. Do not trust it.")
 
     @contextmanager
     def _named(self) -> Iterator[None]:
@@ -328,24 +348,9 @@ class Episode:
             ) from error
 
 
-def _checked_bytes(path: Path, sha256: str) -> bytes:
-    data = path.read_bytes()
-    if digest(data) != sha256:
-        raise altered(path)
-    return data
-
-
 def _observation(columns: dict[str, list[Any]], extras: dict[str, list[Any]], index: int) -> Observation:
     known = {name: values[index] for name, values in columns.items() if name in Observation.__dataclass_fields__}
     observation = Observation(**known, misc={key: v[index] for key, v in extras.items() if v[index] is not None})
     for name in columns.keys() - known.keys():
         setattr(observation, name, columns[name][index])
     return observation
-
-
-def _read_state(file: h5py.File) -> dict[str, np.ndarray] | None:
-    if "state" not in file:
-        return None
-    group = file["state"]
-    names = sorted((name for name in group if "@" not in name), key=lambda n: int(n.removeprefix("array")))
-    return {str(group[name].attrs["name"]): read_series(group, name, 1)[0] for name in names}

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rlbench_pin.errors import DatasetError
+from rlbench_pin.errors import DatasetError, DemoError
 from rlbench_pin.observation import Observation
 from rlbench_pin.values import as_number, as_record, as_whole
 
@@ -47,6 +47,26 @@ def key_frames(demo: Sequence[Observation], *, max_speed: float = 0.1, frames_be
     if len(found) > 1 and found[-2] == last - 1:
         del found[-2]
     return found
+
+
+def key_frame_actions(demo: Sequence[Observation]) -> list[np.ndarray]:
+    """Return one action for each key frame of a demonstration: tip pose, gripper, and whether collisions are ignored, shape (9,).
+
+    Args:
+        demo: A demonstration with `gripper_pose` and `ignore_collisions`.
+
+    Raises:
+        DemoError: A frame lacks one of the two.
+    """
+    actions = []
+    for index in key_frames(demo):
+        frame = demo[index]
+        if frame.gripper_pose is None or frame.gripper_open is None or frame.ignore_collisions is None:
+            raise DemoError(
+                f"Frame {index} of the demonstration lacks `gripper_pose`, `gripper_open` or `ignore_collisions`. Record it live."
+            )
+        actions.append(np.concatenate([frame.gripper_pose, [frame.gripper_open, float(frame.ignore_collisions)]]))
+    return actions
 
 
 def _stops(resting: Sequence[bool], opening: Sequence[float], frames_between: int) -> set[int]:

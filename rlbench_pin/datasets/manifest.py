@@ -17,7 +17,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, NoReturn
 
-from rlbench_pin.datasets.layout import check_inside, episode_file, manifest_path
+from rlbench_pin.datasets.layout import check_inside, episode_file, manifest_path, stored_variations
 from rlbench_pin.datasets.storage import storing, write_whole
 from rlbench_pin.errors import EpisodeFileError
 
@@ -142,11 +142,18 @@ def file_digest(path: Path) -> str:
 
 
 def read_manifest(root: Path, task: str) -> tuple[EpisodeEntry, ...]:
-    """Return what the manifest of a task lists, by variation and episode; nothing when there is none.
+    """Return the entries in the manifest of a task, by variation and episode; none where its episodes have no manifest.
 
     Raises:
-        DatasetError: The manifest is damaged, of another version or task, or points out of its folder.
+        DatasetError: The folder is no dataset, holds no episodes of the task, or the manifest is damaged, of another version or
+            task, or points out of its folder.
     """
+    if not has_manifest(root, task) and not stored_variations(root, task):
+        raise EpisodeFileError(
+            manifest_path(root, task),
+            f"'{root}' is no dataset with episodes of '{task}': it has neither a manifest nor variations of it. "
+            f"`rlbench-pin record {task} --out {root}` records some.",
+        )
     entries = _read(manifest_path(root, task), task)
     return tuple(entries[key] for key in sorted(entries))
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rlbench_pin.datasets.layout import check_inside, episode_file, manifest_path, stored_tasks
-from rlbench_pin.datasets.manifest import EpisodeEntry, digest, fold_journal, journal_path, read_manifest
+from rlbench_pin.datasets.manifest import EpisodeEntry, digest, fold_journal, has_manifest, journal_path, read_manifest
 from rlbench_pin.datasets.reader import stored_images
 from rlbench_pin.datasets.storage import hold, remove_leftovers
 from rlbench_pin.datasets.task_copy import check_alike, copy_kept
@@ -83,8 +83,9 @@ def _plan_task(roots: Sequence[Path], out: Path, task: str) -> list[Move]:
     moves: list[Move] = []
     known: dict[tuple[int, int | None], tuple[EpisodeEntry, Path]] = {}
     images: tuple[dict[str, tuple[int, ...]], Path] | None = None
-    check_alike([root for root in (out, *roots) if read_manifest(root, task)], task)
-    for root in (out, *roots):
+    stored = [root for root in (out, *roots) if has_manifest(root, task)]
+    check_alike([root for root in stored if read_manifest(root, task)], task)
+    for root in stored:
         entries = read_manifest(root, task)
         for entry in entries:
             source = manifest_path(root, task).parent / entry.file

@@ -12,7 +12,9 @@ A dataset with the attribute `constant` holds one value for all frames; `frames`
 
 Images are stored as chunks of some frames each, shuffled and deflated here, so that HDF5 only has to store them. Deflate finds
 what repeats within 32 kB. A chunk holds a few frames of as many rows as fit into that, so that what a camera at rest sees again
-costs next to nothing. Any HDF5 reader undoes it: the filters are the standard ones, shuffle and gzip.
+costs next to nothing. Any HDF5 reader undoes it: the filters are the standard ones, shuffle, gzip and Fletcher-32.
+
+Every chunk ends with its Fletcher-32 checksum. HDF5 compares it whenever it reads the chunk: a flipped bit is an error.
 """
 
 from __future__ import annotations
@@ -53,13 +55,15 @@ def write_images(group: h5py.Group, name: str, frames: Sequence[NDArray]) -> h5p
         compression="gzip",
         compression_opts=_LEVEL,
         shuffle=first.itemsize > 1,
+        fletcher32=True,
     )
     block = np.zeros(chunk, dtype=first.dtype)
     for start in range(0, len(frames), chunk[0]):
         for top in range(0, first.shape[0], chunk[1]):
             data = _filled(block, frames[start : start + chunk[0]], top)
             offset = (start, top, *(0 for _ in first.shape[1:]))
-            dataset.id.write_direct_chunk(offset, isal_zlib.compress(_shuffled(data), _LEVEL))
+            packed = isal_zlib.compress(_shuffled(data), _LEVEL)
+            dataset.id.write_direct_chunk(offset, packed + _fletcher32(packed))
     return dataset
 
 
@@ -90,6 +94,18 @@ def _shuffled(data: NDArray) -> bytes | NDArray[np.uint8]:
     for number, plane in enumerate(planes):
         plane[:] = values[number::size]
     return planes.reshape(-1)
+
+
+def _fletcher32(data: bytes) -> bytes:
+    """Return the checksum that HDF5's filter appends to these bytes.
+
+    The sum of all 16-bit words and the sum of all partial sums, modulo 65535, where only zeros give 0: J. G. Fletcher, "An
+    Arithmetic Checksum for Serial Transmissions", IEEE Transactions on Communications 30(1), 1982.
+    """
+    words = np.frombuffer(data + bytes(len(data) % 2), dtype=">u2").astype(np.uint64)
+    sums = int(words.sum()), int(words @ np.arange(len(words), 0, -1, dtype=np.uint64))
+    first, second = ((total - 1) % 65535 + 1 if total else 0 for total in sums)
+    return (second << 16 | first).to_bytes(4, "little")
 
 
 Value = Any
@@ -123,27 +139,27 @@ def write_series(group: h5py.Group, name: str, values: Sequence[Value], compress
         group.create_dataset(f"{name}@frames", data=np.array(frames, dtype=np.int64))
 
 
-def read_series(group: h5py.Group, name: str, length: int, wanted: range | None = None) -> list[Value]:
+def read_series(stored: h5py.Dataset, beside: h5py.Dataset | None, length: int, wanted: range | None = None) -> list[Value]:
     """Read back what `write_series` stored, None where a frame has none.
 
     Args:
-        group: Where it is stored.
-        name: Under which name.
+        stored: The dataset.
+        beside: Its neighbour `<name>@frames`, None where there is none.
         length: How many frames the episode has.
         wanted: The frames to read, consecutive ones; all when None. Only they are read from the file.
     """
-    dataset = group[name]
-    frames = _frames(group[f"{name}@frames"][()], length) if f"{name}@frames" in group else range(length)
-    constant = bool(dataset.attrs.get("constant", False))
-    if len(dataset) != (1 if constant else len(frames)):
-        raise ValueError(f"'{name}' has {len(dataset)} values for {len(frames)} frames")
+    attributes = dict(stored.attrs)
+    frames = range(length) if beside is None else _frames(beside[()], length)
+    constant = bool(attributes.get("constant", False))
+    if len(stored) != (1 if constant else len(frames)):
+        raise ValueError(f"'{stored.name}' has {len(stored)} values for {len(frames)} frames")
     wanted = range(length) if wanted is None else wanted
-    rows = [row for row, frame in enumerate(frames) if frame in wanted]
+    rows = wanted if beside is None else [row for row, frame in enumerate(frames) if frame in wanted]
     result: list[Value] = [None] * len(wanted)
     if not rows:
         return result
-    data = np.repeat(dataset[()], len(rows), axis=0) if constant else dataset[rows[0] : rows[-1] + 1]
-    for row, value in zip(rows, _unpack(dataset.attrs["kind"], data), strict=True):
+    data = np.repeat(stored[()], len(rows), axis=0) if constant else stored[rows[0] : rows[-1] + 1]
+    for row, value in zip(rows, _unpack(attributes["kind"], data), strict=True):
         result[frames[row] - wanted.start] = value
     return result
 
@@ -246,20 +262,20 @@ def _are_equal(rows: Sequence[Value] | np.ndarray) -> bool:
 
 
 def _create(group: h5py.Group, name: str, data: np.ndarray, compression: str) -> h5py.Dataset:
-    """Make a dataset; what is not small is shuffled and compressed in one piece."""
+    """Make a dataset; what is not small is shuffled and compressed in one piece, which ends with its checksum."""
     if data.dtype == object:
         return group.create_dataset(name, data=data, dtype=h5py.string_dtype("utf-8"))
     if data.nbytes < _SMALL or data.size == 0:
         return group.create_dataset(name, data=data)
-    return group.create_dataset(name, data=data, chunks=data.shape, compression=compression, shuffle=True)
+    return group.create_dataset(name, data=data, chunks=data.shape, compression=compression, shuffle=True, fletcher32=True)
 
 
 def _create_images(group: h5py.Group, name: str, frames: Sequence[np.ndarray], compression: str) -> h5py.Dataset:
     """Make a dataset of images in chunks of some frames."""
     if compression == "gzip":
         return write_images(group, name, frames)
-    data = np.stack(frames)
-    return group.create_dataset(name, data=data, chunks=(1, *data.shape[1:]), compression=compression, shuffle=True)
+    data, chunk = np.stack(frames), (1, *frames[0].shape)
+    return group.create_dataset(name, data=data, chunks=chunk, compression=compression, shuffle=True, fletcher32=True)
 
 
 def _plain(value: Value) -> Value:

@@ -23,6 +23,7 @@ _CHILD = Path(__file__).with_name("inspection_child.py")
 _SECONDS = 15.0
 _SECONDS_PER_BYTE = 1e-6
 _ENDING = 5.0  # [s]
+_Stamp = tuple[int, int, int] | None
 
 
 class Inspector:
@@ -112,42 +113,34 @@ def inspect_once(path: Path) -> None:
     Raises:
         EpisodeFileError: It did not survive that, or did not finish in time.
     """
-    status = path.stat()
-    _inspect(path, status.st_ino, status.st_size, status.st_mtime_ns)
+    _inspect(path, file_stamp(path))
 
 
 @lru_cache(maxsize=4096)
-def _inspect(path: Path, inode: int, size: int, changed: int) -> None:
+def _inspect(path: Path, stamp: _Stamp) -> None:
     with Inspector() as inspector:
         inspector.inspect(path)
 
 
-_Stamp = tuple[int, int, int] | None
-
-
-def check_file(path: Path, inspector: Inspector | None = None) -> None:
+def check_file(path: Path, sha256: str | None = None, inspector: Inspector | None = None) -> None:
     """Make sure that a file can be opened: it is what its manifest lists, or another process has survived reading it.
 
     Args:
         path: An episode file.
+        sha256: What its bytes must add up to; None looks it up in the manifest of the dataset that the file lies in.
         inspector: Reads a file that no manifest lists; a process of its own does when None.
 
     Raises:
         EpisodeFileError: It is another file than the manifest describes, or reading it crashes or hangs.
     """
-    sha256 = listed_digest(path)
+    sha256 = listed_digest(path) if sha256 is None else sha256
     if sha256 is not None:
-        check_digest(path, sha256)
+        if _digest(path, file_stamp(path)) != sha256:
+            raise altered(path)
     elif inspector is not None:
         inspector.inspect(path)
     else:
         inspect_once(path)
-
-
-def check_digest(path: Path, sha256: str) -> None:
-    """Raise EpisodeFileError unless the bytes of a file add up to `sha256`."""
-    if _digest(path, _stamp(path)) != sha256:
-        raise altered(path)
 
 
 def altered(path: Path) -> EpisodeFileError:
@@ -164,7 +157,7 @@ def listed_digest(path: Path) -> str | None:
         return None
     folder = path.parents[2]
     manifest = folder / MANIFEST
-    stamps = _stamp(manifest), _stamp(journal_path(manifest))
+    stamps = file_stamp(manifest), file_stamp(journal_path(manifest))
     if stamps == (None, None):
         return None
     return _listed(folder, *stamps).get(path.relative_to(folder).as_posix())
@@ -184,7 +177,7 @@ def _digest(path: Path, stamp: _Stamp) -> str:
     return file_digest(path)
 
 
-def _stamp(path: Path) -> _Stamp:
+def file_stamp(path: Path) -> _Stamp:
     """Return what changes with a file, None where there is none."""
     try:
         status = path.stat()

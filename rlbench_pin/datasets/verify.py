@@ -55,12 +55,10 @@ def _fault(folder: Path, entry: EpisodeEntry, task: str, structure: bool) -> Dat
         if not path.is_file():
             return EpisodeFileError(path, f"'{path}' is listed in the manifest but does not exist. Record it again.")
         check_inside(folder.parent, path)
-        if path.stat().st_size != entry.num_bytes:
+        if path.stat().st_size != entry.num_bytes or file_digest(path) != entry.sha256:
             return altered(path)
         if structure:
             check_structure(path, entry, task)
-        elif file_digest(path) != entry.sha256:
-            return altered(path)
     except OSError as error:
         return EpisodeFileError(path, f"'{path}' cannot be read: {error}.")
     except DatasetError as error:

@@ -1,5 +1,6 @@
 """Environments that run tasks: Environment, TaskEnvironment, action modes, observations, demonstrations."""
 
+from rlbench_pin.datasets import key_frame_actions
 from rlbench_pin.environment.actions import (
     ActionMode,
     ActionSpec,
@@ -37,8 +38,8 @@ from rlbench_pin.environment.observations import (
 )
 from rlbench_pin.environment.presets import clear_view, image_config, low_dim_config, make_environment
 from rlbench_pin.environment.randomization import DynamicsRandomizationConfig, RandomizeEvery, VisualRandomizationConfig
-from rlbench_pin.environment.replay import key_frame_actions, key_frames_succeed
-from rlbench_pin.environment.runtime import Listener, Runtime
+from rlbench_pin.environment.replay import key_frames_succeed
+from rlbench_pin.environment.runtime import Listener, RefusedOpening, Runtime
 from rlbench_pin.environment.task_environment import TaskEnvironment
 
 __all__ = [
@@ -72,6 +73,7 @@ __all__ = [
     "NoiseModel",
     "ObservationConfig",
     "RandomizeEvery",
+    "RefusedOpening",
     "RelativeFrame",
     "Runtime",
     "SafeArm",

@@ -23,7 +23,7 @@ from rlbench_pin.environment.randomization.randomizer import Randomizer
 from rlbench_pin.environment.runtime import EmptyTable, Runtime, build_runtime
 from rlbench_pin.environment.stored import StoredSelection, read_stored_demos, read_stored_descriptions
 from rlbench_pin.environment.task_environment import TaskEnvironment
-from rlbench_pin.errors import DatasetError, EnvironmentClosed, InvalidArgument, TaskEnvironmentError
+from rlbench_pin.errors import DatasetError, EnvironmentClosed, InvalidArgument, NoShapedReward, TaskEnvironmentError
 from rlbench_pin.observation import CAMERAS, Demo
 from rlbench_pin.planning.planner import PlannerConfig
 from rlbench_pin.robot.description import DEFAULT_ROBOT, robot_description
@@ -31,7 +31,7 @@ from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.sim import RENDERERS, RendererName, World, give_back_memory
 from rlbench_pin.tasks import Task, find_task
-from rlbench_pin.values import as_choice, as_flag, as_number, as_path, as_record, as_seed
+from rlbench_pin.values import as_choice, as_flag, as_number, as_path, as_record, as_seed, names_arguments
 
 _SCENE_DATA = {"intrinsics": "intrinsics", "extrinsics": "extrinsics", "near_plane": "near", "far_plane": "far"}
 """Name in the data of a scene -> name in `misc`."""
@@ -64,6 +64,7 @@ class Environment:
         UnknownRobot: No such arm (also a ValueError).
     """
 
+    @names_arguments
     def __init__(
         self,
         action_mode: ActionMode,
@@ -143,12 +144,15 @@ class Environment:
         Raises:
             UnknownName: No task has this name; names the nearest.
             TaskError: The file does not exist, cannot be run, or holds no task class named after it.
+            NoShapedReward: Shaped rewards are on and the task has none (also a RuntimeError).
         """
         chosen = find_task(task) if isinstance(task, str | PathLike) else task
         if not isinstance(chosen, type) or not issubclass(chosen, Task):
             raise InvalidArgument(
                 "task", task, "has to be the name of a task, its file, or its class", "`rlbench-pin list` has the names."
             )
+        if self._shaped_rewards and chosen.reward is Task.reward:
+            raise NoShapedReward(chosen.get_name())
         if self._model is None:
             self.launch()
         assert self._model is not None
@@ -183,6 +187,7 @@ class Environment:
             camera_places=self._places,
         )
 
+    @names_arguments
     def get_demos(
         self,
         task_name: str,

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from rlbench_pin.datasets import key_frames
+from rlbench_pin.datasets import key_frame_actions
 from rlbench_pin.environment.demos import EXTRA_TICKS
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import DemoError, InvalidActionError
@@ -36,26 +36,6 @@ def replay_succeeds(task: TaskEnvironment, demo: Demo) -> bool:
     if not actions or len(actions) < len(demo) - 1:
         raise DemoError("The demonstration holds no `joint_position_action`, so it cannot be replayed. Record it live.")
     return reaches_goal(task, [*actions, *[actions[-1]] * EXTRA_TICKS])
-
-
-def key_frame_actions(demo: Demo) -> list[np.ndarray]:
-    """Return one action for each key frame of a demonstration: tip pose, gripper, and whether collisions are ignored, shape (9,).
-
-    Args:
-        demo: A demonstration with `gripper_pose` and `ignore_collisions`.
-
-    Raises:
-        DemoError: A frame lacks one of the two.
-    """
-    actions = []
-    for index in key_frames(demo):
-        frame = demo[index]
-        if frame.gripper_pose is None or frame.gripper_open is None or frame.ignore_collisions is None:
-            raise DemoError(
-                f"Frame {index} of the demonstration lacks `gripper_pose`, `gripper_open` or `ignore_collisions`. Record it live."
-            )
-        actions.append(np.concatenate([frame.gripper_pose, [frame.gripper_open, float(frame.ignore_collisions)]]))
-    return actions
 
 
 def key_frames_succeed(task: TaskEnvironment, demo: Demo) -> bool:

@@ -62,6 +62,25 @@ class Listeners(ListenerList[Listener]):
             listener.on_segment(waypoint, plan)
 
 
+@dataclass(frozen=True)
+class RefusedOpening:
+    """Why `SafeArm` kept the fingers as they were: fully opened, a pair would be nearer than its minimum distance."""
+
+    pair: tuple[str, str]
+    """Names of the two that would be too near."""
+    distance: float
+    """Smallest distance that the opening could lead to [m]; 0 or below is contact."""
+    minimum: float
+    """Smallest distance allowed [m]."""
+
+    def __str__(self) -> str:
+        """Say it in a sentence, with the next step."""
+        return (
+            f"The fingers did not open: {self.pair[0]} could come {1e3 * self.distance:.1f} mm near to {self.pair[1]}; "
+            f"at least {1e3 * self.minimum:.1f} mm are kept. Move the gripper away first."
+        )
+
+
 class ActionResult:
     """Success and end of the episode during one action; the first tick that ends the episode counts.
 
@@ -71,11 +90,13 @@ class ActionResult:
     Attributes:
         success: Whether the goal was reached.
         over: Whether the episode has ended, by success or by the fail list.
+        refused_opening: Why the fingers did not open as the action asked; None otherwise.
     """
 
     def __init__(self, task: Task) -> None:
         self._task, self.evaluated = task, False
         self.success = self.over = False
+        self.refused_opening: RefusedOpening | None = None
 
     def evaluate(self) -> None:
         """Evaluate all conditions of the task at the end of a tick; once the episode is over nothing changes."""
@@ -258,6 +279,11 @@ class Runtime:
         finally:
             self._result = before
             self.after_tick.remove(result.evaluate)
+
+    def refuse_opening(self, refused: RefusedOpening) -> None:
+        """Note for the result of the present action that the fingers stay as they are."""
+        if self._result is not None:
+            self._result.refused_opening = refused
 
     def drive_to(self, target: FloatArray) -> None:
         """Move the arm towards joint positions `target` [rad] for one tick, then hold where it is."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from threading import RLock
 
 import numpy as np
 
@@ -14,13 +16,13 @@ from rlbench_pin.environment.episode import MAX_DEMOS, EnvironmentState, Episode
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.randomization.randomizer import Randomizer
 from rlbench_pin.environment.reset import start_episode
-from rlbench_pin.environment.runtime import Runtime, success_is_stable
+from rlbench_pin.environment.runtime import RefusedOpening, Runtime, success_is_stable
 from rlbench_pin.environment.stored import StoredSelection, read_stored_demos
-from rlbench_pin.errors import InvalidArgument, NotReset, TaskEnvironmentError
+from rlbench_pin.errors import InvalidArgument, NotReset, TaskEnvironmentError, UsedByTwoThreads
 from rlbench_pin.observation import Demo, Observation
 from rlbench_pin.sim import World
 from rlbench_pin.tasks import Task
-from rlbench_pin.values import LARGEST_SEED, as_flag, as_function, as_record, as_whole
+from rlbench_pin.values import LARGEST_SEED, as_flag, as_function, as_record, as_whole, names_arguments
 
 MAX_DEMO_ATTEMPTS = 10
 """Tries per live demonstration."""
@@ -57,7 +59,9 @@ class TaskEnvironment:
         self._randomizer = randomizer
         runtime.world.end_building()
         self._variation_number, self._succeeded = 0, False
+        self._refused_opening: RefusedOpening | None = None
         self._episode: EpisodeOrigin | None = None
+        self._in_use = RLock()
 
     # What it is -------------------------------------------------------------------------------------------------
 
@@ -90,6 +94,11 @@ class TaskEnvironment:
     def succeeded(self) -> bool:
         """Whether the goal was reached by the last step; False after a reset."""
         return self._succeeded
+
+    @property
+    def refused_opening(self) -> RefusedOpening | None:
+        """Why `SafeArm` kept the fingers as they were in the last action; None when it did not."""
+        return self._refused_opening
 
     def get_name(self) -> str:
         """Return the snake-case task name."""
@@ -149,7 +158,11 @@ class TaskEnvironment:
         return self.get_task_descriptions(), self.get_observation()
 
     def _start(self, seed: int, attempt: int, variation: int | None = None) -> EpisodeOrigin:
-        self._episode, self._succeeded = None, False
+        with self._alone("reset"):
+            return self._begin(seed, attempt, variation)
+
+    def _begin(self, seed: int, attempt: int, variation: int | None) -> EpisodeOrigin:
+        self._episode, self._succeeded, self._refused_opening = None, False, None
         random = EpisodeRandom.from_seed(seed, attempt)
         variation = self._variation_number if variation is None else variation
         if variation == ALL_VARIATIONS:
@@ -173,12 +186,14 @@ class TaskEnvironment:
             NotReset: Before the first reset.
             InvalidActionError: The action was refused; the world is as it was.
             NoShapedReward: Shaped rewards are on and the task gives none (also a RuntimeError).
+            UsedByTwoThreads: Another thread is in a call of this environment (also a RuntimeError).
         """
         self._started("step")
-        with self._runtime.acting() as result:
-            self._action_mode.action(self._runtime, action)
-        self._succeeded = result.success
-        return self.get_observation(), result.reward(self._shaped_rewards), result.over
+        with self._alone("step"):
+            with self._runtime.acting() as result:
+                self._action_mode.action(self._runtime, action)
+            self._succeeded, self._refused_opening = result.success, result.refused_opening
+            return self.get_observation(), result.reward(self._shaped_rewards), result.over
 
     def success_is_stable(self) -> bool:
         """Whether the goal, reached now, lasts 1 s with the arm stationary, the gripper as it is. Afterwards all is as it was."""
@@ -192,13 +207,15 @@ class TaskEnvironment:
     def get_observation(self) -> Observation:
         """Observe without stepping."""
         self._started("get_observation")
-        return self._runtime.get_observation()
+        with self._alone("get_observation"):
+            return self._runtime.get_observation()
 
     def get_state(self) -> EnvironmentState:
         """Return the present moment, to go back to; pickled, in an environment of the same task anywhere."""
         episode = self._started("get_state")
         randomization = None if self._randomizer is None else self._randomizer.current
-        return EnvironmentState(self._runtime.save(portable=True), episode, randomization)
+        with self._alone("get_state"):
+            return EnvironmentState(self._runtime.save(portable=True), episode, randomization)
 
     def set_state(self, state: EnvironmentState) -> Observation:
         """Go back to a moment from `get_state` and observe it."""
@@ -206,16 +223,18 @@ class TaskEnvironment:
             raise InvalidArgument("state", state, "has to be a moment from `get_state()`")
         if (variation := state.unpickled_variation(self.get_name())) is not None:  # begun again, a task has the same objects
             self._start(state.episode.seed, state.episode.attempt, variation)
-        if self._randomizer is not None:
-            self._randomizer.remove()
-        self._runtime.restore(state.runtime)
-        if self._randomizer is not None:
-            self._randomizer.apply(state.randomization)
-        self._episode = state.episode
-        return self.get_observation()
+        with self._alone("set_state"):
+            if self._randomizer is not None:
+                self._randomizer.remove()
+            self._runtime.restore(state.runtime)
+            if self._randomizer is not None:
+                self._randomizer.apply(state.randomization)
+            self._episode = state.episode
+            return self.get_observation()
 
     # Demonstrations ---------------------------------------------------------------------------------------------
 
+    @names_arguments
     def get_demos(
         self,
         amount: int,
@@ -278,7 +297,8 @@ class TaskEnvironment:
         as_function(on_frame, "on_frame", InvalidArgument)
         record = as_flag(record, "record", InvalidArgument)
         gripper = self._obs_config.record_gripper_closing
-        return demos.play_demo(self._runtime, episode, record=record, record_gripper=gripper, on_frame=on_frame)
+        with self._alone("try_demo"):
+            return demos.play_demo(self._runtime, episode, record=record, record_gripper=gripper, on_frame=on_frame)
 
     def reset_to_demo(self, demo: Demo) -> tuple[list[str], Observation]:
         """Start as a demonstration did: its seed sets up the task, its snapshot the very state.
@@ -291,6 +311,16 @@ class TaskEnvironment:
         self._start(seed, demo.attempt)
         demos.restore_start(self._runtime, demo)
         return self.get_task_descriptions(), self.get_observation()
+
+    @contextmanager
+    def _alone(self, call: str) -> Iterator[None]:
+        """Refuse a call while another thread is in one; calls within a call of the same thread are fine."""
+        if not self._in_use.acquire(blocking=False):
+            raise UsedByTwoThreads(call)
+        try:
+            yield
+        finally:
+            self._in_use.release()
 
     def _started(self, call: str) -> EpisodeOrigin:
         if self._episode is None:

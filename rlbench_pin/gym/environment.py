@@ -39,7 +39,7 @@ from rlbench_pin.observation import LOW_DIM, Demo, Observation
 from rlbench_pin.sim import CameraView, RendererName, World, look_at
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import Task
-from rlbench_pin.values import as_array, as_image_size, as_record, as_whole
+from rlbench_pin.values import as_array, as_image_size, as_names, as_record, as_whole, names_arguments
 
 VISION_CAMERAS = ("left_shoulder", "right_shoulder", "wrist", "front")
 """Cameras of vision observations unless others are asked for."""
@@ -194,8 +194,8 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
     """One task behind gymnasium's interface. Every instance has a world of its own.
 
     Observations are a dict of float32 boxes, and of four images with `observation_mode="vision"`. Quaternions in actions are
-    brought to unit length. `info` holds `success`, `is_success` (the same), `text_descriptions`, `variation`, and `error` when
-    the action was refused.
+    brought to unit length. `info` holds `success`, `is_success` (the same), `text_descriptions`, `variation`, `error` when
+    the action was refused, and `refused_opening` when `SafeArm` kept the fingers as they were.
 
     A seed given to `reset` is the seed of that very episode, the same as `TaskEnvironment.reset(seed=...)`; without one the
     seed is drawn from `np_random`.
@@ -209,18 +209,20 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         shaped_rewards: The task's own reward instead of 1 for success; few tasks have one.
         invalid_action: What a refused action does, such as a pose that cannot be reached: `continue` (nothing moves, reward 0),
             `terminate` (likewise, and the episode ends), or `raise`.
-        image_size: Width and height of images [px].
+        image_size: Width and height of images [px]; None is 128 by 128. Only with `vision`.
         renderer: Renderer of images: `cpu`, `egl` or `auto`.
-        cameras: Cameras of vision observations.
+        cameras: Cameras of vision observations; None is `VISION_CAMERAS`. Only with `vision`.
 
     Raises:
-        UnknownName: No such task, mode, camera or choice.
+        UnknownName: No such task, mode, camera, choice or argument.
+        InvalidArgument: `cameras` or `image_size` without `vision`.
         TaskError: The task file cannot be loaded.
         WindowMissing: `human` without a screen or without pygame.
     """
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": list(RENDER_MODES), "render_fps": 20}  # type: ignore[misc]
 
+    @names_arguments
     def __init__(
         self,
         task: str | PathLike[str] | type[Task],
@@ -231,9 +233,9 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         variation: int = 0,
         shaped_rewards: bool = False,
         invalid_action: Literal["continue", "terminate", "raise"] = "continue",
-        image_size: tuple[int, int] = (128, 128),
+        image_size: tuple[int, int] | None = None,
         renderer: RendererName = "cpu",
-        cameras: Sequence[str] = VISION_CAMERAS,
+        cameras: Sequence[str] | None = None,
     ) -> None:
         EzPickle.__init__(
             self, task, observation_mode, render_mode, action_mode, variation=variation, shaped_rewards=shaped_rewards,
@@ -247,8 +249,11 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         self.metadata = {**self.metadata, "render_modes": list(RENDER_MODES[: 2 if why_no_window() is None else 1])}  # type: ignore[misc]
         self._window = Window(f"rlbench_pin: {task}") if render_mode == "human" else None
         self._invalid_action, self._shaped_rewards = invalid_action, shaped_rewards
-        seen = tuple(cameras) if observation_mode == "vision" else ()
-        size = as_image_size(image_size, "image_size", InvalidCamera)
+        if observation_mode == "state":
+            _refuse_images(cameras=cameras, image_size=image_size)
+            cameras = ()
+        seen = VISION_CAMERAS if cameras is None else as_names(cameras, "cameras", InvalidCamera)
+        size = as_image_size((128, 128) if image_size is None else image_size, "image_size", InvalidCamera)
         mode, settings = _own_copy(action_mode), boxed_settings(seen, size)
         self._environment = Environment(mode, obs_config=settings, shaped_rewards=shaped_rewards, renderer=renderer)
         try:
@@ -318,7 +323,10 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
                 raise
             return self._refused(error)
         self._show()
-        return self._observed(observation), reward, terminated, False, self._info(success=self._task.succeeded)
+        info = self._info(success=self._task.succeeded)
+        if self._task.refused_opening is not None:
+            info["refused_opening"] = self._task.refused_opening
+        return self._observed(observation), reward, terminated, False, info
 
     def _refused(self, error: InvalidActionError) -> tuple[GymObservation, float, bool, bool, dict[str, Any]]:
         """Report an action after which everything is as it was."""
@@ -395,6 +403,14 @@ def _checked_options(options: Mapping[str, Any] | None) -> Mapping[str, Any]:
         raise TaskEnvironmentError("A demonstration brings its variation. Pass 'reset_to_demo' or 'variation', not both.")
     as_whole(variation, "options['variation'], -1 to draw one,", InvalidArgument)
     return chosen
+
+
+def _refuse_images(**settings: object) -> None:
+    """Refuse settings of images where observations have none."""
+    for name, value in settings.items():
+        if value is not None:
+            hint = "Use the `-vision-v0` id, or observation_mode='vision'."
+            raise InvalidArgument(name, value, "is a setting of images, which `state` observations do not have", hint)
 
 
 class UnknownChoice(UnknownName, ValueError):

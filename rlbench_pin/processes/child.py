@@ -2,12 +2,16 @@
 
 The owner starts one with `ChildProcess` and talks to it over a socket, usually in messages (`policy_server.Channel`) whose
 `receive(timeout)` sets the time limit. The module calls `connect_to_owner` first, then `limit_memory` where memory is limited.
+
+Between owner and module is a supervisor, this file run as a program. It is the subreaper of all descendants: whoever loses its
+parent becomes its child, also in a session of its own, without its environment. So it finds all of them and ends them when the
+module ends, when the owner asks for it, and when the owner is gone.
 """
 
 from __future__ import annotations
 
 import contextlib
-import fcntl
+import ctypes
 import os
 import re
 import resource
@@ -18,7 +22,6 @@ import subprocess
 import sys
 import threading
 import time
-import uuid
 from collections import deque
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -28,8 +31,10 @@ KEPT = 16_384
 """Bytes of the output of a child that are kept."""
 LAST_LINES = 12
 """Lines of them that `printed` returns."""
-MARK = "RLBENCH_PIN_CHILD"
-"""Environment variable that a child and its descendants share; its value is unique to the child."""
+PATIENCE = 10.0
+"""Time that the supervisor has to end all descendants [s]; then it is killed."""
+_SET_PDEATHSIG, _SET_CHILD_SUBREAPER = 1, 36
+"""Options of prctl(2)."""
 
 
 class ChildProcess:
@@ -52,13 +57,13 @@ class ChildProcess:
     """
 
     def __init__(self, module: str, arguments: Sequence[str] = (), variables: Mapping[str, str] | None = None) -> None:
-        self._mark, self._lock = uuid.uuid4().hex, threading.Lock()
+        self._lock = threading.Lock()
         self._ending: str | None = None
         self.connection, theirs = socket.socketpair()
         watched, held = os.pipe()
-        command = [sys.executable, "-m", module, str(theirs.fileno()), str(watched), *arguments]
         paths = os.pathsep.join(path for path in sys.path if path)
-        environment = {**os.environ, **(variables or {}), MARK: self._mark, "PYTHONPATH": paths, "PYTHONUNBUFFERED": "1"}
+        environment = {**os.environ, **(variables or {}), "PYTHONPATH": paths, "PYTHONUNBUFFERED": "1"}
+        command = [sys.executable, "-I", "-S", __file__, str(watched), str(theirs.fileno()), module, *arguments]
         try:
             self._process = subprocess.Popen(
                 command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True,
@@ -88,12 +93,11 @@ class ChildProcess:
         with self._lock:
             if self._ending is None:
                 ended_itself = self._ends_within(patience)
-                with contextlib.suppress(ProcessLookupError, PermissionError):
-                    os.killpg(self.pid, signal.SIGKILL)  # not yet waited for, so the number is still its own
+                self._alive.close()  # the supervisor ends all descendants
+                if not self._ends_within(PATIENCE):
+                    self._process.kill()
                 code = self._process.wait()
-                self._kill_marked()
                 self._output.finish()
-                self._alive.close()
                 self._ending = _describe(code) if ended_itself else ""
             return self._ending
 
@@ -102,21 +106,9 @@ class ChildProcess:
         return self._output.last_lines()
 
     def _ends_within(self, seconds: float) -> bool:
-        end = time.monotonic() + seconds
-        while not (ended := _has_ended(self.pid)) and time.monotonic() < end:
-            time.sleep(0.005)
-        return ended
-
-    def _kill_marked(self) -> None:
-        """Kill descendants that left the process group; where there is no `/proc`, they stay."""
-        mark = f"{MARK}={self._mark}".encode()
-        for _ in range(3):  # one of them may start another meanwhile
-            found = [int(entry.name) for entry in Path("/proc").glob("[0-9]*") if _has_variable(entry, mark)]
-            if not found:
-                return
-            for number in found:
-                with contextlib.suppress(ProcessLookupError, PermissionError):
-                    os.kill(number, signal.SIGKILL)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self._process.wait(seconds)
+        return self._process.returncode is not None
 
 
 class _Output:
@@ -148,21 +140,6 @@ class _Output:
         return "\n".join(line[:500] for line in text.strip().splitlines()[-LAST_LINES:])
 
 
-def _has_ended(pid: int) -> bool:
-    """Whether a child has ended; it stays to be waited for."""
-    try:
-        return os.waitid(os.P_PID, pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None
-    except ChildProcessError:
-        return True
-
-
-def _has_variable(entry: Path, variable: bytes) -> bool:
-    try:
-        return variable in (entry / "environ").read_bytes().split(b"\0")
-    except OSError:  # it has ended, or belongs to another user
-        return False
-
-
 def _describe(code: int) -> str:
     if code < 0:
         with contextlib.suppress(ValueError):
@@ -174,17 +151,11 @@ def _describe(code: int) -> str:
 
 
 def connect_to_owner() -> tuple[socket.socket, list[str]]:
-    """Return the socket to the owner and the arguments of the module, and let this process end with the owner.
-
-    The owner holds the other end of a pipe. When that is closed, by the system if need be, the system sends SIGIO to the group
-    of this process, which ends all in it.
-    """
-    connection, pipe = int(sys.argv[1]), int(sys.argv[2])
+    """Return the socket to the owner and the arguments of the module, and let this process end with its supervisor."""
+    supervisor, connection = int(sys.argv[1]), int(sys.argv[2])
     os.set_inheritable(connection, False)
-    os.set_inheritable(pipe, False)
-    fcntl.fcntl(pipe, fcntl.F_SETOWN, -os.getpgrp())
-    fcntl.fcntl(pipe, fcntl.F_SETFL, fcntl.fcntl(pipe, fcntl.F_GETFL) | os.O_ASYNC)
-    if select.select([pipe], [], [], 0.0)[0]:  # the owner has ended already
+    _prctl(_SET_PDEATHSIG, signal.SIGKILL)
+    if os.getppid() != supervisor:  # it has ended already
         os._exit(1)
     return socket.socket(fileno=connection), sys.argv[3:]
 
@@ -196,3 +167,83 @@ def limit_memory(more: int) -> None:
     used = 0 if found is None else 1024 * int(found[1])
     resource.setrlimit(resource.RLIMIT_AS, (used + more, used + more))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+
+def _prctl(option: int, value: int) -> None:
+    if ctypes.CDLL(None, use_errno=True).prctl(option, value, 0, 0, 0) != 0:
+        raise OSError(ctypes.get_errno(), f"prctl({option}, {value}) is refused")
+
+
+# In the supervisor ------------------------------------------------------------------------------------------------------------
+
+
+def _supervise(pipe: int, connection: int, module: str, arguments: Sequence[str]) -> int:
+    """Run the module until it ends or the owner closes the pipe; end all descendants.
+
+    Returns:
+        The exit code of the module; the number of a signal is negative.
+    """
+    _prctl(_SET_CHILD_SUBREAPER, 1)
+    os.set_inheritable(pipe, False)
+    woken, wake = os.pipe()
+    for end in (woken, wake):
+        os.set_blocking(end, False)
+    signal.set_wakeup_fd(wake, warn_on_full_buffer=False)
+    signal.signal(signal.SIGCHLD, lambda number, frame: None)
+    command = [sys.executable, "-m", module, str(os.getpid()), str(connection), *arguments]
+    main = os.posix_spawn(sys.executable, command, os.environ, setsid=True)
+    os.close(connection)
+    ended: dict[int, int] = {}
+    while main not in ended and pipe not in select.select([pipe, woken], [], [])[0]:
+        os.read(woken, 4096)
+        ended = _reap()
+    limit = time.monotonic() + PATIENCE
+    while _has_children() and time.monotonic() < limit:
+        for pid in _descendants(os.getpid()):
+            with contextlib.suppress(ProcessLookupError, PermissionError):
+                os.kill(pid, signal.SIGKILL)
+        time.sleep(0.002)
+        ended |= _reap()
+    return ended.get(main, 1)
+
+
+def _reap() -> dict[int, int]:
+    """Wait for all children that have ended; return process id -> exit code."""
+    ended: dict[int, int] = {}
+    with contextlib.suppress(ChildProcessError):
+        while (found := os.waitpid(-1, os.WNOHANG))[0]:
+            ended[found[0]] = os.waitstatus_to_exitcode(found[1])
+    return ended
+
+
+def _has_children() -> bool:
+    with contextlib.suppress(ChildProcessError):
+        os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT)
+        return True
+    return False
+
+
+def _descendants(ancestor: int) -> list[int]:
+    children: dict[int, list[int]] = {}
+    for entry in Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):  # it has ended
+            parent = int((entry / "stat").read_bytes().rpartition(b")")[2].split()[1])
+            children.setdefault(parent, []).append(int(entry.name))
+    found = list(children.get(ancestor, ()))
+    for pid in found:
+        found += children.get(pid, ())
+    return found
+
+
+def _end_like(code: int) -> None:
+    """End this process with an exit code, or by a signal where it is negative."""
+    if code < 0:
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        with contextlib.suppress(OSError):  # SIGKILL needs none
+            signal.signal(-code, signal.SIG_DFL)
+        os.kill(os.getpid(), -code)
+    os._exit(code)
+
+
+if __name__ == "__main__":
+    _end_like(_supervise(int(sys.argv[1]), int(sys.argv[2]), sys.argv[3], sys.argv[4:]))

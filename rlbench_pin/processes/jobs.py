@@ -25,10 +25,14 @@ from rlbench_pin.errors import InvalidArgument, RlbenchPinError, StorageError
 from rlbench_pin.values import as_whole
 
 MAX_DEATHS = 3
-"""Workers that may die with one item before it is given up."""
+"""Workers that may die with one item before it is given up, unless the caller says otherwise."""
 MAX_DEATHS_IN_A_ROW = 10
 """Workers that may die in a row, with no item finished in between, before the job ends."""
+MAX_FAILED_STARTS = 3
+"""Workers that may die in a row before they begin their first item, before the job ends."""
 _JOIN_TIMEOUT = 5.0  # [s]
+_STARTED = "started"
+"""First message of a worker process."""
 POLL_INTERVAL = 0.5
 """Longest wait for workers before `stop` is looked at again [s]."""
 
@@ -55,7 +59,7 @@ class WorkerDeath(Generic[ItemT]):
     """A worker died and was replaced."""
 
     item: ItemT
-    """The item that it was making; another worker makes it."""
+    """The item that it was making; another worker makes it, unless it is given up."""
     cause: str
     """A signal or an exit code."""
 
@@ -69,13 +73,17 @@ class GivenUp(Generic[ItemT]):
 
 
 class WorkersDie(RlbenchPinError):
-    """Too many workers died in a row."""
+    """Too many workers died in a row.
 
-    def __init__(self, deaths: Sequence[WorkerDeath]) -> None:
-        self.deaths = tuple(deaths)
-        causes = ", ".join(f"{n} x {c}" for c, n in Counter(d.cause for d in deaths).items())
+    Attributes:
+        causes: Signal or exit code of each.
+    """
+
+    def __init__(self, causes: Sequence[str]) -> None:
+        self.causes = tuple(causes)
+        counted = ", ".join(f"{n} x {cause}" for cause, n in Counter(causes).items())
         super().__init__(
-            f"{len(deaths)} workers in a row ended without finishing anything ({causes}). Is there enough memory? "
+            f"{len(causes)} workers in a row ended without finishing anything ({counted}). Is there enough memory? "
             "A script that starts workers needs `if __name__ == '__main__':`. "
             "`--workers 0` works in this process and shows the error."
         )
@@ -89,7 +97,11 @@ class Engine(Protocol):
     """Runs workers."""
 
     def map(
-        self, worker: Callable[[], Worker[ItemT, ResultT]], items: Sequence[ItemT], stop: threading.Event
+        self,
+        worker: Callable[[], Worker[ItemT, ResultT]],
+        items: Sequence[ItemT],
+        stop: threading.Event,
+        max_deaths: int = MAX_DEATHS,
     ) -> Events[ResultT, ItemT]:
         """Yield the result of every item, in any order.
 
@@ -97,6 +109,7 @@ class Engine(Protocol):
             worker: Makes a worker, in the process that uses it. It can be pickled, as items and results can.
             items: The items to make.
             stop: When set, no further item begins.
+            max_deaths: Workers that may die with one item before it is given up.
         """
         ...
 
@@ -105,7 +118,11 @@ class SerialEngine:
     """Runs one worker in this process."""
 
     def map(
-        self, worker: Callable[[], Worker[ItemT, ResultT]], items: Sequence[ItemT], stop: threading.Event
+        self,
+        worker: Callable[[], Worker[ItemT, ResultT]],
+        items: Sequence[ItemT],
+        stop: threading.Event,
+        max_deaths: int = MAX_DEATHS,
     ) -> Events[ResultT, ItemT]:
         """Yield the result of every item in order."""
         with closing(worker()) as only:
@@ -116,30 +133,63 @@ class SerialEngine:
 
 
 class RetryPolicy(Generic[ItemT]):
-    """Counts workers that died, and decides whether their items are made again."""
+    """Counts workers that died, and decides whether their items are made again.
 
-    def __init__(self) -> None:
+    Args:
+        max_deaths: Workers that may die with one item before it is given up.
+    """
+
+    def __init__(self, max_deaths: int = MAX_DEATHS) -> None:
+        self.max_deaths = max_deaths
         self._per_item: Counter[ItemT] = Counter()
-        self._in_a_row: list[WorkerDeath[ItemT]] = []
+        self._in_a_row: list[str] = []
+        self._failed_starts: list[str] = []
+
+    def on_start(self) -> None:
+        """Note that a worker is ready for its first item."""
+        self._failed_starts.clear()
 
     def on_success(self) -> None:
         """Note that an item was finished."""
         self._in_a_row.clear()
 
-    def on_death(self, item: ItemT, cause: str) -> tuple[WorkerDeath[ItemT], GivenUp[ItemT] | None]:
-        """Note that a worker died with an item; the second value is None unless the item is given up.
+    def on_death(self, item: ItemT, cause: str, started: bool = True) -> tuple[WorkerDeath[ItemT] | GivenUp[ItemT], ...]:
+        """Note that a worker died with an item. The item is given up or made again, see `is_given_up`.
 
-        Raises:
-            WorkersDie: `MAX_DEATHS_IN_A_ROW` have died with nothing finished in between.
+        Args:
+            item: The item.
+            cause: A signal or an exit code.
+            started: Whether the worker was ready for its first item; otherwise its death is no fault of the item.
+
+        Returns:
+            What the engine yields.
         """
+        if not started:
+            self._failed_starts.append(cause)
+            return ()
         death = WorkerDeath(item, cause)
         self._per_item[item] += 1
-        self._in_a_row.append(death)
+        self._in_a_row.append(cause)
+        if not self.is_given_up(item):
+            return (death,)
+        times = f": {self.max_deaths} times, the last" if self.max_deaths > 1 else ""
+        return death, GivenUp(item, f"worker died{times} with {cause}")
+
+    def is_given_up(self, item: ItemT) -> bool:
+        """Whether too many workers died with an item."""
+        return self._per_item[item] >= self.max_deaths
+
+    def check(self) -> None:
+        """Decide whether further workers are worth a try.
+
+        Raises:
+            WorkersDie: `MAX_DEATHS_IN_A_ROW` have died with nothing finished in between, or `MAX_FAILED_STARTS` before they
+                were ready.
+        """
+        if len(self._failed_starts) >= MAX_FAILED_STARTS:
+            raise WorkersDie(self._failed_starts)
         if len(self._in_a_row) >= MAX_DEATHS_IN_A_ROW:
             raise WorkersDie(self._in_a_row)
-        if self._per_item[item] < MAX_DEATHS:
-            return death, None
-        return death, GivenUp(item, f"worker died: {MAX_DEATHS} times, the last with {cause}")
 
 
 class ProcessEngine:
@@ -156,10 +206,14 @@ class ProcessEngine:
         self.workers = as_whole(workers, "workers", InvalidArgument, least=1)
 
     def map(
-        self, worker: Callable[[], Worker[ItemT, ResultT]], items: Sequence[ItemT], stop: threading.Event
+        self,
+        worker: Callable[[], Worker[ItemT, ResultT]],
+        items: Sequence[ItemT],
+        stop: threading.Event,
+        max_deaths: int = MAX_DEATHS,
     ) -> Events[ResultT, ItemT]:
         """Yield results as they come."""
-        queue, retries = deque(items), RetryPolicy[ItemT]()
+        queue, retries = deque(items), RetryPolicy[ItemT](max_deaths)
         workers = [_Process[ItemT, ResultT](worker) for _ in range(min(self.workers, len(queue)))]
         try:
             while True:
@@ -168,25 +222,29 @@ class ProcessEngine:
                         idle.give(queue.popleft())
                 if not (busy := [one for one in workers if one.items]):
                     return
-                ready = wait([source for one in busy for source in (one.connection, one.sentinel)], POLL_INTERVAL)
-                for one in busy:
-                    if one.connection not in ready and one.sentinel not in ready:
+                for one in _waited_for(busy):
+                    if not one.started and one.has_started():
+                        retries.on_start()
                         continue
                     item, results = one.take()
                     if results:
                         retries.on_success()
                         yield results[0]
                         continue
-                    workers[workers.index(one)] = _Process(worker)
-                    death, given_up = retries.on_death(item, one.end())
-                    yield death
-                    if given_up is not None:
-                        yield given_up
-                    else:
+                    yield from retries.on_death(item, one.end(), one.started)
+                    if not retries.is_given_up(item):
                         queue.appendleft(item)
+                    retries.check()
+                    workers[workers.index(one)] = _Process(worker)
         finally:
             for one in workers:
                 one.stop()
+
+
+def _waited_for(busy: Sequence[_Process[ItemT, ResultT]]) -> list[_Process[ItemT, ResultT]]:
+    """Return the processes that have sent something or died within `POLL_INTERVAL`."""
+    ready = wait([source for one in busy for source in (one.connection, one.sentinel)], POLL_INTERVAL)
+    return [one for one in busy if one.connection in ready or one.sentinel in ready]
 
 
 class _Process(Generic[ItemT, ResultT]):
@@ -202,12 +260,20 @@ class _Process(Generic[ItemT, ResultT]):
         self.sentinel = self._process.sentinel
         self.items: tuple[ItemT, ...] = ()
         """The item that it is making, if any."""
+        self.started = False
+        """Whether its worker is known to be made."""
 
     def give(self, item: ItemT) -> None:
         """Send an item; if the process has died, `take` finds out."""
         self.items = (item,)
         with suppress(OSError):
             self.connection.send(item)
+
+    def has_started(self) -> bool:
+        """Receive the first message; return False when the process died before."""
+        with suppress(EOFError, OSError):
+            self.started = self.connection.poll() and self.connection.recv() == _STARTED
+        return self.started
 
     def take(self) -> tuple[ItemT, tuple[ResultT, ...]]:
         """Return its item and the result; no result when it died."""
@@ -238,6 +304,7 @@ class _Process(Generic[ItemT, ResultT]):
 def _work(connection: Connection, worker: Callable[[], Worker[ItemT, ResultT]]) -> None:
     """Make the items that arrive until the connection closes."""
     with closing(worker()) as only, suppress(EOFError, OSError):
+        connection.send(_STARTED)
         while True:
             connection.send(only.make(connection.recv()))
 
@@ -273,6 +340,7 @@ def run_jobs(
     lost: Callable[[GivenUp[ItemT]], ResultT],
     engine: Engine | None = None,
     stop: threading.Event | None = None,
+    max_deaths: int = MAX_DEATHS,
 ) -> Iterator[ResultT | WorkerDeath[ItemT]]:
     """Make the results of items that no journal contains; yield each after it was stored, and the workers that died.
 
@@ -283,8 +351,9 @@ def run_jobs(
         lost: Returns the result of an item that was given up.
         engine: Runs the workers; one process when None.
         stop: When set, no further item begins; items that have begun are finished and stored.
+        max_deaths: Workers that may die with one item before it is given up.
     """
-    with closing((engine or ProcessEngine()).map(worker, items, stop or threading.Event())) as events:
+    with closing((engine or ProcessEngine()).map(worker, items, stop or threading.Event(), max_deaths)) as events:
         for event in events:
             if not isinstance(event, WorkerDeath):
                 event = lost(event) if isinstance(event, GivenUp) else event
@@ -340,6 +409,16 @@ class Journal:
         self.lines = [_json_object(line) for line in data[:size].splitlines()]
         """The objects that the file contained; None for a damaged line."""
 
+    def clear(self) -> None:
+        """Remove all lines.
+
+        Raises:
+            StorageError: The disk cannot be written.
+        """
+        with _storing(self.path):
+            os.truncate(self.path, 0)
+        self.lines = []
+
     def append(self, content: Mapping[str, Any]) -> None:
         """Append an object, and wait until it is on the disk.
 
@@ -352,6 +431,19 @@ class Journal:
                 file.write((json.dumps(content) + "\n").encode())
                 file.flush()
                 os.fsync(file.fileno())
+
+
+def first_line(path: Path) -> dict[str, Any] | None:
+    """Return the first object of a journal that another process may be writing; None where there is none.
+
+    Raises:
+        StorageError: It cannot be read.
+    """
+    with _storing(path):
+        if not path.is_file():
+            return None
+        with path.open("rb") as file:
+            return _json_object(file.readline())
 
 
 def _json_object(line: bytes) -> dict[str, Any] | None:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from rlbench_pin.errors import MissingExtra
-from rlbench_pin.processes.jobs import POLL_INTERVAL, Events, ItemT, ResultT, RetryPolicy, Worker
+from rlbench_pin.processes.jobs import MAX_DEATHS, POLL_INTERVAL, Events, ItemT, ResultT, RetryPolicy, Worker
 
 try:
     import ray
@@ -32,22 +32,26 @@ class RayEngine:
         self.workers, self.address = max(1, workers), address
 
     def map(
-        self, worker: Callable[[], Worker[ItemT, ResultT]], items: Sequence[ItemT], stop: threading.Event
+        self,
+        worker: Callable[[], Worker[ItemT, ResultT]],
+        items: Sequence[ItemT],
+        stop: threading.Event,
+        max_deaths: int = MAX_DEATHS,
     ) -> Events[ResultT, ItemT]:
         """Yield results as they come."""
         began = not ray.is_initialized()
         if began:
             ray.init(address=self.address, log_to_driver=False, logging_level="ERROR", include_dashboard=False)
         try:
-            yield from self._map(worker, items, stop)
+            yield from self._map(worker, items, stop, max_deaths)
         finally:
             if began:
                 ray.shutdown()
 
     def _map(
-        self, worker: Callable[[], Worker[ItemT, ResultT]], items: Sequence[ItemT], stop: threading.Event
+        self, worker: Callable[[], Worker[ItemT, ResultT]], items: Sequence[ItemT], stop: threading.Event, max_deaths: int
     ) -> Events[ResultT, ItemT]:
-        queue, retries = deque(items), RetryPolicy[ItemT]()
+        queue, retries = deque(items), RetryPolicy[ItemT](max_deaths)
         idle = [_new_actor(worker) for _ in range(min(self.workers, len(queue)))]
         busy: dict[ray.ObjectRef, tuple[ActorHandle, ItemT]] = {}
         while queue or busy:
@@ -64,12 +68,10 @@ class RayEngine:
                     result: ResultT = ray.get(reference)
                 except RayError as error:
                     idle.append(_new_actor(worker))
-                    death, given_up = retries.on_death(item, type(error).__name__)
-                    yield death
-                    if given_up is not None:
-                        yield given_up
-                    else:
+                    yield from retries.on_death(item, type(error).__name__)
+                    if not retries.is_given_up(item):
                         queue.appendleft(item)
+                    retries.check()
                     continue
                 retries.on_success()
                 idle.append(actor)

@@ -29,6 +29,7 @@ from rlbench_pin.datasets import (
     stored_tasks,
 )
 from rlbench_pin.datasets.layout import episode_path
+from rlbench_pin.datasets.manifest import has_manifest
 from rlbench_pin.datasets.reader import stored_images
 from rlbench_pin.datasets.storage import hold, remove_leftovers
 from rlbench_pin.environment.environment import Environment
@@ -317,7 +318,7 @@ def _pending(root: Path, items: Sequence[WorkItem]) -> list[WorkItem]:
         DatasetConflict: Another episode is stored in place of an item.
     """
     listed: dict[tuple[str, int, int], EpisodeEntry] = {}
-    for task in {item.name for item in items}:
+    for task in {item.name for item in items if has_manifest(root, item.name)}:
         listed.update({(task, e.variation, e.episode): e for e in read_manifest(root, task)})
     return [item for item in items if not _is_stored(root, item, listed.get(item.key))]
 

@@ -288,6 +288,12 @@ class DistanceModel:
         a, b = self._geometry.owners_of(k)
         return a.label, b.label
 
+    def pairs_of(self, links: Collection[str]) -> IndexArray:
+        """Return the pairs that count and that one of the arm's `links` is part of."""
+        ours = [owner.kind in ("arm", "gripper") and owner.link in links for owner in self._geometry.owners]
+        pairs = enumerate(self._geometry.pairs)
+        return np.array([k for k, (i, j) in pairs if self.counts[k] and (ours[i] or ours[j])], dtype=np.intp)
+
     def nearest(self, q: FloatArray, count: int = 1) -> list[Distance]:
         """Return the `count` smallest distances of pairs that count, at `q` (n,) [rad], nearest first."""
         as_whole(count, "count", least=1)

@@ -16,6 +16,8 @@ from rlbench_pin.cli.main import main
 from tests.builder.raw_page import RawPage
 
 SHOWN = 60.0
+IGNORING = ("/bin/sh", "-c", "trap '' INT; exec \"$@\"", "sh")
+"""Words before a command that begins with SIGINT ignored."""
 
 
 @pytest.mark.parametrize(
@@ -38,8 +40,11 @@ def test_what_cannot_be_built_is_said(
 
 @pytest.mark.simulation
 def test_the_page_is_served_until_it_is_interrupted(tmp_path: Path) -> None:
-    """To who has the address alone; nothing is written that was not saved, and no process stays."""
-    command = [sys.executable, "-m", "rlbench_pin.cli.main", "build", "fresh", "--out", str(tmp_path), "--no-browser"]
+    """To who has the address alone; nothing is written that was not saved, and no process stays.
+
+    The process begins with SIGINT ignored, as under `nohup` or in the background of a script.
+    """
+    command = [*IGNORING, sys.executable, "-m", "rlbench_pin.cli.main", "build", "fresh", "--out", str(tmp_path), "--no-browser"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True) as process:
         assert process.stdout is not None
         assert process.stderr is not None

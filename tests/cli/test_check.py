@@ -146,7 +146,7 @@ def test_a_dead_worker_is_explained(monkeypatch: pytest.MonkeyPatch) -> None:
         def __init__(self, workers: int) -> None:
             pass
 
-        def map(self, worker: object, items: Sequence[Item], stop: object) -> Iterator[GivenUp[Item]]:
+        def map(self, worker: object, items: Sequence[Item], stop: object, max_deaths: int) -> Iterator[GivenUp[Item]]:
             yield GivenUp(items[0], "worker died: 3 times, the last with SIGKILL")
 
     monkeypatch.setattr(run, "ProcessEngine", Dying)

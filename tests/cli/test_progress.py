@@ -36,6 +36,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     monkeypatch.setenv("LINES", "50")
     clock = Clock()
     monkeypatch.setattr("tqdm.std.time", clock)
+    monkeypatch.setattr("rlbench_pin.cli.bars.is_terminal", lambda: True)
     return clock
 
 
@@ -106,3 +107,16 @@ def test_the_bar_of_a_check_counts_trials_and_their_rate(clock: Clock, capsys: C
     assert re.search(r"check: +70%.* 14/20 .*00:08<00:12, +2\.00s/trial, open_drawer noop", line), line
     bar.close()
     assert capsys.readouterr().err.endswith("\n")
+
+
+def test_without_a_terminal_there_are_plain_lines(clock: Clock, monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
+    """At the start, then one in ten seconds, and one at the end; no control characters, which would fill a log."""
+    monkeypatch.setattr("rlbench_pin.cli.bars.is_terminal", lambda: False)
+    bar = RecordBar("record")
+    for recorded in range(13):
+        bar(RecordReport(wanted=12, found=0, recorded=recorded))
+        clock.now += 2.0
+    bar.close()
+    lines = capsys.readouterr().err.splitlines()
+    assert [re.search(r"(\d+)/12 ", line)[1] for line in lines] == ["0", "5", "10", "12"]  # type: ignore[index]
+    assert all(line.startswith("record: ") and line.isprintable() for line in lines)

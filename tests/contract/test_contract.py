@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 
 from rlbench_pin.checking import validate
-from rlbench_pin.datasets import key_frames
+from rlbench_pin.datasets import key_frame_actions, key_frames
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.environment.presets import key_frame_mode
-from rlbench_pin.environment.replay import key_frame_actions, replay_succeeds
+from rlbench_pin.environment.replay import replay_succeeds
 from rlbench_pin.environment.runtime import REST_SPEED
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.observation import Demo

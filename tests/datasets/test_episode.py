@@ -224,5 +224,5 @@ def test_equal_values_of_other_types_stay_apart(tmp_path: Path) -> None:
     values += [{"a": 1, "b": None}, {"b": None, "a": 1}, [1, 2], (1, 2), [1, [2, 3]], [1, [2, 3]], [1, [2, 4]], "text", "text"]
     with h5py.File(tmp_path / "series.h5", "w") as file:
         write_series(file, "values", values, "gzip")
-        read = read_series(file, "values", len(values))
+        read = read_series(file["values"], None, len(values))
     assert [repr(value) for value in read] == [repr(value) for value in values]

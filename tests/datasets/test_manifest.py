@@ -18,9 +18,25 @@ from rlbench_pin.datasets import (
     verify_task,
 )
 from rlbench_pin.datasets.manifest import append_entry
-from tests.demos_for_tests import make_demo
+from rlbench_pin.errors import DatasetError, EpisodeFileError
+from tests.demos_for_tests import fill, make_demo
 
 TASK = "reach_target"
+
+
+def test_a_folder_that_is_no_dataset_is_an_error(tmp_path: Path) -> None:
+    """No folder, an empty one, one of another task, a folder that only has the name: none reads as an empty dataset."""
+    with pytest.raises(DatasetError, match=r"nowhere.*does not exist"):
+        read_manifest(tmp_path / "nowhere", TASK)
+    with pytest.raises(DatasetError, match=f"{TASK}"):
+        read_manifest(tmp_path, TASK)
+    fill(tmp_path, range(1))
+    with pytest.raises(DatasetError, match="reach_targt"):
+        read_manifest(tmp_path, "reach_targt")
+    (tmp_path / "push_button").mkdir()
+    with pytest.raises(EpisodeFileError, match=r"no dataset with episodes of 'push_button'.*rlbench-pin record push_button"):
+        read_manifest(tmp_path, "push_button")
+    assert len(read_manifest(tmp_path, TASK)) == 1
 
 
 def test_the_journal_is_part_of_the_manifest(tmp_path: Path) -> None:

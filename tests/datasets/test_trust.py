@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import sys
 import time
@@ -15,6 +16,7 @@ import numpy as np
 import pytest
 
 from rlbench_pin.datasets import (
+    Compression,
     DatasetWriter,
     Episode,
     encode_demo,
@@ -29,12 +31,16 @@ from rlbench_pin.datasets import (
     stored_tasks,
     task_faults,
     task_info,
+    trust,
+    verify,
     write_demo,
 )
 from rlbench_pin.datasets.formats.robomimic import export_robomimic
+from rlbench_pin.datasets.manifest import file_digest
 from rlbench_pin.datasets.trust import Inspector
 from rlbench_pin.environment.stored import read_stored_descriptions
 from rlbench_pin.errors import DatasetError, EpisodeFileError
+from rlbench_pin.observation import Demo, Observation
 from rlbench_pin.processes import SerialEngine
 from rlbench_pin.recording.config import ImageConfig
 from rlbench_pin.recording.replay import replay_stored
@@ -274,6 +280,13 @@ def fake(program: str, seconds: float = 20.0) -> Inspector:
     return Inspector((sys.executable, "-c", program), seconds)
 
 
+class TrustingInspector(Inspector):
+    """An inspector that trusts every file: what the reader itself finds is under test."""
+
+    def inspect(self, path: Path) -> None:
+        """Do nothing."""
+
+
 @pytest.fixture
 def unlisted(tmp_path: Path) -> Path:
     """A file that lies in no dataset."""
@@ -363,6 +376,79 @@ def test_a_listed_file_is_opened_only_with_its_checksum(root: Path, name: str, m
     with pytest.raises(EpisodeFileError, match=r"episode0\.h5.*SHA-256"):
         READERS[name](root, path)
     assert path not in opened
+
+
+def counting_digests(monkeypatch: pytest.MonkeyPatch) -> list[Path]:
+    """Return a list to which each file is added when all its bytes are read for their SHA-256."""
+    hashed: list[Path] = []
+
+    def counting(path: Path) -> str:
+        hashed.append(path)
+        return file_digest(path)
+
+    for module in (trust, verify):
+        monkeypatch.setattr(module, "file_digest", counting)
+    return hashed
+
+
+def test_a_listed_file_is_hashed_once_in_a_process(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """However it is opened, with or without its SHA-256; a file that changed is hashed again, and `verify` always does."""
+    hashed, entry = counting_digests(monkeypatch), read_manifest(root, OTHER_TASK)[0]
+    path = root / OTHER_TASK / entry.file
+    for _ in range(3):
+        assert read_demo(path, sha256=entry.sha256)[0].front_rgb is not None
+        with Episode(path) as episode:
+            assert episode[1].front_rgb is not None
+    assert hashed == [path]
+    os.utime(path, (1, 1))
+    read_demo(path, sha256=entry.sha256)
+    assert hashed == [path] * 2
+    for _ in range(2):
+        assert task_faults(root, OTHER_TASK) == []
+    assert hashed.count(path) == 4
+
+
+def test_a_file_is_not_opened_in_place_of_the_one_that_was_hashed(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A file that is replaced between its checksum and its opening is refused."""
+    entry = read_manifest(root, OTHER_TASK)[0]
+    path = root / OTHER_TASK / entry.file
+    real = h5py.File
+
+    def replaced(source: object, *args: object) -> object:
+        write_demo(make_demo(frames=2, seed=77), path)
+        return real(source, *args)
+
+    monkeypatch.setattr(h5py, "File", lambda source, mode: replaced(source, mode) if source == path else real(source, mode))
+    with pytest.raises(EpisodeFileError, match=r"episode0\.h5.*changed while it was opened"):
+        Episode(path, entry.sha256)
+
+
+@pytest.mark.parametrize("compression", ["gzip", "lzf"])
+@pytest.mark.parametrize("field", ["front_rgb", "front_depth", "front_mask", "joint_positions"])
+def test_a_flipped_bit_of_an_unlisted_file_is_an_error(tmp_path: Path, field: str, compression: Compression) -> None:
+    """HDF5's own checksum finds it, wherever in the values it is; what deflate would pass on is no picture."""
+    rng = np.random.default_rng(0)
+    frames = [
+        Observation(
+            front_rgb=np.full((40, 40, 3), index, np.uint8),
+            front_depth=rng.random((40, 40), dtype=np.float32),
+            front_mask=np.full((40, 40), index, np.int32),
+            joint_positions=rng.normal(size=7),
+        )
+        for index in range(9)
+    ]
+    path = write_demo(Demo(frames, task_name=TASK), tmp_path / "e.h5", compression)
+    data = path.read_bytes()
+    with h5py.File(path, "r") as file:
+        stored = file[f"observations/{field}"].id
+        chunks = [stored.get_chunk_info(number) for number in range(stored.get_num_chunks())]
+    assert len(chunks) > 0
+    for where in {chunk.byte_offset + int(chunk.size * part) for chunk in chunks for part in (0.0, 0.3, 0.7, 0.99)}:
+        damaged = bytearray(data)
+        damaged[where] ^= 1 << int(rng.integers(8))
+        (tmp_path / "damaged.h5").write_bytes(bytes(damaged))
+        with TrustingInspector() as inspector, pytest.raises(EpisodeFileError, match=r"damaged\.h5"):
+            read_demo(tmp_path / "damaged.h5", inspector=inspector)
 
 
 def test_verify_opens_no_altered_file(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:

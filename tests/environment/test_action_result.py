@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
+from rlbench_pin.datasets import key_frame_actions
 from rlbench_pin.environment import (
     Discrete,
     EndEffectorPoseViaIK,
@@ -18,7 +19,6 @@ from rlbench_pin.environment import (
     TaskEnvironment,
 )
 from rlbench_pin.environment.presets import low_dim_config
-from rlbench_pin.environment.replay import key_frame_actions
 from rlbench_pin.tasks.conditions import Condition
 
 pytestmark = pytest.mark.simulation

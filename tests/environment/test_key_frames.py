@@ -19,10 +19,10 @@ from rlbench_pin import (
     SafeArm,
     TaskEnvironment,
 )
-from rlbench_pin.datasets import read_demo
+from rlbench_pin.datasets import key_frame_actions, read_demo
 from rlbench_pin.datasets.writer import write_demo
 from rlbench_pin.environment.presets import low_dim_config
-from rlbench_pin.environment.replay import key_frame_actions, key_frames_succeed
+from rlbench_pin.environment.replay import key_frames_succeed
 from rlbench_pin.errors import DemoError, InvalidActionError
 from rlbench_pin.planning import MotionPlanner
 

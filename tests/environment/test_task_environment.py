@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import threading
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
@@ -9,7 +12,15 @@ from rlbench_pin import Demo, Observation
 from rlbench_pin.environment import Discrete, Environment, JointPosition, MoveArmThenGripper, TaskEnvironment
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.environment.replay import replay_succeeds
-from rlbench_pin.errors import DatasetError, NoShapedReward, NotReset, TaskEnvironmentError, UnknownName
+from rlbench_pin.errors import (
+    DatasetError,
+    NoShapedReward,
+    NotReset,
+    TaskEnvironmentError,
+    UnknownArgument,
+    UnknownName,
+    UsedByTwoThreads,
+)
 
 
 def environment(**settings: object) -> Environment:
@@ -205,6 +216,41 @@ def test_two_environments_do_not_disturb_each_other() -> None:
         assert one.get_observation().get_low_dim_data().tobytes() == obs.get_low_dim_data().tobytes()
 
 
+def test_unknown_arguments_name_the_near_one() -> None:
+    """Of the environment and of both ways to demonstrations; still a TypeError."""
+    with pytest.raises(UnknownArgument, match="No argument of Environment is called 'sede'. Did you mean 'seed'"):
+        environment(sede=1)
+    with environment() as env:
+        for get_demos in (env.get_demos, env.get_task("reach_target").get_demos):
+            with pytest.raises(TypeError, match=r"get_demos is called 'amont'. Did you mean 'amount'"):
+                get_demos(amont=1)  # type: ignore[call-arg, operator]
+
+
+def test_two_threads_in_one_environment_are_refused() -> None:
+    """While one thread steps, each call of another is a typed error; the first goes on. One after the other they may."""
+    with environment() as env:
+        task = env.get_task("reach_target")
+        task.reset(seed=1)
+        action = np.append(task.get_observation().joint_positions, 1.0)
+        stepping, checked = threading.Event(), threading.Event()
+
+        def wait() -> None:
+            stepping.set()
+            checked.wait(60.0)
+
+        task.runtime.after_tick.append(wait)
+        with ThreadPoolExecutor(1) as other:
+            done = other.submit(task.step, action)
+            assert stepping.wait(60.0)
+            state_calls = (task.get_state, task.get_observation, lambda: task.step(action), lambda: task.reset(seed=2))
+            for call in (*state_calls, lambda: task.get_demos(1, live_demos=True)):
+                with pytest.raises(UsedByTwoThreads, match="another thread.*an environment of its own"):
+                    call()
+            checked.set()
+            assert done.result(60.0)[1] == 0.0
+        task.step(action)
+
+
 def test_shaped_rewards_are_the_tasks_own() -> None:
     """reach_target rewards with minus the distance; a task without one says so."""
     with environment(shaped_rewards=True) as env:
@@ -213,9 +259,8 @@ def test_shaped_rewards_are_the_tasks_own() -> None:
         _, reward, _ = task.step(np.append(obs.joint_positions, 1.0))
         distance = np.linalg.norm(task.get_observation().gripper_pose[:3] - task.get_observation().task_low_dim_state)
         assert reward == pytest.approx(-distance, abs=1e-6)
-        other = env.get_task("open_drawer")
-        _, obs = other.reset(seed=1)
         with pytest.raises(NoShapedReward, match="has no shaped reward. Use shaped_rewards=False") as caught:
-            other.step(np.append(obs.joint_positions, 1.0))
+            env.get_task("open_drawer")
+        assert task.get_observation().joint_positions is not None  # the task before goes on
         assert isinstance(caught.value, TaskEnvironmentError)
         assert isinstance(caught.value, RuntimeError)

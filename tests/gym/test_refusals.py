@@ -4,13 +4,22 @@ from __future__ import annotations
 
 from typing import Any
 
+import gymnasium
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import data_equivalence
 
 import rlbench_pin
 from rlbench_pin.environment import Discrete, EndEffectorPoseViaPlanning, JointVelocity, MoveArmThenGripper
-from rlbench_pin.errors import InvalidActionError, TaskEnvironmentError, UnknownName
+from rlbench_pin.errors import (
+    InvalidActionError,
+    InvalidArgument,
+    NoShapedReward,
+    RlbenchPinError,
+    TaskEnvironmentError,
+    UnknownArgument,
+    UnknownName,
+)
 from rlbench_pin.gym import GymnasiumEnv
 
 OUT_OF_REACH = np.array([0.7, 0.6, 1.7, 0.0, 0.0, 0.0, 1.0, 1.0])
@@ -103,3 +112,33 @@ def test_a_mode_that_cannot_be_copied_is_refused() -> None:
 
     with pytest.raises(TaskEnvironmentError, match="no copies. Pass a new one"):
         GymnasiumEnv("reach_target", action_mode=MoveArmThenGripper(Own(), Discrete()))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "says"),
+    [
+        ({"image_sze": (64, 64)}, UnknownArgument, "argument of GymnasiumEnv is called 'image_sze'. Did you mean 'image_size'"),
+        ({"cameras": ("frnt",)}, InvalidArgument, "cameras is a setting of images.*-vision-v0"),
+        ({"image_size": (64, 64)}, InvalidArgument, "image_size is a setting of images.*-vision-v0"),
+        ({"shaped_rewards": "yes"}, InvalidArgument, "shaped_rewards"),
+    ],
+)
+def test_arguments_that_a_state_id_does_not_have_are_refused(
+    arguments: dict[str, Any], error: type[Exception], says: str
+) -> None:
+    """Unknown keywords, and settings of images where there are none."""
+    with pytest.raises(error, match=says):
+        gymnasium.make("rlbench_pin/reach_target-state-v0", **arguments)
+
+
+@pytest.mark.parametrize(("cameras", "says"), [(("frnt",), "Did you mean 'front'"), ("front", "list of names")])
+def test_cameras_that_there_are_not_are_refused(cameras: Any, says: str) -> None:
+    """Misspelt names, and a text where names belong."""
+    with pytest.raises(RlbenchPinError, match=says):
+        gymnasium.make("rlbench_pin/reach_target-vision-v0", cameras=cameras)
+
+
+def test_shaped_rewards_of_a_task_without_are_refused_at_once() -> None:
+    """Before any episode."""
+    with pytest.raises(NoShapedReward, match="'push_button' has no shaped reward. Use shaped_rewards=False"):
+        gymnasium.make("rlbench_pin/push_button-state-v0", shaped_rewards=True)

@@ -8,6 +8,9 @@ import sys
 
 from rlbench_pin.processes.child import connect_to_owner, limit_memory
 
+_DAEMONS = "for i in $(seq 20); do setsid sleep 600 > /dev/null 2>&1 & echo $!; done"
+"""Processes in sessions of their own, whose parent ends at once."""
+
 
 def main() -> None:
     """Say hello, then misbehave."""
@@ -19,9 +22,11 @@ def main() -> None:
     if fault == "memory":
         limit_memory(2**26)
         bytearray(2**27)
-    if fault == "daemon":
-        process = subprocess.Popen(["sleep", "600"], start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        connection.sendall(str(process.pid).encode())
+    if fault.startswith("daemons"):
+        said = subprocess.run(["/bin/sh", "-c", _DAEMONS], env={"PATH": os.defpath}, stdout=subprocess.PIPE, check=True).stdout
+        connection.sendall(said)
+        if fault == "daemons crash":
+            os.abort()
     connection.recv(1)
 
 

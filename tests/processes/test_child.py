@@ -17,8 +17,9 @@ MODULE = "tests.processes.child_module"
 OWNER = f"""
 import sys
 from rlbench_pin.processes.child import ChildProcess
-child = ChildProcess({MODULE!r}, ["wait"])
-print(child.pid, flush=True)
+from tests.processes.test_child import started_by
+child = ChildProcess({MODULE!r}, ["daemons"])
+print(child.pid, *started_by(child), flush=True)
 sys.stdin.read()
 """
 
@@ -57,21 +58,30 @@ def test_a_child_answers_and_ends(fault: str, ending: str, printed: str) -> None
     assert not runs(child.pid)
 
 
-def test_descendants_in_sessions_of_their_own_end_too() -> None:
-    """The mark in their environment finds them."""
-    child = ChildProcess(MODULE, ["daemon"])
+@pytest.mark.parametrize("fault", ["daemons", "daemons crash"])
+def test_descendants_in_sessions_of_their_own_end_too(fault: str) -> None:
+    """Twenty of twenty, without their parent and without the environment; also where the module ends by itself."""
+    child = ChildProcess(MODULE, [fault])
     with closing(child.connection):
-        child.connection.settimeout(60.0)
-        child.connection.sendall(b"x")
-        assert child.connection.recv(1) == b"X"
-        daemon = int(child.connection.recv(100))
-        assert runs(daemon)
-        child.end()
-    assert gone(daemon)
+        daemons = started_by(child)
+        assert fault == "daemons crash" or all(map(runs, daemons))
+        ending = child.end(patience=60.0 if fault == "daemons crash" else 0.0)
+    assert ending == ("Its process was ended by SIGABRT." if fault == "daemons crash" else "")
+    assert [pid for pid in daemons if runs(pid)] == []
+
+
+def started_by(child: ChildProcess) -> list[int]:
+    """Return the process ids that a child sends."""
+    child.connection.settimeout(60.0)
+    child.connection.sendall(b"x")
+    said = b""
+    while said.count(b"\n") < 20:
+        said += child.connection.recv(1000)
+    return [int(word) for word in said.removeprefix(b"X").split()]
 
 
 def test_a_child_ends_with_its_owner() -> None:
-    """However that ends: here it is killed."""
+    """However that ends: here it is killed; what the child has started ends too."""
     owner = subprocess.Popen(
         [sys.executable, "-c", OWNER],
         stdin=subprocess.PIPE,
@@ -80,7 +90,8 @@ def test_a_child_ends_with_its_owner() -> None:
     )
     assert owner.stdout is not None and owner.stdin is not None
     with owner.stdout, owner.stdin:
-        child = int(owner.stdout.readline())
+        pids = [int(word) for word in owner.stdout.readline().split()]
+        assert len(pids) == 21
         owner.kill()
         owner.wait()
-        assert gone(child)
+        assert all(map(gone, pids))

@@ -71,8 +71,9 @@ def test_an_item_that_kills_is_given_up() -> None:
     """The third worker that dies of one item is the last; the others go on."""
     retries = RetryPolicy[int]()
     for _ in range(MAX_DEATHS - 1):
-        assert retries.on_death(0, "SIGSEGV")[1] is None
-        assert retries.on_death(1, "SIGSEGV")[1] is None
+        for item in (0, 1):
+            assert retries.on_death(item, "SIGSEGV") == (WorkerDeath(item, "SIGSEGV"),)
+            assert not retries.is_given_up(item)
         retries.on_success()
     death, given_up = retries.on_death(0, "SIGSEGV")
     assert death == WorkerDeath(0, "SIGSEGV")
@@ -82,9 +83,34 @@ def test_an_item_that_kills_is_given_up() -> None:
 def test_workers_that_only_die_end_the_work() -> None:
     """When one after the other dies without finishing anything, the error counts the causes."""
     retries = RetryPolicy[int]()
+    for index in range(9):
+        retries.on_death(index, "SIGKILL")
+        retries.check()
+    retries.on_death(9, "SIGKILL")
     with pytest.raises(WorkersDie, match="10 x SIGKILL.*--workers 0"):
-        for index in range(20):
-            retries.on_death(index, "SIGKILL")
+        retries.check()
+
+
+class Unable(Squares):
+    """A worker that cannot be made."""
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__(folder)
+        raise ImportError("no such library")
+
+
+@pytest.mark.simulation
+def test_workers_that_never_start_end_the_work(tmp_path: Path) -> None:
+    """Also where there is one item; it is neither blamed nor given up."""
+    with pytest.raises(WorkersDie, match="3 x exit code 1.*__main__"):
+        list(ProcessEngine(1).map(partial(Unable, tmp_path), [Piece(0)], threading.Event()))
+
+
+@pytest.mark.simulation
+def test_an_item_may_have_a_single_try(tmp_path: Path) -> None:
+    """The first death is the last."""
+    events = list(ProcessEngine(1).map(partial(Squares, tmp_path), [Piece(1, deaths=1), Piece(2)], threading.Event(), 1))
+    assert events == [WorkerDeath(Piece(1, 1), "SIGKILL"), GivenUp(Piece(1, 1), "worker died with SIGKILL"), (2, 4)]
 
 
 @pytest.mark.simulation

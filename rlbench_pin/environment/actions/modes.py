@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Literal
+from typing import Literal, TypeVar
 
 import numpy as np
 
 from rlbench_pin.control.differential_ik import DifferentialIK, DifferentialIKConfig
-from rlbench_pin.environment.runtime import Runtime, hold_or_release, move_gripper
-from rlbench_pin.errors import InvalidActionError, InvalidValue, shown
+from rlbench_pin.environment.runtime import RefusedOpening, Runtime, hold_or_release, move_gripper
+from rlbench_pin.errors import InvalidActionError, InvalidArgument, InvalidValue, shown
 from rlbench_pin.spatial import FloatArray, compose
 from rlbench_pin.values import as_array, as_flag, as_vector
 
@@ -131,9 +132,21 @@ class Mode:
 class ArmActionMode(Mode):
     """Turns numbers into arm motion."""
 
+    def refused_opening(self, runtime: Runtime, fingers: FloatArray) -> RefusedOpening | None:
+        """Return why the fingers may not open to `fingers` (2,) [m]; None when they may, as always here."""
+        return None
+
+    def protected(self, runtime: Runtime) -> AbstractContextManager[None]:
+        """Return a block in which the arm is kept safe while the gripper moves; here it does nothing."""
+        return nullcontext()
+
 
 class GripperActionMode(Mode):
     """Turns numbers into finger motion."""
+
+    def opening(self, runtime: Runtime, values: FloatArray) -> FloatArray | None:
+        """Return the finger positions (2,) [m] that an action (n,) opens to; None when it opens nothing, as always here."""
+        return None
 
 
 class ActionMode(Mode):
@@ -147,7 +160,10 @@ class ActionMode(Mode):
     """
 
     def __init__(self, arm_action_mode: ArmActionMode, gripper_action_mode: GripperActionMode) -> None:
-        self.arm_action_mode, self.gripper_action_mode = arm_action_mode, gripper_action_mode
+        arm, gripper = example_call(arm_action_mode, ArmActionMode), example_call(gripper_action_mode, GripperActionMode)
+        hint = f"Write `{type(self).__name__}({arm}, {gripper})`."
+        self.arm_action_mode = checked_mode(arm_action_mode, "arm_action_mode", ArmActionMode, hint)
+        self.gripper_action_mode = checked_mode(gripper_action_mode, "gripper_action_mode", GripperActionMode, hint)
 
     @property
     def optional_values(self) -> int:
@@ -186,8 +202,44 @@ class MoveArmThenGripper(ActionMode):
         """Move the arm, then the gripper."""
         arm, gripper = self.split(runtime, values)
         self.arm_action_mode.run(runtime, arm)
-        if not runtime.over:
-            self.gripper_action_mode.run(runtime, gripper)
+        if runtime.over:
+            return
+        opening = self.gripper_action_mode.opening(runtime, gripper)
+        refused = None if opening is None else self.arm_action_mode.refused_opening(runtime, opening)
+        with self.arm_action_mode.protected(runtime):
+            if refused is None:
+                self.gripper_action_mode.run(runtime, gripper)
+                return
+            runtime.refuse_opening(refused)
+            for _ in range(self.gripper_action_mode.ticks or 0):
+                runtime.step()
+
+
+KindOfMode = TypeVar("KindOfMode", bound=Mode)
+_KINDS = {ArmActionMode: "an arm mode", GripperActionMode: "a gripper mode", ActionMode: "a whole action mode"}
+
+
+def checked_mode(mode: object, what: str, kind: type[KindOfMode], hint: str) -> KindOfMode:
+    """Return a mode of one kind.
+
+    Raises:
+        InvalidArgument: It is a class, a mode of another kind, or no mode; `hint` shows the right call.
+    """
+    if isinstance(mode, kind):
+        return mode
+    if isinstance(mode, type):
+        found = f", not the class {mode.__name__}"
+    else:
+        found = next((f", not {words}" for other, words in _KINDS.items() if isinstance(mode, other)), "")
+    raise InvalidArgument(what, mode, f"has to be {_KINDS[kind]}{found}", hint)
+
+
+def example_call(mode: object, kind: type[Mode]) -> str:
+    """Return a call that makes a mode of one kind: of the class that was given, where that is of the kind."""
+    given = mode if isinstance(mode, type) else type(mode)
+    if not issubclass(given, kind):
+        given = JointVelocity if kind is ArmActionMode else Discrete
+    return f"{given.__name__}()"
 
 
 def as_action(action: object, size: int, what: str, more: int = 0) -> FloatArray:
@@ -296,6 +348,12 @@ class Discrete(GripperMode):
             )
         return values
 
+    def opening(self, runtime: Runtime, values: FloatArray) -> FloatArray | None:
+        """Return the fully open fingers when the action opens the gripper."""
+        if values[0] > 0.5 and not runtime.gripper.is_open:
+            return np.full(2, runtime.description.gripper_open)
+        return None
+
     def steps(self, runtime: Runtime, values: FloatArray) -> None:
         """Open or close when that changes something."""
         wants_open = bool(values[0] > 0.5)
@@ -350,15 +408,24 @@ class GripperJointPosition(GripperMode):
         high = np.array([runtime.description.gripper_open])
         return ActionSpec(("finger",), ("m",), np.zeros(1) if self.absolute_mode else -high, high, "joint", 1)
 
+    def target(self, runtime: Runtime, values: FloatArray) -> tuple[float, bool]:
+        """Return the position of both fingers that an action asks for [m], and whether it is farther open than they are."""
+        here = runtime.robot.fingers.mean()
+        target = float(np.clip(values[0] if self.absolute_mode else here + values[0], 0.0, runtime.description.gripper_open))
+        return target, bool(target > here + 1e-4)
+
+    def opening(self, runtime: Runtime, values: FloatArray) -> FloatArray | None:
+        """Return the commanded positions when they are farther open."""
+        target, opens = self.target(runtime, values)
+        return np.full(2, target) if opens else None
+
     def pre_step(self, runtime: Runtime, values: FloatArray) -> None:
         """Command the finger motors, without stepping; opening lets go."""
-        here, reach = runtime.robot.fingers, runtime.description.gripper_open
-        target = float(np.clip(values[0] if self.absolute_mode else here.mean() + values[0], 0.0, reach))
-        opens = bool(target > here.mean() + 1e-4)
+        target, opens = self.target(runtime, values)
         if opens and self.detach_before_open:
             runtime.gripper.release()
         if not runtime.gripper.grasped or opens:
-            runtime.gripper.set_target(target / reach, runtime.description.finger_speed)
+            runtime.gripper.set_target(target / runtime.description.gripper_open, runtime.description.finger_speed)
         move = runtime.kept(self, FingerMove)
         move.target, move.opens = target, opens
 

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rlbench_pin.control.safety_filter import FilterCounts, SafeCommand, SafetyConfig, SafetyFilter
-from rlbench_pin.environment.actions.modes import ActionSpec, ArmActionMode
-from rlbench_pin.environment.runtime import Runtime
+from rlbench_pin.environment.actions.modes import ActionSpec, ArmActionMode, checked_mode, example_call
+from rlbench_pin.environment.runtime import RefusedOpening, Runtime
+from rlbench_pin.robot.distances import DistanceModel
 from rlbench_pin.scene.snapshot import WorldSnapshot
+from rlbench_pin.sim.arm.control import ArmControl
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_record
 
@@ -26,6 +31,11 @@ ones drag along, such as the third, end a tick up to 7 % of a dt beyond the comm
 UNSEEN = 2e-5
 """Motions of bodies and fingers below this do not update the world of the filter [m], or in parts of a quaternion."""
 
+OPENING_STEP = 0.005
+"""Largest finger motion between two places at which the distances of an opening are measured [m]."""
+CLOSER = 1e-4
+"""How much nearer an opening may bring fingers that are below their minimum distance already [m]."""
+
 
 @dataclass
 class RuntimeFilter:
@@ -34,6 +44,8 @@ class RuntimeFilter:
     filter: SafetyFilter
     seen: WorldSnapshot | None = None
     """The world as the filter has it."""
+    opened: DistanceModel | None = None
+    """Distances with the fingers elsewhere; made for the first opening."""
 
     def update_world(self, snapshot: WorldSnapshot) -> None:
         """Give the filter the world, when something but the arm has moved since it was given."""
@@ -41,12 +53,36 @@ class RuntimeFilter:
             self.filter.distances.update(snapshot)
             self.seen = snapshot
 
+    def refused_opening(self, snapshot: WorldSnapshot, velocity: FloatArray, fingers: FloatArray) -> RefusedOpening | None:
+        """Return why the fingers may not open to `fingers` (2,) [m] while the arm brakes from `velocity` (n,) [rad/s]."""
+        model, config, bounds = self.filter.model, self.filter.config, self.filter.bounds
+        if self.opened is None:
+            self.opened = DistanceModel(model)
+        distances, here = self.opened, snapshot.fingers
+        turns = np.array(bounds.travels(velocity, bounds.braking(velocity)))
+        steps = max(1, math.ceil(np.abs(fingers - here).max() / OPENING_STEP))
+        minimum = which = np.zeros(0, dtype=np.intp)
+        for step in range(steps + 1):
+            distances.update(replace(snapshot, fingers=here + step / steps * (fingers - here)))
+            if step == 0:
+                which = distances.pairs_of(model.description.finger_links)
+            found = distances.measure(which) - distances.motion.displacement(turns)[which]
+            if step == 0:
+                margins = np.where(distances.crosses[which], config.margin, config.self_margin)
+                minimum = np.minimum(margins, found - CLOSER)
+            worst = int(np.argmin(found - minimum))
+            if found[worst] < minimum[worst]:
+                return RefusedOpening(distances.names(which[worst]), float(found[worst]), float(minimum[worst]))
+        return None
+
 
 class SafeArm(ArmActionMode):
     """Runs another arm mode, each control tick of which passes the safety filter first.
 
     The filter looks at the joint velocity that the motors are commanded to reach in the next tick, and replaces it when a
-    joint limit or a distance would be violated. Bodies that the arm holds count as part of it.
+    joint limit or a distance would be violated. Bodies that the arm holds count as part of it, and fingers count as open as they
+    are commanded to be. A gripper action that would open them nearer to something than the margin is refused:
+    `TaskEnvironment.refused_opening` says why.
 
     Args:
         mode: The mode to make safe.
@@ -58,7 +94,7 @@ class SafeArm(ArmActionMode):
     """
 
     def __init__(self, mode: ArmActionMode, config: SafetyConfig | None = None) -> None:
-        self.mode = mode
+        self.mode = checked_mode(mode, "mode", ArmActionMode, f"Write `SafeArm({example_call(mode, ArmActionMode)})`.")
         self.config = SafetyConfig(limit_margin=LIMIT_MARGIN) if config is None else as_record(config, SafetyConfig, "config")
         self.counts = FilterCounts()
         self.last: SafeCommand | None = None
@@ -66,8 +102,14 @@ class SafeArm(ArmActionMode):
     def filter_of(self, runtime: Runtime) -> RuntimeFilter:
         """Return the filter of this arm and tick, with the world as it is now."""
         runtime_filter = runtime.kept(self, lambda: self.make_filter(runtime))
-        runtime_filter.update_world(runtime.world.snapshot())
+        snapshot = runtime.world.snapshot()
+        runtime_filter.update_world(replace(snapshot, fingers=np.maximum(snapshot.fingers, runtime.gripper.control.target)))
         return runtime_filter
+
+    def refused_opening(self, runtime: Runtime, fingers: FloatArray) -> RefusedOpening | None:
+        """Return why the fingers may not open to `fingers` (2,) [m]; None when there is room."""
+        runtime_filter: RuntimeFilter = runtime.kept(self, lambda: self.make_filter(runtime))
+        return runtime_filter.refused_opening(runtime.world.snapshot(), runtime.robot.joint_velocities, fingers)
 
     def make_filter(self, runtime: Runtime) -> RuntimeFilter:
         """Make the filter of one runtime."""
@@ -124,17 +166,33 @@ class SafeArm(ArmActionMode):
         with runtime.calling(before=before_tick):
             self.mode.steps(runtime, values)
 
+    @contextmanager
+    def protected(self, runtime: Runtime) -> Iterator[None]:
+        """Filter the motor command that the arm has, in each tick of a block in which the gripper moves."""
+        replaced: ArmControl | None = None
+
+        def before_tick() -> None:
+            nonlocal replaced
+            if replaced is not None:  # by a command for one tick
+                runtime.robot.set_control(replaced)
+            control = runtime.robot.control
+            replaced = control if self.filter_command(runtime, self.filter_of(runtime)).intervened else None
+
+        with runtime.calling(before=before_tick):
+            yield
+
     def post_step(self, runtime: Runtime, values: FloatArray) -> None:
         """Do what the inner mode does after its ticks."""
         self.mode.post_step(runtime, values)
 
-    def filter_command(self, runtime: Runtime, runtime_filter: RuntimeFilter) -> None:
-        """Replace the command of the motors for the coming tick by a safe one where needed."""
+    def filter_command(self, runtime: Runtime, runtime_filter: RuntimeFilter) -> SafeCommand:
+        """Replace the command of the motors for the coming tick by a safe one where needed, and return that."""
         robot = runtime.robot
         q, v = robot.joint_positions, robot.joint_velocities
         self.last = runtime_filter.filter.filter(q, v, wanted_velocity(runtime, q, v))
         if self.last.intervened:
             robot.set_velocity_targets(self.last.velocity)
+        return self.last
 
 
 def unwrapped(mode: ArmActionMode) -> ArmActionMode:

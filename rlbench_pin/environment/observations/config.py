@@ -100,6 +100,7 @@ class CameraConfig(Settings):
 
     Raises:
         InvalidValue: A setting is given a value that makes no sense, at any time.
+        UnknownName: `render_mode` is given another value.
         UnknownSetting: There is no such setting (also an AttributeError).
     """
 
@@ -107,6 +108,7 @@ class CameraConfig(Settings):
         (FLAG, "rgb depth point_cloud mask masks_as_one_channel depth_in_meters antialiasing"),
         (as_noise, "rgb_noise depth_noise"),
         (IMAGE_SIZE_RULE, "image_size"),
+        (partial(as_choice, choices=("opengl", "opengl3")), "render_mode"),
     )
 
     rgb: bool = True
@@ -156,8 +158,6 @@ class CameraConfig(Settings):
         width, height = self.image_size
         if width < 1 or height < 1:
             raise CameraError(f"Camera '{name}' has image_size {self.image_size}; width and height must be at least 1 px.")
-        if not isinstance(self.render_mode, str) or self.render_mode not in ("opengl", "opengl3"):
-            raise UnknownName("render mode", self.render_mode, ("opengl", "opengl3"))
 
 
 HAND = "hand"

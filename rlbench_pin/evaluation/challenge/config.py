@@ -278,6 +278,7 @@ class ChallengeConfig:
             start_limit=self.start_limit,
             robot=self.robot,
             tell_task=False,
+            policy_seed_key=hmac.digest(self.secret, b"rlbench_pin policy", "sha256").hex() if self.secret else "",
         )
 
 

@@ -17,7 +17,7 @@ from typing import Any
 
 from rlbench_pin.evaluation.challenge.learner import Demonstration, TrainingTask
 from rlbench_pin.evaluation.policies.policy_process import settings_of
-from rlbench_pin.evaluation.policies.policy_server import Answers, Channel, NoPolicy, converse
+from rlbench_pin.evaluation.policies.policy_server import Answers, Channel, NoPolicy, converse, describe_error
 from rlbench_pin.evaluation.policies.references import POLICY, make_named
 from rlbench_pin.evaluation.policies.wire import decode_context, decode_observation
 from rlbench_pin.processes.child import connect_to_owner
@@ -58,7 +58,7 @@ class LearnerAnswers(Answers):
             return {"error": str(error), "kind": "wrong answer"}
         except Exception as error:  # whatever the learner raises
             traceback.print_exc()
-            return {"error": "".join(traceback.format_exception_only(error)).strip(), "kind": "crashed"}
+            return {"error": describe_error(error), "kind": "crashed"}
 
     def _one_learner(self) -> Any:
         if self._learner is None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import socket
 import time
-import traceback
 from typing import Any, NoReturn, Protocol
 
 import numpy as np
@@ -17,7 +16,7 @@ from rlbench_pin.evaluation.policies.policy import (
     PolicyFault,
     PolicyReferenceError,
 )
-from rlbench_pin.evaluation.policies.policy_server import VERSION, Channel, NoPolicy, WireError, split_tcp
+from rlbench_pin.evaluation.policies.policy_server import VERSION, Channel, NoPolicy, WireError, describe_error, split_tcp
 from rlbench_pin.evaluation.policies.references import FORMS, find_policy, make_policy
 from rlbench_pin.evaluation.policies.settings import PolicySettings
 from rlbench_pin.evaluation.policies.wire import (
@@ -93,7 +92,7 @@ def open_policy(reference: str | Policy, *, time_limit: float = 30.0, start_limi
         try:
             return InProcessPolicy(make_policy(found.target))
         except NoPolicy as error:
-            raise PolicyReferenceError(reference, f"cannot be made: {error}") from error
+            raise PolicyReferenceError(reference, f"cannot be made: {str(error).rstrip('.')}") from error
     socketed = found.place == "socket"
     transport: Transport = SocketTransport(found.target) if socketed else SubprocessTransport(reference, found.target)
     return RemotePolicy(transport, time_limit, start_limit)
@@ -133,7 +132,7 @@ class InProcessPolicy:
 
 
 def _crash(error: Exception) -> PolicyFault:
-    return PolicyFault("crashed", "".join(traceback.format_exception_only(error)).strip()[:LONGEST_DETAIL])
+    return PolicyFault("crashed", describe_error(error)[:LONGEST_DETAIL])
 
 
 class Transport(Protocol):
@@ -255,7 +254,7 @@ class RemotePolicy:
         """Raise the fault of an answer with an error."""
         if kind == "wrong question" and call == "hello":
             self._drop()
-            raise PolicyReferenceError(self._transport.reference, f"cannot be started: {problem}")
+            raise PolicyReferenceError(self._transport.reference, f"cannot be started: {problem.rstrip('.')}")
         self._fail("crashed" if kind == "crashed" else "wrong answer", problem)
 
     def _fail(self, kind: FaultKind, detail: str, patience: float = 0.0) -> NoReturn:

@@ -26,7 +26,7 @@ import threading
 import time
 import traceback
 from collections.abc import Callable, Mapping
-from types import SimpleNamespace
+from types import SimpleNamespace, TracebackType
 from typing import Any
 
 import msgpack
@@ -171,8 +171,8 @@ class Answers:
         except NoPolicy as error:
             return {"error": str(error), "kind": "wrong question"}
         except Exception as error:  # whatever the policy raises
-            traceback.print_exc()
-            return {"error": "".join(traceback.format_exception_only(error)).strip(), "kind": "crashed"}
+            traceback.print_exception(type(error), error, _own_frames(error))
+            return {"error": describe_error(error), "kind": "crashed"}
 
     def _hello(self, question: Mapping[str, Any]) -> dict[str, Any]:
         if question.get("version") != VERSION:
@@ -204,6 +204,22 @@ class Answers:
         if self._policy is None:
             self._policy = self._make()
         return self._policy
+
+
+def describe_error(error: BaseException) -> str:
+    """Return one line: the class of an error, its message, and where it was raised, as `ValueError: no (file.py, line 3)`."""
+    text, frames = " ".join(f"{type(error).__name__}: {error}".split()), traceback.extract_tb(_own_frames(error))
+    if isinstance(error, SyntaxError) or not frames:  # its message says where
+        return text
+    return f"{text} ({os.path.basename(frames[-1].filename)}, line {frames[-1].lineno})"
+
+
+def _own_frames(error: BaseException) -> TracebackType | None:
+    """Return the traceback of an error without the frames that called the policy."""
+    rest = error.__traceback__
+    while rest is not None and rest.tb_frame.f_code.co_filename.startswith((os.path.dirname(__file__), "<frozen")):
+        rest = rest.tb_next
+    return rest
 
 
 def plain_settings(policy: Any) -> dict[str, Any]:

@@ -80,6 +80,10 @@ def find_policy(reference: str) -> Reference:
         target = f"{BUILT_IN[name]}?{query}" if query else BUILT_IN[name]
         return Reference(reference, "in-process" if name in IN_PROCESS else "subprocess", target)
     if ":" not in name:
+        if name.endswith(".py"):
+            known = _defined(reference, Path(name)) if _is_file(Path(name)) else ()
+            hint = f"Write `{name}:NAME`, where NAME is a class or function of that file{_listed(known)}."
+            raise PolicyReferenceError(reference, "names a file, and no policy in it", hint)
         raise UnknownName("policy", reference, (*BUILT_IN, EXPERT))
     _check_factory(reference)
     return Reference(reference, "subprocess", reference)
@@ -180,20 +184,34 @@ def _spec_of(dotted: str) -> ModuleSpec | None:
     return spec
 
 
-def _check_name(reference: str, file: Path, name: str) -> None:
+def _parsed(reference: str, file: Path) -> ast.Module:
     try:
-        tree = ast.parse(file.read_bytes())
+        return ast.parse(file.read_bytes())
     except (SyntaxError, ValueError, OSError) as error:
         raise PolicyReferenceError(reference, f"needs '{file}', which cannot be read: {error}") from error
+
+
+def _defined(reference: str, file: Path) -> tuple[str, ...]:
+    """Return the public classes and functions of a file."""
+    nodes = _parsed(reference, file).body
+    return tuple(n.name for n in nodes if isinstance(n, ast.FunctionDef | ast.ClassDef) and not n.name.startswith("_"))
+
+
+def _listed(names: tuple[str, ...]) -> str:
+    return f": {', '.join(names[:8])}{', ...' if len(names) > 8 else ''}" if names else ""
+
+
+def _check_name(reference: str, file: Path, name: str) -> None:
+    tree = _parsed(reference, file)
     names = {n.name for n in ast.walk(tree) if isinstance(n, ast.FunctionDef | ast.ClassDef | ast.AsyncFunctionDef)}
     names |= {n.id for n in ast.walk(tree) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
     imported = [alias for n in ast.walk(tree) if isinstance(n, ast.Import | ast.ImportFrom) for alias in n.names]
     names |= {alias.asname or alias.name.split(".")[0] for alias in imported}
     if name not in names and not names & {"*", "__getattr__"}:
         near = nearest_name(name, names)
-        raise PolicyReferenceError(
-            reference, f"needs '{name}', which is not in '{file}'", f"Did you mean '{near}'?" if near else ""
-        )
+        found = _listed(_defined(reference, file)) or ": none"
+        hint = f"Did you mean '{near}'?" if near else f"Its public classes and functions{found}."
+        raise PolicyReferenceError(reference, f"needs '{name}', which is not in '{file}'", hint)
 
 
 def split_reference(reference: str) -> tuple[str, str, dict[str, Any]]:

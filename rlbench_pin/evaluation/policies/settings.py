@@ -39,13 +39,19 @@ from rlbench_pin.observation import CAMERAS
 from rlbench_pin.sim import Light, Lighting
 from rlbench_pin.values import as_whole
 
+LARGEST_IMAGE = 1024
+"""Pixels of a side of an image of a policy at most."""
+LARGEST_OBSERVATION = 64_000_000
+"""Bytes of all images of an observation of a policy at most."""
+
 
 @dataclass(frozen=True)
 class PolicySettings:
     """Settings that a policy asks for. All values are JSON; action modes and noise are those of this package.
 
     Raises:
-        PolicySettingsError: The data name no action mode or observation, or a wrong value of one (also an InvalidValue).
+        PolicySettingsError: The data name no action mode or observation, or a wrong value of one (also an InvalidValue); or
+            the images are larger than `LARGEST_IMAGE`, or together than `LARGEST_OBSERVATION`.
     """
 
     action_mode: dict[str, Any]
@@ -59,6 +65,7 @@ class PolicySettings:
         """Fill in what was left out, so that equal settings are equal data."""
         object.__setattr__(self, "action_mode", describe_action_mode(make_action_mode(self.action_mode)))
         object.__setattr__(self, "observation", describe_observations(make_observations(self.observation)))
+        _check_images(make_observations(self.observation))
         if self.max_steps is not None:
             as_whole(self.max_steps, "max_steps of a policy", PolicySettingsError, least=1)
 
@@ -257,6 +264,25 @@ def make_observations(described: Mapping[str, Any]) -> ObservationConfig:
     with _errors_about("observation: 'cameras'", described.get("cameras"), "cannot be used"):
         config.check()
     return config
+
+
+def _check_images(config: ObservationConfig) -> None:
+    """Raise PolicySettingsError where the images of a policy take too much memory of the process that plays the episode."""
+    cameras = {f"observation.cameras.{name}": camera for name, camera in config.cameras().items()}
+    cameras |= {f"observation.extra_cameras.{name}.config": extra.config for name, extra in config.extra_cameras.items()}
+    cameras = {name: camera for name, camera in cameras.items() if camera.is_used}
+    size = 0
+    for name, camera in cameras.items():
+        width, height = camera.image_size
+        if max(width, height) > LARGEST_IMAGE:
+            problem = f"is larger than {LARGEST_IMAGE} x {LARGEST_IMAGE} px"
+            raise PolicySettingsError(f"{name}.image_size", camera.image_size, problem, "Ask for a smaller image.")
+        mask = 4 if camera.masks_as_one_channel else 12
+        size += width * height * (3 * camera.rgb + 4 * camera.depth + 12 * camera.point_cloud + mask * camera.mask)
+    if size > LARGEST_OBSERVATION:
+        problem = f"make {size / 1e6:.1f} MB an observation; {LARGEST_OBSERVATION / 1e6:.0f} MB is the most"
+        hint = "Reduce `image_size`, or leave products or cameras out."
+        raise PolicySettingsError("The images of observation.cameras and extra_cameras", list(cameras), problem, hint)
 
 
 # To plain data ----------------------------------------------------------------------------------------------------------------

@@ -28,11 +28,13 @@ from rlbench_pin.values import (
     one_of,
 )
 
-FORMAT = 1
-"""Number of the format of results files."""
+FORMAT = 2
+"""Number of the format of results files. Format 1 has no seed key and no deaths of workers."""
 End = Literal["success", "failed", "steps", "seconds", "fault"]
 """How an episode ended: with success, by the task as failed, at the limit of steps or of seconds, or by a fault of the policy."""
 ENDS: tuple[str, ...] = get_args(End)
+WORKER_DIED = "worker died"
+"""The fault of an episode that is lost because the worker that played it died."""
 LONGEST_TEXT = 10_000
 """Letters of a text of a results file at most."""
 DEEPEST = 20
@@ -67,6 +69,8 @@ class EpisodeRecord:
     """Kind of the fault of the policy that ended the episode; empty without one."""
     fault_detail: str = ""
     """Detail of the fault."""
+    worker_deaths: int = 0
+    """Workers that died while they played it; it was begun again after each, but for the last one of a lost episode."""
 
     def __post_init__(self) -> None:
         """Check every value, and keep it as plain Python has it."""
@@ -86,6 +90,7 @@ class EpisodeRecord:
             "violations": _counts(self.violations, f"{what}.violations"),
             "fault": _text(self.fault, f"{what}.fault"),
             "fault_detail": _text(self.fault_detail, f"{what}.fault_detail"),
+            "worker_deaths": as_whole(self.worker_deaths, f"{what}.worker_deaths", least=0, most=LARGEST_COUNT),
         }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
@@ -124,6 +129,8 @@ class Results:
     """Commit of the checkout that the package ran from; empty outside of one."""
     episodes: tuple[EpisodeRecord, ...]
     """In the order of tasks, and of seeds within a task."""
+    policy_seed_key: str = ""
+    """Key of the hash that makes the seeds that the policy was told; empty in files of format 1."""
 
     def __post_init__(self) -> None:
         """Check every value, and keep it as plain Python has it."""
@@ -142,6 +149,7 @@ class Results:
             "episodes": tuple(
                 as_record(e, EpisodeRecord, "Results.episodes") for e in _several(self.episodes, "Results.episodes")
             ),
+            "policy_seed_key": _text(self.policy_seed_key, "Results.policy_seed_key"),
         }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
@@ -166,9 +174,11 @@ class Results:
         return hashlib.sha256(canonical(self.content())).hexdigest()
 
     def content(self) -> dict[str, Any]:
-        """Return everything but the checksum as plain data, as the file has it."""
-        head = {name: getattr(self, name) for name in HEAD}
-        return {"format": FORMAT, **head, "episodes": [dict(vars(episode)) for episode in self.episodes]}
+        """Return everything but the checksum as plain data, as the file has it; in format 1 where that says everything."""
+        format = 2 if self.policy_seed_key or any(episode.worker_deaths for episode in self.episodes) else 1
+        head = {name: getattr(self, name) for name in HEAD[format]}
+        episodes = [{name: getattr(episode, name) for name in EPISODE[format]} for episode in self.episodes]
+        return {"format": format, **head, "episodes": episodes}
 
     def of_task(self, task: str) -> tuple[EpisodeRecord, ...]:
         """Return the episodes of one task, in order."""
@@ -176,8 +186,12 @@ class Results:
         return tuple(episode for episode in self.episodes if episode.task == task)
 
 
-HEAD = ("policy", "settings", "task_set", "tasks", "seeds", "limits", "versions", "commit")
-"""Fields of a results file beside format, episodes and checksum."""
+_HEAD = ("policy", "settings", "task_set", "tasks", "seeds", "limits", "versions", "commit")
+HEAD: Mapping[int, tuple[str, ...]] = {1: _HEAD, 2: (*_HEAD, "policy_seed_key")}
+"""Format -> fields of a results file beside format, episodes and checksum."""
+_EPISODE = tuple(field.name for field in fields(EpisodeRecord))
+EPISODE: Mapping[int, tuple[str, ...]] = {1: tuple(name for name in _EPISODE if name != "worker_deaths"), 2: _EPISODE}
+"""Format -> fields of an episode."""
 
 
 def canonical(content: object) -> bytes:
@@ -253,7 +267,6 @@ def _plain(value: object, what: str, depth: int) -> object:
 
 LARGEST = 256 << 20
 """Larger files are not read [bytes]: a million episodes."""
-_EPISODE = tuple(field.name for field in fields(EpisodeRecord))
 
 
 def results_text(results: Results) -> str:
@@ -298,21 +311,22 @@ def _results(content: object) -> Results:
     """
     if not isinstance(content, dict):
         raise ValueError("it is not a table")
-    if (found := content.get("format")) != FORMAT or type(found) is not int:
-        raise ValueError(f"it has format {short(found)}, this package reads format {FORMAT}")
-    _check_names(content, ("format", *HEAD, "sha256", "episodes"), "it")
+    if type(found := content.get("format")) is not int or found not in HEAD:
+        raise ValueError(f"it has format {short(found)}, this package reads formats 1 to {FORMAT}")
+    _check_names(content, ("format", *HEAD[found], "sha256", "episodes"), "it")
     if not isinstance(content["episodes"], list):
         raise ValueError("its episodes are no list")
-    results = Results(**{name: content[name] for name in HEAD}, episodes=tuple(map(_episode, content["episodes"])))
+    episodes = tuple(_episode(episode, EPISODE[found]) for episode in content["episodes"])
+    results = Results(**{name: content[name] for name in HEAD[found]}, episodes=episodes)
     if content["sha256"] != results.sha256:
         raise ValueError(f"it was altered: its content has sha256 {results.sha256}, not {short(content['sha256'])}")
     return results
 
 
-def _episode(content: Any) -> EpisodeRecord:
+def _episode(content: Any, names: tuple[str, ...]) -> EpisodeRecord:
     if not isinstance(content, dict):
         raise ValueError(f"an episode is {short(content)}, no table")
-    _check_names(content, _EPISODE, "an episode")
+    _check_names(content, names, "an episode")
     return EpisodeRecord(**content)
 
 

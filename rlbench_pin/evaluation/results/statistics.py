@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rlbench_pin.errors import InvalidValue
-from rlbench_pin.evaluation.results.records import EpisodeRecord, Results
+from rlbench_pin.evaluation.results.records import WORKER_DIED, EpisodeRecord, Results
 from rlbench_pin.rates import Rate, wilson
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_array, as_number, as_record, as_several, as_whole
@@ -58,6 +58,10 @@ class TaskSummary:
     """Limit -> control ticks in which it was violated, in all episodes."""
     faults: dict[str, int]
     """Kind -> episodes that a fault of the policy ended."""
+    worker_deaths: int
+    """Workers that died in its episodes."""
+    retried: int
+    """Episodes that were begun again after a worker had died, and played."""
 
 
 @dataclass(frozen=True)
@@ -72,6 +76,8 @@ class Summary:
     """The same of stable success."""
     episodes: int
     """Of all tasks together."""
+    first_faults: tuple[EpisodeRecord, ...] = ()
+    """The first episode that ended with a fault, for each kind of fault."""
 
 
 def summarise(results: Results, rng: np.random.Generator) -> Summary:
@@ -88,7 +94,11 @@ def summarise(results: Results, rng: np.random.Generator) -> Summary:
         by_task[episode.task].append(episode)
     tasks = tuple(_task_summary(task, episodes) for task, episodes in by_task.items())
     success, held = (mean_rate([getattr(task, name) for task in tasks], rng) for name in ("success", "held"))
-    return Summary(results.policy, tasks, success, held, len(results.episodes))
+    first_faults: dict[str, EpisodeRecord] = {}
+    for episode in results.episodes:
+        if episode.fault:
+            first_faults.setdefault(episode.fault, episode)
+    return Summary(results.policy, tasks, success, held, len(results.episodes), tuple(first_faults.values()))
 
 
 def _task_summary(task: str, episodes: Sequence[EpisodeRecord]) -> TaskSummary:
@@ -104,6 +114,8 @@ def _task_summary(task: str, episodes: Sequence[EpisodeRecord]) -> TaskSummary:
         max_force=max((e.max_force for e in episodes), default=0.0),
         violations=added_counts(e.violations for e in episodes),
         faults=dict(sorted(Counter(e.fault for e in episodes if e.fault).items())),
+        worker_deaths=sum(e.worker_deaths for e in episodes),
+        retried=sum(e.worker_deaths > 0 and e.fault != WORKER_DIED for e in episodes),
     )
 
 

@@ -122,7 +122,19 @@ def _notes(summary: Summary) -> list[str]:
     counted = ((name, added_counts(getattr(task, key) for task in summary.tasks)) for name, key in _COUNTED)
     notes = [f"{name}: {', '.join(f'{what} {n}' for what, n in counts.items())}." for name, counts in counted if counts]
     few = width_note(min((task.success.of for task in summary.tasks), default=0))
-    return [_LEGEND, *notes, *([few] if few else [])]
+    return [_LEGEND, *notes, *fault_notes(summary), *([few] if few else [])]
+
+
+def fault_notes(summary: Summary) -> list[str]:
+    """Return a sentence about the first fault of each kind, and one about workers that died."""
+    notes = [
+        f"First '{record.fault}' ({record.task}, seed {record.seed}): {' '.join(record.fault_detail.split()) or 'no detail'}"
+        for record in as_record(summary, Summary, "summary").first_faults
+    ]
+    deaths, retried = (sum(getattr(task, name) for task in summary.tasks) for name in ("worker_deaths", "retried"))
+    if deaths:
+        notes.append(f"Workers that died in an episode: {deaths}. Episodes that were played again after that: {retried}.")
+    return [printable(note, most=700) for note in notes]
 
 
 _LEGEND = (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import secrets
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -23,6 +24,8 @@ MAX_EPISODES = 100_000
 """Episodes of one task at most."""
 LARGEST_START = 2**48
 """Largest seed of an evaluation."""
+LONGEST_KEY = 64
+"""Bytes of a key of the seeds of policies at most."""
 SECONDS = 120.0
 """Length of an episode at most, unless said otherwise [s]: the longest demonstrations of all tasks take 42 s."""
 
@@ -59,6 +62,9 @@ class EvaluationConfig:
     """Name of the arm."""
     tell_task: bool = True
     """Whether policies get the name of the task in addition to the instruction."""
+    policy_seed_key: str | None = None
+    """Key of the hash that makes the seeds for policies, a text of 64 bytes at most. None draws one for each run;
+    the results file publishes it, and with it the run can be repeated."""
 
     def __post_init__(self) -> None:
         checked = {
@@ -75,6 +81,8 @@ class EvaluationConfig:
             checked[name] = as_number(getattr(self, name), name, InvalidArgument, above=0.0)
         if self.max_steps is not None:
             checked["max_steps"] = as_whole(self.max_steps, "max_steps", InvalidArgument, least=1)
+        if self.policy_seed_key is not None:
+            checked["policy_seed_key"] = _checked_key(self.policy_seed_key)
         for name, value in checked.items():
             object.__setattr__(self, name, value)
         if self.variations == 0:
@@ -83,6 +91,10 @@ class EvaluationConfig:
             raise InvalidArgument("policy", "", "names no policy", "`noop`, `random` and `expert` are built in.")
         if not self.tasks:
             raise TaskEnvironmentError("No task was named. `rlbench-pin list` prints them.")
+
+    def with_key(self) -> EvaluationConfig:
+        """Return these settings with a key, which is drawn where there is none."""
+        return self if self.policy_seed_key is not None else replace(self, policy_seed_key=secrets.token_hex(16))
 
     def seeds(self) -> tuple[int, ...]:
         """Return the seeds of the episodes of each task, in order."""
@@ -127,23 +139,40 @@ def evaluation_seed(seed: int, index: int) -> int:
     return EVALUATION_SEEDS + 2 * (seed + as_whole(index, "index", InvalidArgument, least=0, most=MAX_EPISODES))
 
 
-def policy_seed(seed: int, name: str, index: int) -> int:
-    """Return the seed for a policy, 0 <= seed < 2^53: a hash, from which the seed of the episode does not follow."""
+def policy_seed(key: str, seed: int, name: str, index: int) -> int:
+    """Return the seed for a policy, 0 <= seed < 2^53.
+
+    It is a keyed hash: without the key, which is published after the run, no guess at the episode can be checked against it.
+
+    Args:
+        key: The key of the run.
+        seed: Seed of the evaluation.
+        name: Task name.
+        index: Number of the episode among those of its task.
+    """
     text = f"rlbench_pin policy/{seed}/{name}/{index}".encode()
-    return int.from_bytes(hashlib.sha256(text).digest()[:8], "big") >> 11
+    return int.from_bytes(hashlib.blake2b(text, digest_size=8, key=key.encode()).digest(), "big") >> 11
+
+
+def _checked_key(value: object) -> str:
+    key = as_text(value, "policy_seed_key", InvalidArgument)
+    if len(key.encode(errors="replace")) > LONGEST_KEY or not key.isprintable():
+        hint = "The field `policy_seed_key` of a results file is one."
+        raise InvalidArgument("policy_seed_key", key, f"has to be a printable text of {LONGEST_KEY} bytes at most", hint)
+    return key
 
 
 def plan_episodes(config: EvaluationConfig, tasks: Mapping[str, type[Task]] | None = None) -> list[EpisodeItem]:
     """Return the episodes of an evaluation, task by task.
 
     Args:
-        config: What to evaluate.
+        config: What to evaluate. Without a key the seeds of the policy are different in each call.
         tasks: Word of the configuration -> its task, where they are found already.
 
     Raises:
         UnknownName: A task does not exist.
     """
-    config = as_record(config, EvaluationConfig, "config")
+    config = as_record(config, EvaluationConfig, "config").with_key()
     found = {word: find_task(word) for word in config.tasks} if tasks is None else tasks
     tasks = as_record(found, Mapping, "tasks")  # type: ignore[type-abstract]
     names = [checked_class(task).get_name() for task in tasks.values()]
@@ -184,9 +213,10 @@ def expert_settings() -> PolicySettings:
 def _task_episodes(config: EvaluationConfig, found_by: str, name: str, count: int) -> list[EpisodeItem]:
     most = config.episodes if config.variations == ALL_VARIATIONS else min(config.variations, config.episodes)
     variations: Sequence[int] = drawn_variations(count, most)
+    key = config.policy_seed_key or ""
     return [
         EpisodeItem(
-            found_by, name, index, variations[index % len(variations)], seed, policy_seed(config.seed, name, index)
+            found_by, name, index, variations[index % len(variations)], seed, policy_seed(key, config.seed, name, index)
         )
         for index, seed in enumerate(config.seeds())
     ]  # fmt: skip

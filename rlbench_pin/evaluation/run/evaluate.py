@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import threading
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
@@ -17,16 +18,18 @@ from typing import Any
 
 from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.errors import InvalidValue, RlbenchPinError, shown
+from rlbench_pin.evaluation.policies.references import IN_PROCESS
 from rlbench_pin.evaluation.policies.settings import PolicySettings
-from rlbench_pin.evaluation.results.records import EpisodeRecord, Results, read_results, write_results
-from rlbench_pin.evaluation.run.config import EpisodeItem, EvaluationConfig, plan_episodes
+from rlbench_pin.evaluation.results.records import WORKER_DIED, EpisodeRecord, Results, read_results, write_results
+from rlbench_pin.evaluation.run.config import EXPERT, EpisodeItem, EvaluationConfig, plan_episodes
 from rlbench_pin.evaluation.run.episode import EpisodeOutcome
 from rlbench_pin.evaluation.run.provenance import checkout_commit, policy_digests, times_path, write_times
-from rlbench_pin.evaluation.run.runner import NOT_PLAYED, EpisodeRunner, not_played
+from rlbench_pin.evaluation.run.runner import EpisodeRunner, not_played
 from rlbench_pin.processes import Engine, GivenUp, Journal, JournalInUse, ProcessEngine, WorkerDeath, exclusive, run_jobs
+from rlbench_pin.processes.jobs import MAX_DEATHS, first_line
 from rlbench_pin.values import as_flag, as_function, as_path, as_record
 
-_JOURNAL_FORMAT = 1
+_JOURNAL_FORMAT = 2
 
 
 @dataclass(frozen=True)
@@ -82,6 +85,9 @@ def evaluate(
 ) -> Results:
     """Evaluate a policy, write the results file and, beside it, that of the times.
 
+    An episode in which a worker dies is played again, up to three times, where the policy is part of this package and runs in the
+    worker; any other policy may have ended the worker, so that the episode is lost.
+
     Args:
         config: What to evaluate.
         out: The results file. Until all episodes are played, a journal is next to it.
@@ -102,8 +108,9 @@ def evaluate(
     stop = threading.Event() if stop is None else as_record(stop, threading.Event, "stop")
     as_function(on_progress, "on_progress")
     as_function(make_runner, "make_runner")
-    _check_out(out, as_flag(resume, "resume"))
+    config = _with_key(config, out, as_flag(resume, "resume"))
     with make_runner(config) as runner:
+        _check_out(out, resume)
         settings = runner.settings()
     items = plan_episodes(config)
     empty = empty_results(config, settings, items)
@@ -119,13 +126,20 @@ def evaluate(
         progress = EvaluationProgress(len(items), len(outcomes), successes=successes, faults=faults)
         watch(progress)
         todo = [item for item in items if item not in outcomes]
-        worker = partial(make_runner, config)
-        for event in run_jobs(todo, worker, store=journal.add, lost=_lost, engine=engine, stop=stop):
+        worker, deaths = partial(make_runner, config), Counter[EpisodeItem]()
+        max_deaths = MAX_DEATHS if config.policy.partition("?")[0] in (*IN_PROCESS, EXPERT) else 1
+
+        def keep(outcome: EpisodeOutcome) -> None:
+            record = replace(outcome.record, worker_deaths=deaths[outcome.item])
+            outcomes[outcome.item] = replace(outcome, record=record)
+            journal.add(outcomes[outcome.item])
+
+        for event in run_jobs(todo, worker, store=keep, lost=_lost, engine=engine, stop=stop, max_deaths=max_deaths):
             if isinstance(event, WorkerDeath):
+                deaths[event.item] += 1
                 progress = replace(progress, deaths=progress.deaths + 1)
             else:
-                outcomes[event.item] = event
-                progress = progress.with_outcome(event)
+                progress = progress.with_outcome(outcomes[event.item])
             watch(progress)
         if len(outcomes) < len(items):
             raise EvaluationStopped(len(outcomes), len(items), path)
@@ -156,6 +170,7 @@ def empty_results(config: EvaluationConfig, settings: PolicySettings, items: Seq
         versions=library_versions(),
         commit=checkout_commit(),
         episodes=(),
+        policy_seed_key=config.policy_seed_key or "",
     )
 
 
@@ -164,6 +179,17 @@ def _head(empty: Results, items: Sequence[EpisodeItem]) -> dict[str, Any]:
     content = {name: value for name, value in empty.content().items() if name not in ("format", "episodes", "seeds")}
     tasks = {item.name: item.task_digest for item in items if item.task_digest}
     return {**content, "task_files": tasks, "policy_files": policy_digests(empty.policy)}
+
+
+def _with_key(config: EvaluationConfig, out: Path, resume: bool) -> EvaluationConfig:
+    """Return the settings with the key of the run that is to go on; without one, a new key is drawn."""
+    if config.policy_seed_key is None and resume:
+        if out.is_file():
+            return replace(config, policy_seed_key=read_results(out).policy_seed_key)
+        key = (first_line(journal_path(out)) or {}).get("policy_seed_key")
+        if isinstance(key, str):
+            return replace(config, policy_seed_key=key)
+    return config.with_key()
 
 
 def _check_out(out: Path, resume: bool) -> None:
@@ -187,7 +213,7 @@ def _finished(out: Path, empty: Results) -> Results:
 
 def _lost(given_up: GivenUp[EpisodeItem]) -> EpisodeOutcome:
     """Return the outcome of an episode with which too many workers died."""
-    return EpisodeOutcome(given_up.item, not_played(given_up.item, NOT_PLAYED, given_up.cause))
+    return EpisodeOutcome(given_up.item, not_played(given_up.item, WORKER_DIED, given_up.cause))
 
 
 class EpisodeJournal:
@@ -209,6 +235,9 @@ class EpisodeJournal:
         lines = self._journal.lines
         if lines and lines[0] is None:
             raise EvaluationConflict(f"'{path}' is not a journal of an evaluation. Delete it, or choose another file.")
+        if len(lines) == 1 and not resume:  # nothing was played: begin anew
+            self._journal.clear()
+            lines = self._journal.lines
         if lines and not resume:
             raise EvaluationConflict(
                 f"'{path}' holds {len(lines) - 1} episodes of an evaluation that did not end. Go on with `--resume`, "

@@ -26,7 +26,7 @@ from rlbench_pin.values import as_record
 Around = Callable[[TaskEnvironment], AbstractContextManager[object]]
 """Makes what is around an episode from its start to its end, such as a video of it."""
 NOT_PLAYED = "not played"
-"""The fault of an episode in which something else than the policy failed: the task could not be placed, or a worker died."""
+"""The fault of an episode in which something else than the policy failed, such as a task that could not be placed."""
 
 
 class EpisodeRunner:

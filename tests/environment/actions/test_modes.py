@@ -30,7 +30,7 @@ from rlbench_pin.environment import (
 from rlbench_pin.environment.actions import modes
 from rlbench_pin.environment.actions.modes import ActionSpec
 from rlbench_pin.environment.presets import low_dim_config
-from rlbench_pin.errors import InvalidActionError
+from rlbench_pin.errors import InvalidActionError, InvalidArgument
 from rlbench_pin.spatial import FloatArray
 
 MODES: dict[str, Callable[[], ActionMode]] = {
@@ -241,3 +241,38 @@ def test_a_mode_that_was_used_can_be_sent_to_another_process(make: Callable[[], 
     task_env.step(0.5 * sum(task_env.action_bounds()))
     copied = pickle.loads(pickle.dumps(task_env.action_mode))
     assert copied.shape(task_env.runtime) == task_env.action_mode.shape(task_env.runtime)
+
+
+RIGHT = r"Write `MoveArmThenGripper\(JointVelocity\(\), Discrete\(\)\)`"
+WRONG_PARTS: dict[str, tuple[Callable[[], object], str]] = {
+    "classes": (lambda: MoveArmThenGripper(JointVelocity, Discrete), "arm_action_mode.*not the class JointVelocity.*" + RIGHT),  # type: ignore[arg-type]
+    "a class of a gripper": (
+        lambda: MoveArmThenGripper(JointPosition(), Discrete),  # type: ignore[arg-type]
+        r"gripper_action_mode.*not the class Discrete.*MoveArmThenGripper\(JointPosition\(\), Discrete\(\)\)",
+    ),
+    "swapped": (lambda: MoveArmThenGripper(Discrete(), JointVelocity()), "arm_action_mode.*a gripper mode.*" + RIGHT),  # type: ignore[arg-type]
+    "two arms": (lambda: MoveArmThenGripper(JointVelocity(), JointVelocity()), "gripper_action_mode.*an arm mode.*" + RIGHT),  # type: ignore[arg-type]
+    "text": (lambda: MoveArmThenGripper("JointVelocity", Discrete()), "arm_action_mode.*'JointVelocity'.*" + RIGHT),  # type: ignore[arg-type]
+    "None": (lambda: MoveArmThenGripper(JointVelocity(), None), "gripper_action_mode.*None.*" + RIGHT),  # type: ignore[arg-type]
+    "nested": (
+        lambda: MoveArmThenGripper(MoveArmThenGripper(JointVelocity(), Discrete()), Discrete()),  # type: ignore[arg-type]
+        "arm_action_mode.*a whole action mode.*" + RIGHT,
+    ),
+    "a filtered class": (
+        lambda: SafeArm(JointVelocity),
+        r"mode .*not the class JointVelocity.*Write `SafeArm\(JointVelocity\(\)\)`",
+    ),  # type: ignore[arg-type]
+    "a filtered gripper": (lambda: SafeArm(Discrete()), r"mode .*a gripper mode.*Write `SafeArm\(JointVelocity\(\)\)`"),  # type: ignore[arg-type]
+    "a filtered whole": (
+        lambda: SafeArm(MoveArmThenGripper(JointVelocity(), Discrete())),  # type: ignore[arg-type]
+        r"mode .*a whole action mode.*Write `SafeArm\(JointVelocity\(\)\)`",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WRONG_PARTS)
+def test_what_is_no_part_is_refused_at_construction(name: str) -> None:
+    """Classes, swapped or nested parts, names and nothing: the error names the argument and shows the right call."""
+    make, says = WRONG_PARTS[name]
+    with pytest.raises(InvalidArgument, match=says):
+        make()

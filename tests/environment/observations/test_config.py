@@ -14,7 +14,7 @@ from rlbench_pin.environment import (
     MoveArmThenGripper,
     ObservationConfig,
 )
-from rlbench_pin.errors import CameraError
+from rlbench_pin.errors import CameraError, UnknownName
 from rlbench_pin.observation import CAMERAS, PRODUCTS, Observation
 
 
@@ -94,3 +94,13 @@ def test_empty_pictures_are_refused() -> None:
     with pytest.raises(CameraError, match="image_size"):
         config.front_camera.image_size = (128, 0)
     assert config.front_camera.image_size == (128, 128)
+
+
+def test_an_unknown_render_mode_is_refused_at_once() -> None:
+    """When the settings are made, and when they are changed."""
+    with pytest.raises(UnknownName, match="No CameraConfig.render_mode is called 'opengl9'. Did you mean 'opengl'"):
+        CameraConfig(render_mode="opengl9")  # type: ignore[arg-type]
+    config = CameraConfig(render_mode="opengl")
+    with pytest.raises(UnknownName, match="opengl9"):
+        config.render_mode = "opengl9"  # type: ignore[assignment]
+    assert config.render_mode == "opengl"

@@ -113,7 +113,7 @@ def seed_follows(told_seed: int) -> list[str]:
     """Try all names and small numbers: whether what was told is a seed, or a hash of one."""
     few = range(SMALL)
     plain = {evaluation_seed(s, i) for s in range(3) for i in few} | set(few)
-    hashed = {(s, n, i): policy_seed(s, n, i) for s in range(3) for n in public_tasks() for i in few}
+    hashed = {(s, n, i): policy_seed("", s, n, i) for s in range(3) for n in public_tasks() for i in few}
     shown = {(s, n, i): demonstration_seed(s, n, i) for s in range(3) for n in public_tasks() for i in few}
     found = ["plain"] if told_seed in plain else []
     return found + [str(key) for table in (hashed, shown) for key, seed in table.items() if seed == told_seed]

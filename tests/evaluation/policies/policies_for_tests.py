@@ -77,7 +77,7 @@ class Obedient:
                 sys.stdout.write(f"line {number} {'x' * 100}\n")
             sys.stderr.write("almost done\n")
         if self.instruction == "pid":
-            return np.array([os.getpid(), os.getppid()])
+            return np.array([os.getpid()])
         return self.scale * np.ones(8)
 
 

@@ -276,10 +276,11 @@ def test_the_server_needs_numpy_and_msgpack_alone() -> None:
 
 
 @pytest.mark.simulation
-def test_the_command_serves_until_ctrl_c(tmp_path: Path) -> None:
-    """`rlbench-pin serve` with a policy from a file, asked from here."""
+@pytest.mark.parametrize("before", [(), ("/bin/sh", "-c", "trap '' INT; exec \"$@\"", "sh")], ids=["", "SIGINT ignored"])
+def test_the_command_serves_until_ctrl_c(tmp_path: Path, before: tuple[str, ...]) -> None:
+    """`rlbench-pin serve` with a policy from a file, asked from here; also where a shell lets it ignore SIGINT."""
     root = str(Path(__file__).resolve().parents[3])
-    command = [sys.executable, "-m", "rlbench_pin.cli.main", "serve", OBEDIENT, "--address", f"unix:{tmp_path}/s"]
+    command = [*before, sys.executable, "-m", "rlbench_pin.cli.main", "serve", OBEDIENT, "--address", f"unix:{tmp_path}/s"]
     with subprocess.Popen(command, cwd=tmp_path, env={**os.environ, "PYTHONPATH": root}, stdout=subprocess.PIPE) as server:
         assert server.stdout is not None
         assert b"is served at unix:" in server.stdout.readline()

@@ -38,6 +38,7 @@ from rlbench_pin.evaluation.policies.settings import (
     describe_observations,
     make_observations,
 )
+from rlbench_pin.observation import CAMERAS
 from rlbench_pin.sim import Light, Lighting
 from tests.evaluation.policies.policies_for_tests import OwnMode
 
@@ -207,7 +208,7 @@ def test_observations_of_others_are_refused() -> None:
         ({"joint_positions_noise": {"variance": -1.0}}, "variance"),
         ({"joint_positions_noise": {"min_max_clip": [1]}}, "joint_positions_noise"),
         ({"extra_cameras": {"a": {}}}, "pose"),
-        ({"extra_cameras": {"a": {"pose": [0, 0, 0, 0, 0, 0, 1], "parent": "drawer"}}}, "where that is"),
+        ({"extra_cameras": {"a": {"pose": [0, 0, 0, 0, 0, 0, 1], "parent": "drawer"}}}, "reveal its pose"),
         ({1: 2}, "names as keys"),
     ],
 )
@@ -215,6 +216,26 @@ def test_wrong_plain_data_of_observations_are_refused(described: Any, says: str)
     """Each by an error of ours that says where."""
     with pytest.raises(PolicySettingsError, match=says):
         PolicySettings({"mode": "JointPositionActionMode"}, described)
+
+
+LARGE = {name: {"rgb": True, "depth": True, "point_cloud": True, "mask": True, "image_size": [1024, 1024]} for name in CAMERAS}
+
+
+@pytest.mark.parametrize(
+    ("described", "says"),
+    [
+        ({"cameras": {"front": {"rgb": True, "image_size": [1025, 8]}}}, r"observation.cameras.front.image_size.*1024"),
+        ({"extra_cameras": {"a": {"pose": [0, 0, 0, 0, 0, 0, 1], "config": {"mask": True, "image_size": [8, 4096]}}}},
+         r"observation.extra_cameras.a.config.image_size.*4096"),
+        ({"cameras": LARGE}, r"observation.cameras.*120.6 MB.*64 MB.*image_size"),
+    ],
+)  # fmt: skip
+def test_a_policy_may_not_size_the_memory_of_the_runner(described: Any, says: str) -> None:
+    """The error names the setting and the limit; below the limit, and where no image is made, there is none."""
+    with pytest.raises(PolicySettingsError, match=says):
+        PolicySettings({"mode": "JointPositionActionMode"}, described)
+    two = {name: LARGE[name] for name in list(LARGE)[:2]}
+    PolicySettings({"mode": "JointPositionActionMode"}, {"cameras": {**two, "wrist": {"image_size": [2048, 2048]}}})
 
 
 @pytest.mark.parametrize("steps", [0, -1, 1.5, True, "7"])

@@ -43,7 +43,8 @@ def test_equal_content_is_equal_to_the_byte() -> None:
 @pytest.mark.parametrize(
     ("before", "after", "says"),
     [
-        ('"format": 1', '"format": 2', "format 2, this package reads format 1"),
+        ('"format": 1', '"format": 3', "format 3, this package reads formats 1 to 2"),
+        ('"format": 1', '"format": 2', "lacks policy_seed_key"),
         ('"format": 1', '"format": true', "format True"),
         ('"steps": 10', '"steps": 11', "it was altered"),
         ('"steps": 10', '"steps": -1', r"steps has to be a whole number >= 0"),
@@ -57,7 +58,7 @@ def test_equal_content_is_equal_to_the_byte() -> None:
         ('"steps": 10', '"steps": 10, "more": 1', "has 'more', which is not part of this format"),
         ('"policy": "noop"', '"policy": ["noop"]', "has to be a text"),
         ('"sha256"', '"sha255"', "lacks sha256"),
-        ('"settings": {', '"settings": [], "x": {', "does not know"),
+        ('"settings": {', '"settings": [], "x": {', "is not part of this format"),
         ('"commit": ""', '"commit": "1"', "it was altered"),
         ('"episodes": [', '"episodes": [1, ', "an episode is 1, no table"),
         ('{"task"', '[' * 3000 + '{"task"', "nested too deeply|Expecting"),

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rlbench_pin.environment.episode import EpisodeRandom, checked_seed
-from rlbench_pin.errors import InvalidValue, RlbenchPinError, UnknownName
+from rlbench_pin.errors import InvalidArgument, InvalidValue, RlbenchPinError, UnknownName
 from rlbench_pin.evaluation.run import EVALUATION_SEEDS, EvaluationConfig, evaluation_seed, plan_episodes
 from rlbench_pin.evaluation.run.config import LARGEST_START, MAX_EPISODES, policy_seed
 from rlbench_pin.recording.config import item_seed
@@ -35,12 +35,23 @@ def test_seeds_are_kept_by_readers_of_every_language_and_start_episodes() -> Non
 
 
 def test_policies_are_told_another_seed() -> None:
-    """It is a hash: different for each episode, the same each time, below 2^53, and no seed of the episode."""
-    told = [policy_seed(0, task, i) for task in ("reach_target", "push_button") for i in range(100)]
+    """It is a hash: different for each episode and each key, the same each time, below 2^53, and no seed of the episode."""
+    told = [policy_seed(key, 0, task, i) for key in ("k", "l") for task in ("reach_target", "push_button") for i in range(50)]
     assert len(set(told)) == 200
-    assert told == [policy_seed(0, task, i) for task in ("reach_target", "push_button") for i in range(100)]
+    assert told[100:] == [policy_seed("l", 0, task, i) for task in ("reach_target", "push_button") for i in range(50)]
     assert max(told) < 2**53
-    assert np.corrcoef(told[:100], range(100))[0, 1] < 0.5
+    assert np.corrcoef(told[:50], range(50))[0, 1] < 0.5
+
+
+def test_a_policy_cannot_compute_what_it_is_told() -> None:
+    """The key is drawn for each plan, unless one is given."""
+    first, second = ([item.policy_seed for item in plan_episodes(CONFIG)] for _ in range(2))
+    assert not set(first) & set(second)
+    given = replace(CONFIG, policy_seed_key="abc")
+    assert plan_episodes(given) == plan_episodes(given)
+    for wrong in ("x" * 65, "a\nb", 5):
+        with pytest.raises(InvalidArgument, match="policy_seed_key"):
+            replace(CONFIG, policy_seed_key=wrong)  # type: ignore[arg-type]
 
 
 def test_episodes_are_spread_evenly() -> None:

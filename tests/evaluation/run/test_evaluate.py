@@ -11,15 +11,21 @@ import sys
 import threading
 import time
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from rlbench_pin.cli.options import make_engine
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.errors import InvalidValue, RlbenchPinError, UnknownName
 from rlbench_pin.evaluation.results.records import read_results
+from rlbench_pin.evaluation.results.statistics import summarise
 from rlbench_pin.evaluation.run import (
+    EpisodeItem,
+    EpisodeOutcome,
+    EpisodeRunner,
     EvaluationConfig,
     EvaluationConflict,
     EvaluationProgress,
@@ -30,12 +36,13 @@ from rlbench_pin.evaluation.run import (
 from rlbench_pin.evaluation.run.evaluate import journal_path
 from rlbench_pin.evaluation.run.provenance import checkout_commit, times_path
 from rlbench_pin.processes import Engine, ProcessEngine, SerialEngine
+from tests.evaluation.run import policies
 
 pytestmark = pytest.mark.simulation
 
 TASKS = ("reach_target", "push_button")
-CONFIG = EvaluationConfig(policy="random", tasks=TASKS, episodes=4, max_seconds=1.5)
-WORDS = ("--tasks", *TASKS, "--episodes", "4", "--max-seconds", "1.5")
+CONFIG = EvaluationConfig(policy="random", tasks=TASKS, episodes=4, max_seconds=1.5, policy_seed_key="key")
+WORDS = ("--tasks", *TASKS, "--episodes", "4", "--max-seconds", "1.5", "--policy-seed-key", "key")
 COMMAND = (sys.executable, "-m", "rlbench_pin.cli.main", "evaluate", "random", *WORDS)
 needs_ray = pytest.mark.skipif(importlib.util.find_spec("ray") is None, reason="the extra 'ray' is not installed")
 
@@ -80,6 +87,76 @@ def test_ray_finds_the_same(serial: Path, tmp_path: Path) -> None:
     engine: Engine = make_engine("ray", 2)
     evaluate(CONFIG, tmp_path / "x.json", engine=engine)
     assert (tmp_path / "x.json").read_bytes() == serial.read_bytes()
+
+
+def test_a_key_is_drawn_and_published(tmp_path: Path) -> None:
+    """Each run has its own; going on keeps it, and the run can be repeated with what the file says."""
+    config = replace(CONFIG, tasks=("reach_target",), policy_seed_key=None, max_seconds=0.5)
+    stop, out, again = threading.Event(), tmp_path / "x.json", tmp_path / "again.json"
+    with pytest.raises(EvaluationStopped):
+        evaluate(config, out, engine=SerialEngine(), on_progress=lambda p: stop.set() if p.done else None, stop=stop)
+    drawn = json.loads(journal_path(out).read_text().splitlines()[0])["policy_seed_key"]
+    results = evaluate(config, out, engine=SerialEngine(), resume=True)
+    assert results.policy_seed_key == drawn
+    assert evaluate(config, out, engine=SerialEngine(), resume=True) == results
+    evaluate(replace(config, policy_seed_key=drawn), again, engine=SerialEngine())
+    assert again.read_bytes() == out.read_bytes()
+    assert evaluate(config, tmp_path / "other.json", engine=SerialEngine()).policy_seed_key not in ("", drawn)
+
+
+UNGUARDED = """
+from rlbench_pin.evaluation import EvaluationConfig, evaluate
+evaluate(EvaluationConfig(policy="noop", tasks=("reach_target",), episodes=1, max_seconds=0.5), "x.json")
+"""
+
+
+def test_a_script_without_a_guard_fails(tmp_path: Path) -> None:
+    """Also with a single episode: no results of episodes that nobody has played, and the message names the guard."""
+    (tmp_path / "script.py").write_text(UNGUARDED)
+    run = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True)
+    assert run.returncode != 0
+    assert "if __name__ == '__main__':" in run.stderr.splitlines()[-1]
+    assert not (tmp_path / "x.json").exists()
+    (tmp_path / "script.py").write_text("if __name__ == '__main__':" + UNGUARDED.replace("\n", "\n    "))
+    subprocess.run([sys.executable, "script.py"], cwd=tmp_path, check=True)
+    assert read_results(tmp_path / "x.json").episodes[0].end == "seconds"
+
+
+def test_a_policy_that_ends_its_worker_loses_the_episode(tmp_path: Path) -> None:
+    """There is no second try, and the file says what happened."""
+    config = replace(CONFIG, policy=f"{policies.__file__}:EndsWorker", tasks=("reach_target",), episodes=2, max_seconds=0.5)
+    results = evaluate(config, tmp_path / "x.json")
+    assert [(e.fault, e.worker_deaths) for e in results.episodes] == [("worker died", 1), ("worker died", 1)]
+    assert "SIGKILL" in results.episodes[0].fault_detail
+    (task,) = summarise(results, np.random.default_rng(0)).tasks
+    assert (task.worker_deaths, task.retried) == (2, 0)
+    assert read_results(tmp_path / "x.json") == results
+
+
+def test_a_worker_that_dies_is_in_the_results(serial: Path, tmp_path: Path) -> None:
+    """The policies of this package have further tries, which are counted."""
+    runner = partial(DiesOnce, folder=str(tmp_path))
+    results = evaluate(CONFIG, tmp_path / "x.json", make_runner=runner)
+    assert [e.worker_deaths for e in results.episodes] == [1] * 8
+    calm = read_results(serial)
+    assert replace(results, episodes=tuple(replace(e, worker_deaths=0) for e in results.episodes)) == calm
+    assert sum(task.retried for task in summarise(results, np.random.default_rng(0)).tasks) == 8
+
+
+class DiesOnce(EpisodeRunner):
+    """Ends its process at the first try of each episode."""
+
+    def __init__(self, config: EvaluationConfig, folder: str) -> None:
+        super().__init__(config)
+        self.folder = Path(folder)
+
+    def make(self, item: EpisodeItem) -> EpisodeOutcome:
+        """Play it, the second time."""
+        mark = self.folder / f"{item.name}.{item.index}"
+        if not mark.exists():
+            mark.touch()
+            os.kill(os.getpid(), signal.SIGKILL)
+        return super().make(item)
 
 
 def wait_for_episodes(path: Path, count: int, process: subprocess.Popen[str]) -> None:
