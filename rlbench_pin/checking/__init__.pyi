@@ -3,6 +3,7 @@ from .plan import Item as Item
 from .plan import Part as Part
 from .reach import Reach as Reach
 from .records import DemoTrial as DemoTrial
+from .records import FrictionTrial as FrictionTrial
 from .records import KeyFramesTrial as KeyFramesTrial
 from .records import NoopTrial as NoopTrial
 from .records import RandomTrial as RandomTrial

@@ -11,12 +11,23 @@ from rlbench_pin.checking.report import TaskReport
 from rlbench_pin.rates import Rate
 
 SLOWEST = 5
-SHARES = ("same_scene", "unseen", "stable_success", "replay", "key_frames", "noop", "random", "repeat", "accepted")
+SHARES = (
+    "same_scene",
+    "unseen",
+    "stable_success",
+    "replay",
+    "key_frames",
+    "friction_only",
+    "noop",
+    "random",
+    "repeat",
+    "accepted",
+)
 _RENAMED = {"idle": "noop", "lasting": "stable_success"}
 Plain = Mapping[str, Any]
 HEADER = (
-    "task", "var", "first try", "95 %", "in tries", "scene", "unseen", "stable", "replay", "keys", "noop", "random", "repeat",
-    "reach", "drift", "overlap", "demo", "plan", "speed", "verdict",
+    "task", "var", "first try", "95 %", "in tries", "scene", "unseen", "stable", "replay", "keys", "friction", "noop", "random",
+    "repeat", "reach", "drift", "overlap", "demo", "plan", "speed", "verdict",
 )  # fmt: skip
 
 
@@ -56,8 +67,8 @@ def overview(content: Plain) -> str:
     """Return the table of all tasks."""
     head = [
         "Task", "Variations", "First try (95 % interval)", f"Within {content['max_attempts']} tries", "In the same scene",
-        "First try, unseen seeds", "Stable", "Replay", "Key frames", "Noop", "Random", "Repeat", "Reach", "Drift", "Overlap",
-        "Length", "Planning", "x real time", "Verdict",
+        "First try, unseen seeds", "Stable", "Replay", "Key frames", "Friction only", "Noop", "Random", "Repeat", "Reach",
+        "Drift", "Overlap", "Length", "Planning", "x real time", "Verdict",
     ]  # fmt: skip
     rows = []
     for name, task in content["tasks"].items():
@@ -193,6 +204,7 @@ def _row(r: TaskReport) -> tuple[str, ...]:
         r.stable_success,
         r.replay,
         r.key_frames,
+        r.friction_only,
         r.noop,
         r.random,
         r.repeat,

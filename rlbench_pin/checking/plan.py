@@ -6,11 +6,20 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-Part = Literal["words", "demos", "unseen", "repeat", "noop", "random", "reach", "key_frames"]
+Part = Literal["words", "demos", "unseen", "repeat", "noop", "random", "reach", "key_frames", "friction_only"]
 
 REPEATS = 4
 """Seeds whose reset and demonstration are done twice, at most."""
-_SEEDS_PER_ITEM: dict[Part, int] = {"demos": 5, "unseen": 5, "repeat": 2, "noop": 10, "random": 5, "reach": 50, "key_frames": 5}
+_SEEDS_PER_ITEM: dict[Part, int] = {
+    "demos": 5,
+    "unseen": 5,
+    "repeat": 2,
+    "noop": 10,
+    "random": 5,
+    "reach": 50,
+    "key_frames": 5,
+    "friction_only": 5,
+}
 
 
 @dataclass(frozen=True)
@@ -44,6 +53,8 @@ class CheckPlan:
     """Number of demonstrations whose recorded actions are replayed, the first ones of a task."""
     key_frames: int = 10
     """Number of demonstrations whose key frames alone (where the arm rests or the fingers move) are executed through planning."""
+    friction_only: int = 0
+    """Number of demonstrations in which friction alone holds what is grasped; none in a task without graspable objects."""
     seed: int = 0
     """Seed of the first episode; episode i uses seed + i."""
     unseen: int = 0
@@ -78,6 +89,7 @@ class CheckPlan:
 
     def _amounts(self) -> dict[Part, int]:
         amounts: dict[Part, int] = {"demos": self.episodes, "unseen": self.unseen, "key_frames": self.key_frames}
+        amounts["friction_only"] = self.friction_only
         if self.contract:
             amounts |= {"repeat": min(REPEATS, self.contract_seeds), "noop": self.contract_seeds, "random": self.contract_seeds}
             amounts |= {"reach": self.placements}

@@ -251,6 +251,28 @@ class KeyFramesTrial(Trial):
             yield Incident(f"key frames: {self.refused or 'goal not reached'}")
 
 
+@dataclass(frozen=True, kw_only=True)
+class FrictionTrial(Trial):
+    """One attempt at a demonstration in which friction alone holds what is grasped."""
+
+    part = "friction_only"
+    reached_goal: bool | None = None
+    """Whether it reached the goal; None in an episode without graspable objects, which is not attempted."""
+    failed: tuple[FailedAttempt, ...] = ()
+    """The attempt, when it failed."""
+
+    @classmethod
+    def without_start(cls, task: str, seed: int, variation: int, why: str) -> Self:
+        """Return the record of a seed for which no start state was found: a failed attempt, not an error."""
+        return cls(task=task, seed=seed, variation=variation, reached_goal=False, failed=(FailedAttempt(why, None),))
+
+    def incidents(self) -> Iterator[Incident]:
+        """Yield the error, or why the goal was missed."""
+        yield from super().incidents()
+        for failed in self.failed:
+            yield Incident(f"friction only: {failed.cause}", waypoint=failed.waypoint)
+
+
 KINDS: tuple[type[Trial], ...] = (
     WordsTrial,
     DemoTrial,
@@ -260,6 +282,7 @@ KINDS: tuple[type[Trial], ...] = (
     RandomTrial,
     ReachTrial,
     KeyFramesTrial,
+    FrictionTrial,
 )
 RECORDS: dict[Part, type[Trial]] = {kind.part: kind for kind in KINDS}
 """Part of the check -> its record."""

@@ -13,6 +13,7 @@ import numpy as np
 from rlbench_pin.checking.reach import Reach
 from rlbench_pin.checking.records import (
     DemoTrial,
+    FrictionTrial,
     KeyFramesTrial,
     NoopTrial,
     Part,
@@ -35,9 +36,10 @@ _NUMBER = re.compile(r"-?\d+(\.\d+)?")
 FIRST_TRY_FLOOR = 0.95
 REPLAY_FLOOR = 0.95
 KEY_FRAMES_FLOOR = 0.9
+FRICTION_FLOOR = 0.9
 _RATES = (
-    "first_try", "within_tries", "same_scene", "unseen", "stable_success", "replay", "key_frames", "noop", "random", "repeat",
-    "tidy", "accepted",
+    "first_try", "within_tries", "same_scene", "unseen", "stable_success", "replay", "key_frames", "friction_only", "noop",
+    "random", "repeat", "tidy", "accepted",
 )  # fmt: skip
 """Shares in the JSON, in its order."""
 
@@ -225,6 +227,8 @@ class TaskReport:
     replay: Rate
     key_frames: Rate
     """Demonstrations whose key frames alone, planned again, reach the goal."""
+    friction_only: Rate
+    """First tries of demonstrations in which friction alone holds what is grasped; none for tasks that grasp nothing."""
     per_variation: dict[int, tuple[Rate, Rate]]
     """Variation -> first try, within the tries."""
     noop: Rate
@@ -360,6 +364,9 @@ def _of_contract(trials: Sequence[Trial]) -> dict[str, Any]:
     episodes = [(trial, trial.episode) for trial in noops if trial.episode is not None]
     return {
         "key_frames": _rate([trial.reached_goal for trial in of_kind(trials, KeyFramesTrial) if trial.reached_goal is not None]),
+        "friction_only": _rate(
+            [trial.reached_goal for trial in of_kind(trials, FrictionTrial) if trial.reached_goal is not None]
+        ),
         "noop": _rate([trial.reached_goal for trial in noops]),
         "random": _rate([trial.reached_goal for trial in of_kind(trials, RandomTrial)]),
         "repeat": _rate([trial.repeats for trial in of_kind(trials, RepeatTrial)]),
@@ -377,6 +384,7 @@ def _checks(report: TaskReport) -> tuple[tuple[str, bool, str], ...]:
     pairs = shared_instructions(report.words)
     poor = poor_instructions(report.words)
     keys = report.key_frames.value >= KEY_FRAMES_FLOOR or not report.key_frames.of
+    friction = report.friction_only.value >= FRICTION_FLOOR or not report.friction_only.of
     unseen = report.unseen.value >= FIRST_TRY_FLOOR or not report.unseen.of
     return (
         ("errors", not report.errors, "raises an error"),
@@ -385,6 +393,7 @@ def _checks(report: TaskReport) -> tuple[tuple[str, bool, str], ...]:
         ("in tries", report.within_tries.count == report.within_tries.of, "a seed failed every try"),
         ("replay", report.replay.value >= REPLAY_FLOOR or not report.replay.of, f"replay below {REPLAY_FLOOR:.0%}"),
         ("key frames", keys, f"key frames below {KEY_FRAMES_FLOOR:.0%}"),
+        ("friction only", friction, f"with friction only below {FRICTION_FLOOR:.0%}"),
         ("noop", report.noop.count == 0, "the no-op policy succeeds"),
         ("random", report.random.count == 0 or report.by_chance, "the random policy succeeds"),
         ("repeat", report.repeat.count == report.repeat.of, "a reset or a demonstration does not repeat"),

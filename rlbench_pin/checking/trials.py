@@ -14,6 +14,7 @@ from rlbench_pin.checking.records import (
     Cost,
     DemoTrial,
     FailedAttempt,
+    FrictionTrial,
     KeyFramesTrial,
     NoopTrial,
     RandomTrial,
@@ -35,7 +36,7 @@ from rlbench_pin.checking.validate import (
 from rlbench_pin.datasets import key_frame_actions
 from rlbench_pin.environment import DemoOutcome, Environment, TaskEnvironment
 from rlbench_pin.environment.episode import drawn_variations
-from rlbench_pin.environment.presets import key_frame_mode, low_dim_config, make_environment
+from rlbench_pin.environment.presets import joint_position_mode, key_frame_mode, low_dim_config, make_environment
 from rlbench_pin.environment.replay import reaches_goal, replay_succeeds
 from rlbench_pin.environment.runtime import Listener, Runtime
 from rlbench_pin.errors import BoundaryError, InvalidActionError, PlanningError, ResetError
@@ -102,6 +103,8 @@ def _environment(part: Part) -> Environment:
     """Return the environment of a part: actions are tip poses for key frames, joint positions for all others."""
     if part == "key_frames":
         return Environment(key_frame_mode(), obs_config=low_dim_config(), seed=0)
+    if part == "friction_only":
+        return Environment(joint_position_mode(), obs_config=low_dim_config(), attach_grasped_objects=False, seed=0)
     return make_environment(low_dim_config())
 
 
@@ -229,6 +232,16 @@ def key_frames_trial(task: TaskEnvironment, seed: int, variation: int) -> KeyFra
     return KeyFramesTrial(task=task.get_name(), seed=seed, variation=variation, reached_goal=reached, refused=refused)
 
 
+def friction_trial(task: TaskEnvironment, seed: int, variation: int) -> FrictionTrial:
+    """Try once to demonstrate a seed, in an environment that fixes nothing to the gripper."""
+    task.reset(seed=seed, variation=variation)
+    if not task.task.get_graspable_objects():
+        return FrictionTrial(task=task.get_name(), seed=seed, variation=variation)
+    outcome = task.try_demo(seed=seed, variation=variation)
+    failed = () if outcome.success else (FailedAttempt(outcome.cause, outcome.waypoint),)
+    return FrictionTrial(task=task.get_name(), seed=seed, variation=variation, reached_goal=outcome.success, failed=failed)
+
+
 def reach_trial(task: TaskEnvironment, seed: int, variation: int) -> ReachTrial:
     reach = reach_of(task.runtime, seed, variation)
     return ReachTrial(task=task.get_name(), seed=seed, variation=variation, reach=reach)
@@ -240,4 +253,5 @@ _TRIALS: dict[Part, Callable[[TaskEnvironment, int, int], Trial]] = {
     "random": random_trial,
     "reach": reach_trial,
     "key_frames": key_frames_trial,
+    "friction_only": friction_trial,
 }

@@ -85,9 +85,8 @@ class Check(CheckPlan):
         """Return task name -> name or file, in the order of the report."""
         from rlbench_pin.tasks import find_task, task_reference
 
-        check_at_least(
-            self, episodes=1, variations=1, max_attempts=1, workers=1, replays=0, seed=0, unseen=0, unseen_seed=0, key_frames=0
-        )
+        from_none = dict.fromkeys(("replays", "key_frames", "friction_only", "seed", "unseen", "unseen_seed"), 0)
+        check_at_least(self, episodes=1, variations=1, max_attempts=1, workers=1, **from_none)
         if self.contract:
             check_at_least(self, contract_seeds=1, placements=1)
         if self.unseen and self.seed - self.unseen < self.unseen_seed < self.seed + self.episodes:
@@ -114,7 +113,8 @@ class Check(CheckPlan):
         from rlbench_pin.environment.demos import library_versions
 
         settings = (
-            "episodes", "replays", "seed", "unseen", "unseen_seed", "key_frames", "max_attempts", "contract_seeds", "placements",
+            "episodes", "replays", "seed", "unseen", "unseen_seed", "key_frames", "friction_only", "max_attempts",
+            "contract_seeds", "placements",
         )  # fmt: skip
         return {
             "format": FORMAT,

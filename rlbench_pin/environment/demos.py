@@ -180,6 +180,7 @@ class DemoPlayer:
             self._amount,
             release=waypoint.releases,
             speed=self.runtime.description.grip_speed,
+            attach=self.runtime.gripper.attaches,
             on_tick=self._gripper_tick,
         )
         if not self.record_gripper:

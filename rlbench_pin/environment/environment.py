@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from rlbench_pin.datasets.layout import MANIFEST
-from rlbench_pin.environment.actions.modes import ActionMode
+from rlbench_pin.environment.actions.modes import ActionMode, attaches_grasped
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.observations.observe import Camera, CameraPlaces, Cameras, camera_misc
 from rlbench_pin.environment.randomization.config import (
@@ -182,7 +182,7 @@ class Environment:
             model,
             self._obs_config,
             planning=self._planner_config,
-            attach_grasped_objects=self._attach_grasped_objects,
+            attach_grasped_objects=attaches_grasped(self._action_mode, self._attach_grasped_objects),
             renderer=self._renderer,
             camera_places=self._places,
         )

@@ -65,13 +65,18 @@ def make_environment(
 ) -> Environment:
     """An environment whose actions are the ones that demonstrations record: absolute joint positions and the gripper."""
     return Environment(
-        MoveArmThenGripper(JointPosition(), Discrete()),
+        joint_position_mode(),
         obs_config=config,
         arm_max_velocity=max_velocity,
         arm_max_acceleration=max_acceleration,
         seed=0,
         renderer=renderer,
     )
+
+
+def joint_position_mode() -> MoveArmThenGripper:
+    """Return the actions that demonstrations record: absolute joint positions and the gripper."""
+    return MoveArmThenGripper(JointPosition(), Discrete())
 
 
 def key_frame_mode() -> MoveArmThenGripper:

@@ -144,7 +144,6 @@ class Runtime:
         task: The task that is running.
         model: Analytic model of the arm.
         planner: Motion planner over `model`.
-        attach_grasped_objects: Whether closing the gripper fixes grasped bodies to it, unless the gripper mode says otherwise.
         listeners: Called for ticks, observations and segments; see `listening`.
         before_tick: Functions that `step` calls before each control tick, in order.
         after_tick: Functions that `step` calls after each control tick, in order: listeners, the step of the task, randomization,
@@ -165,7 +164,8 @@ class Runtime:
         self.world, self.task, self.description, self.model, self.planner = world, task, robot, model, planner
         self.robot, self.gripper = world.robot, world.gripper
         self.observer = Observer(world, model, config, camera_places)
-        self.attach_grasped_objects = attach_grasped_objects
+        if not attach_grasped_objects:
+            self.gripper.rely_on_friction()
         self.variation = 0
         self._planning_seed = 0
         self.instructions: tuple[str, ...] = ()
@@ -378,14 +378,19 @@ def build_runtime(
     """Build the world of a task and set the task up.
 
     Args:
-        task: What the world is for; `EmptyTable` has no scene file.
-        model: The arm.
-        config: What observations contain.
-        planning: Settings of the planner.
-        attach_grasped_objects: As in `Runtime`.
-        renderer: Renderer of images.
-        camera_places: Where cameras stand that were put elsewhere; shared with other runtimes.
-        kind: `Runtime`, or a subclass of it.
+            task: What the world is for; `EmptyTable` has no scene file.
+            model: The arm.
+            config: What observations contain.
+            planning: Settings of the planner.
+    <<<<<<< HEAD
+            attach_grasped_objects: Whether closing the gripper fixes grasped bodies to it.
+            renderer: Who draws pictures.
+    =======
+            attach_grasped_objects: As in `Runtime`.
+            renderer: Renderer of images.
+    >>>>>>> main
+            camera_places: Where cameras stand that were put elsewhere; shared with other runtimes.
+            kind: `Runtime`, or a subclass of it.
     """
     spec = SceneSpec(format=1) if task is EmptyTable else task_scene(task)
     world = World(spec, model.description, renderer=renderer)

@@ -283,7 +283,7 @@ class FollowPath(Condition):
 
 
 class Grasped(Condition):
-    """Holds while `body` is attached to the gripper.
+    """Holds while the gripper holds `body`: it is attached or, with `attach_grasped_objects=False`, both fingers touch it.
 
     Args:
         gripper: The gripper, `self.gripper`.
@@ -295,12 +295,12 @@ class Grasped(Condition):
         self.body = as_object(body, BODY, "body")
 
     def met(self) -> bool:
-        """Return whether the body is attached to the gripper now."""
-        return self.body.name in self.gripper.grasped
+        """Return whether the gripper holds the body now."""
+        return self.body.name in self.gripper.held
 
 
 class NothingGrasped(Condition):
-    """Holds while nothing is attached to the gripper.
+    """Holds while the gripper holds nothing; holding means the same as for `Grasped`.
 
     Args:
         gripper: The gripper, `self.gripper`.
@@ -311,7 +311,7 @@ class NothingGrasped(Condition):
 
     def met(self) -> bool:
         """Return whether the gripper holds nothing now."""
-        return not self.gripper.grasped
+        return not self.gripper.held
 
 
 class HasColor(Condition):

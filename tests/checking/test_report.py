@@ -12,6 +12,7 @@ from rlbench_pin.checking.records import (
     Cost,
     DemoTrial,
     FailedAttempt,
+    FrictionTrial,
     KeyFramesTrial,
     NoopTrial,
     RandomTrial,
@@ -60,7 +61,7 @@ def test_a_good_task_passes() -> None:
     assert report.variations == (0, 1, 2)
     assert (report.frames, report.simulated, report.speed.times_real_time) == (100.0, 5.0, 20.0)
     line = " ".join(table([report]).splitlines()[1].split())
-    figures = "20/20 84%..100% 20/20 20/20 0/0 20/20 20/20 0/0 0/1 0/0 1/1 0/0 0.20 mm 0.40 mm 5.0 s 100 ms 20.0 x"
+    figures = "20/20 84%..100% 20/20 20/20 0/0 20/20 20/20 0/0 0/0 0/1 0/0 1/1 0/0 0.20 mm 0.40 mm 5.0 s 100 ms 20.0 x"
     assert line == f"push_button 3 {figures} ok"
 
 
@@ -119,6 +120,21 @@ def test_key_frames_have_a_floor() -> None:
     refused = replace(missed, seed=8, refused="InvalidActionError: no path")
     report = summarise("push_button", [*_trials(20), *good[:8], missed, refused])
     assert report.faults == ("key frames below 90%",)
+
+
+def test_friction_only_has_a_floor() -> None:
+    """One of ten may drop its object, two may not; a task that grasps nothing is not attempted and passes."""
+    good = [FrictionTrial(task="push_button", seed=i, variation=0, reached_goal=True) for i in range(9)]
+    lost = (FailedAttempt("DemoError: not reached", 3),)
+    dropped = FrictionTrial(task="push_button", seed=9, variation=0, reached_goal=False, failed=lost)
+    report = summarise("push_button", [*_trials(20), *good, dropped])
+    assert (report.friction_only.count, report.friction_only.of, report.faults) == (9, 10, ())
+    assert [failure.cause for failure in report.failures] == ["friction only: DemoError: not reached"]
+    report = summarise("push_button", [*_trials(20), *good[:8], dropped, replace(dropped, seed=8)])
+    assert report.faults == ("with friction only below 90%",)
+    none = FrictionTrial(task="push_button", seed=0, variation=0)
+    report = summarise("push_button", [*_trials(20), none])
+    assert report.friction_only.of == 0 and report.faults == ()
 
 
 def test_other_plans_in_the_same_scene_count_apart() -> None:
@@ -233,7 +249,8 @@ def test_the_json_keeps_its_format() -> None:
     plain = summarise("push_button", [*_trials(), failed]).as_dict()
     assert list(plain) == [
         "passed", "faults", "variations", "first_try", "within_tries", "same_scene", "unseen", "stable_success", "replay",
-        "key_frames", "noop", "random", "repeat", "tidy", "accepted", "per_variation", "drift", "penetration", "held",
+        "key_frames", "friction_only", "noop", "random", "repeat", "tidy", "accepted", "per_variation", "drift", "penetration",
+        "held",
         "left_over", "instructions", "reach", "median_frames", "median_simulated_s", "p95_simulated_s", "median_planning_s",
         "times_real_time",
         "speed", "segments", "failures", "errors",

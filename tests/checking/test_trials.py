@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rlbench_pin.checking import KeyFramesTrial, ReachTrial
+from rlbench_pin.checking import FrictionTrial, KeyFramesTrial, ReachTrial
 from rlbench_pin.checking.plan import REPEATS, CheckPlan, Item
 from rlbench_pin.checking.trials import Stopwatch, work
 from rlbench_pin.environment.presets import low_dim_config, make_environment
@@ -23,6 +23,14 @@ def test_key_frames_are_executed_by_poses_of_the_tip() -> None:
     """Those of a demonstration of `push_button` reach the goal."""
     trials = work(Item("push_button", "key_frames", (0, 1), max_variations=2))
     assert [trial.reached_goal for trial in trials if isinstance(trial, KeyFramesTrial)] == [True, True]
+
+
+@pytest.mark.simulation
+def test_friction_alone_is_tried_where_something_is_grasped() -> None:
+    """A demonstration of `pick_and_lift` succeeds; `push_button` has no graspable objects and is not attempted."""
+    names = ("pick_and_lift", "push_button")
+    trials = [trial for name in names for trial in work(Item(name, "friction_only", (0,), max_variations=1))]
+    assert [trial.reached_goal for trial in trials if isinstance(trial, FrictionTrial)] == [True, None]
 
 
 @pytest.mark.simulation
@@ -57,12 +65,15 @@ def _seeds(plan: CheckPlan, at_once: int = 50) -> dict[str, list[int]]:
 
 def test_each_seed_is_tried_once_in_pieces_of_any_size() -> None:
     """However the work is cut."""
-    plan = CheckPlan(episodes=12, seed=7, unseen=3, unseen_seed=100, placements=60, contract_seeds=9, key_frames=2)
+    plan = CheckPlan(
+        episodes=12, seed=7, unseen=3, unseen_seed=100, placements=60, contract_seeds=9, key_frames=2, friction_only=3
+    )
     expected = {
         "words": [0],
         "demos": list(range(7, 19)),
         "unseen": [100, 101, 102],
         "key_frames": [7, 8],
+        "friction_only": [7, 8, 9],
         "repeat": list(range(7, 7 + REPEATS)),
         "noop": list(range(7, 16)),
         "random": list(range(7, 16)),

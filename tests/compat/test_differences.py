@@ -169,11 +169,11 @@ def test_grasping_is_left_to_the_environment(scene: Any) -> None:
     """By default; an explicit setting of a mode takes precedence."""
     runtime = scene.runtime
     for choice in (True, False):
-        runtime.attach_grasped_objects = choice
+        runtime.gripper.attaches = choice
         assert Discrete().attaches(runtime) is choice and GripperJointPosition().attaches(runtime) is choice
         assert Discrete(attach_grasped_objects=True).attaches(runtime)
         assert not Discrete(False).attaches(runtime)
-    runtime.attach_grasped_objects = True
+    runtime.gripper.attaches = True
 
 
 def test_randomization_of_programs() -> None:

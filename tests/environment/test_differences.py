@@ -83,7 +83,7 @@ def test_a_task_is_a_class_or_a_name(environment: Environment) -> None:
 def test_grasping_is_left_to_the_environment(lid: TaskEnvironment) -> None:
     """By default; a mode that was told decides itself."""
     for choice in (True, False):
-        lid.runtime.attach_grasped_objects = choice
+        lid.runtime.gripper.attaches = choice
         for mode in (Discrete, GripperJointPosition):
             assert (
                 mode().attaches(lid.runtime) is choice

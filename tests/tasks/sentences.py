@@ -15,10 +15,11 @@ def words(sentence: str) -> list[str]:
 
 VERBS = frozenset(
     words(
-        "belongs bin bring carry choose clear click close connect dangle dispose draw drive drop empty fetch find fit "
-        "flip fold get give go grip hang hit hold keep lay lead leave lift load lower make mount move nudge open operate "
-        "pile play press pull push raise receive return rid rise rotate rub set shoot shove slip sort sponge stick "
-        "stretch surround sweep swing take thread tip touch transfer unlatch unload unscrew weigh wipe"
+        "belongs bin bring build carry choose clear click close connect dangle dispose draw drive drop empty fetch find "
+        "fit flip fold get give go grip hang hit hold hook keep lay lead leave lift load lower make mount move nudge "
+        "open operate pick pile play pour press pull push put raise receive return rid rise rotate rub set shoot shove "
+        "slide slip sort sponge stack stick stretch surround sweep swing switch take thread throw tip touch transfer "
+        "turn twist unlatch unload unlock unscrew use weigh wipe"
     )
 )
 """What sentences ask for; a new one is added here."""

@@ -77,9 +77,9 @@ class FakeSensor:
 
 @dataclass
 class FakeGripper:
-    """Holds the bodies in `grasped`."""
+    """Holds the bodies in `held`."""
 
-    grasped: tuple[str, ...] = ()
+    held: tuple[str, ...] = ()
 
 
 @dataclass

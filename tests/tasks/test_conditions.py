@@ -90,14 +90,14 @@ def test_tip_inside_asks_about_the_tip_point() -> None:
     assert not condition.met()
 
 
-def test_grasping_means_attached_now() -> None:
+def test_grasping_means_held_now() -> None:
     """Grasped and NothingGrasped look at what the gripper holds."""
     gripper = FakeGripper()
     grasped, nothing = Grasped(gripper, FakeBody("cup")), NothingGrasped(gripper)
     assert (grasped.met(), nothing.met()) == (False, True)
-    gripper.grasped = ("plate",)
+    gripper.held = ("plate",)
     assert (grasped.met(), nothing.met()) == (False, False)
-    gripper.grasped = ("plate", "cup")
+    gripper.held = ("plate", "cup")
     assert (grasped.met(), nothing.met()) == (True, False)
 
 

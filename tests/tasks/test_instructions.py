@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from write_instructions import written_anew
 
 from rlbench_pin.tasks import task_names
 from tests.tasks.running import begin, running
@@ -44,6 +45,13 @@ def test_articles_numbers_and_signs_are_right_in_every_variation(instructions: d
 def test_the_sentences_of_a_variation_differ_in_verb_and_structure(instructions: dict[int, list[str]]) -> None:
     """Other first verbs and first words, half of the words at most in common order; some open with the verb, some do not."""
     assert [found for sentences in instructions.values() for found in alike(sentences)] == []
+
+
+@pytest.mark.simulation
+def test_the_page_of_all_sentences_is_up_to_date() -> None:
+    """As `python scripts/write_instructions.py` writes it."""
+    before, after = written_anew()
+    assert before == after, "run `python scripts/write_instructions.py`"
 
 
 @pytest.mark.parametrize(

@@ -152,7 +152,7 @@ class Lid:
 
 
 MICROWAVE_DOOR = Door("microwave/microwave", "door", "door_link", (0.8, 1.2, 1.6), 0.75)
-FRIDGE_DOOR = Door("fridge/fridge", "upper_door", "upper_link", (0.6, 0.9, 1.3), 0.75)
+FRIDGE_DOOR = Door("fridge/fridge", "upper_door", "upper_link", (1.4, 1.7, 1.9), 0.75)
 LAPTOP = Lid("laptop/laptop", "screen_hinge", "screen", (1.5, 1.9), 0.014, 0.139)
 TOILET = Lid("toilet/toilet", "seat_hinge", "seat", (1.5, 1.8), 0.016, 0.183)
 
@@ -531,24 +531,24 @@ def _lid(lid: Lid) -> Play:
     return lambda gripper, asked: fold_lid(gripper, lid)
 
 
-_SHUT = "close|shut|shove|push|down|closed|back|bring|fold|swing"
+_SHUT = "close|shut|shove|push|down|closed|back|bring|fold|swing|lower"
 RECIPES: tuple[Recipe, ...] = (
     Recipe("paper", "", bin_paper),
-    Recipe("lamp", "", press_lamp_button),
+    Recipe("switch|rocker|light at the wall", "", flip_switch),
+    Recipe("lamp|light", "", press_lamp_button),
     Recipe("button|buttons|click|hit|operate", "", press_buttons),
-    Recipe("switch|rocker", "", flip_switch),
     Recipe("ring|marker", "block|cube|blocks", lift_block_to_ring),
     Recipe("block|cube", "square|field|mark", shove_block),
-    Recipe("cup", "lift|take|raise", lift_cup),
+    Recipe("cup", "lift|pick|take|raise", lift_cup),
     Recipe("lid|cover", "pan|saucepan|pot|knob", lift_lid),
     Recipe("charger|adapter|plug", "pull|take|out|draw", unplug),
     Recipe("chicken|steak", "lay the chicken on the grate|lay the steak on the grate|onto|cook", meat_on_grill),
-    Recipe("chicken|steak", "table|beside|side", meat_off_grill),
-    Recipe("drawer|compartment|compartments", "pull|open|draw", pull_drawer),
+    Recipe("chicken|steak", "table|beside|side|sides", meat_off_grill),
+    Recipe("drawer|drawers|compartment|compartments", "pull|open|draw|slide", pull_drawer),
     Recipe("drawer|compartment", _SHUT, push_drawer),
-    Recipe("grill|barbecue", "raise|up|covered", _bar(HOOD_UP)),
+    Recipe("grill|barbecue", "raise|up|open the grill", _bar(HOOD_UP)),
     Recipe("grill|barbecue", "down|lower|close", _bar(HOOD_DOWN)),
-    Recipe("microwave", "wide|pull|nearly", _bar(MICROWAVE_BAR)),
+    Recipe("microwave", "wide|pull|almost", _bar(MICROWAVE_BAR)),
     Recipe("fridge|refrigerator", "wide|pull|shelves", _bar(FRIDGE_BAR)),
     Recipe("microwave", _SHUT, _door(MICROWAVE_DOOR)),
     Recipe("fridge|refrigerator|milk", _SHUT, _door(FRIDGE_DOOR)),

@@ -323,7 +323,13 @@ class GripperMode(GripperActionMode):
 
     def attaches(self, runtime: Runtime) -> bool:
         """Whether bodies are fixed to the gripper."""
-        return runtime.attach_grasped_objects if self.attach_grasped_objects is None else self.attach_grasped_objects
+        return runtime.gripper.attaches if self.attach_grasped_objects is None else self.attach_grasped_objects
+
+
+def attaches_grasped(mode: object, default: bool) -> bool:
+    """Whether bodies are fixed to the gripper: what the gripper mode of an action mode says, otherwise `default`."""
+    told: bool | None = getattr(getattr(mode, "gripper_action_mode", None), "attach_grasped_objects", None)
+    return default if told is None else told
 
 
 class Discrete(GripperMode):

@@ -24,6 +24,8 @@ _PAD_FRICTION = 1.0
 _OPEN = 0.9  # fraction of the range above which a finger counts as open
 _MOVED = 1e-3  # motion in a tick above which the gripper counts as moving [m]
 _GEAR_FORCE = 200.0  # of the coupling between the fingers [N]
+_GEAR_ERP, _STIFF_GEAR_ERP = 0.2, 0.9  # share of the difference between the fingers that the coupling removes in a physics step
+_PAD_TORSION = 0.02  # torsional friction of soft pads: torque about the line between them per force [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,10 +51,14 @@ class SimGripper:
         robot: The arm that carries the gripper.
         find: Looks up a body by name.
         bodies: Returns all bodies of the scene.
+
+    Attributes:
+        attaches: Whether closing fixes bodies to the gripper; otherwise friction alone holds them.
     """
 
     def __init__(self, robot: SimRobot, find: Callable[[str], Body], bodies: Callable[[], tuple[Body, ...]]) -> None:
         self._robot, self._find, self._bodies = robot, find, bodies
+        self.attaches = True
         self._model, self._client = robot.model, robot.model.client
         description = robot.description
         infos = [self._model.joints[name] for name in description.gripper_joints]
@@ -72,8 +78,18 @@ class SimGripper:
         """Make the fingers move alike, as the gear of a real gripper does."""
         left, right = self._joints
         uid, change = self._model.uid, self._client.change
-        gear = change(bullet.createConstraint, uid, left, uid, right, bullet.JOINT_GEAR, [1, 0, 0], [0, 0, 0], [0, 0, 0])
-        change(bullet.changeConstraint, gear, gearRatio=-1, erp=0.2, maxForce=_GEAR_FORCE)
+        self._gear = change(bullet.createConstraint, uid, left, uid, right, bullet.JOINT_GEAR, [1, 0, 0], [0, 0, 0], [0, 0, 0])
+        change(bullet.changeConstraint, self._gear, gearRatio=-1, erp=_GEAR_ERP, maxForce=_GEAR_FORCE)
+
+    def rely_on_friction(self) -> None:
+        """Fix nothing to the gripper: friction alone holds, with pads that resist twisting and fingers that stay centred.
+
+        To be called while the world is built, lest building it again undoes it.
+        """
+        self.attaches = False
+        self._client.change(bullet.changeConstraint, self._gear, gearRatio=-1, erp=_STIFF_GEAR_ERP, maxForce=_GEAR_FORCE)
+        for index in self._fingers:
+            self._client.change(bullet.changeDynamics, self._model.uid, index, spinningFriction=_PAD_TORSION)
 
     # Fingers ---------------------------------------------------------------------------------------------------------
 
@@ -124,6 +140,11 @@ class SimGripper:
     def grasped(self) -> tuple[str, ...]:
         """Names of the bodies fixed to the gripper."""
         return self._attachments.names
+
+    @property
+    def held(self) -> tuple[str, ...]:
+        """Names of the bodies that the gripper holds: those fixed to it or, where nothing is fixed, those between the fingers."""
+        return self.grasped if self.attaches else self.between_fingers()
 
     def between_fingers(self) -> tuple[str, ...]:
         """Return the names of the graspable bodies that both fingers touch and that overlap the box between the pads.

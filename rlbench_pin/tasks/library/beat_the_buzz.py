@@ -20,7 +20,7 @@ class BeatTheBuzz(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
         return [
-            "Lead the ring to the other end of the rod, never touching the rod, and let go of it there.",
-            "The wand belongs at the opposite end of the wire, where you release it; a single touch on the way ends the game.",
-            "Play the hot wire game: clear of the wire, the loop has to cross over to the other post and stay there.",
+            "Move the ring to the other end of the rod without touching the rod, and let go of it there.",
+            "The ring belongs at the opposite end of the wire: take it there without a single touch, and release it.",
+            "Play the hot wire game: lead the loop over to the other post, clear of the wire, and leave it there.",
         ]

@@ -8,7 +8,7 @@ from rlbench_pin.tasks import JointMoved, Task
 
 
 class CloseBox(Task):
-    """The lid starts hanging outwards; it must turn by 2.6 rad, nearly onto the walls."""
+    """The lid starts hanging outwards; it must turn by 2.6 rad; success leaves it up to 11 degrees open."""
 
     def init_task(self) -> None:
         """Success is a turn of the lid by more than 2.6 rad."""
@@ -17,7 +17,7 @@ class CloseBox(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
         return [
-            "Close the cardboard box until its lid lies flat.",
-            "The carton stands open: fold its cover over and down onto the walls.",
-            "So that no dust falls in, bring the lid of the carton all the way down.",
+            "Close the cardboard box.",
+            "The carton is open, please fold its lid down.",
+            "To keep the dust out, lower the cover of the box.",
         ]

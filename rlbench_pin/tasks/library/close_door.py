@@ -8,7 +8,7 @@ from rlbench_pin.tasks import JointMoved, Task
 
 
 class CloseDoor(Task):
-    """The door stands open, away from the arm, and must swing back by 25 degrees; it can open no further than by 17."""
+    """The door stands open, away from the arm, and must swing back by 25 degrees; success leaves it up to 9 degrees open."""
 
     def init_task(self) -> None:
         """Success is a swing of the leaf by 25 degrees."""
@@ -18,6 +18,6 @@ class CloseDoor(Task):
         """Return the sentences; only the place of the task varies."""
         return [
             "Close the door.",
-            "There is a draught: pull the open door to.",
-            "The door stands ajar, so bring its leaf back into the frame.",
+            "There is a draught in here, so pull the open door to.",
+            "Somebody left the door open: swing it back into its frame.",
         ]

@@ -8,7 +8,7 @@ from rlbench_pin.tasks import JointMoved, Task
 
 
 class CloseGrill(Task):
-    """The hood stands open and must turn down by 50 degrees."""
+    """The hood stands open and must turn down by 50 degrees; success leaves it up to 19 degrees open."""
 
     def init_task(self) -> None:
         """Success is a turn of the hood by 50 degrees."""
@@ -17,7 +17,7 @@ class CloseGrill(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
         return [
-            "Pull the hood of the barbecue down over the coals.",
-            "The grill stands open: lower its lid.",
+            "Pull down the hood of the barbecue.",
+            "The grill is open, please lower its lid.",
             "To keep the heat in, close the barbecue.",
         ]

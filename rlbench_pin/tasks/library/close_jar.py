@@ -35,7 +35,7 @@ class CloseJar(Task):
         self.boundary.scatter(self.jars, rng)
         self.world.frame("goal").set_parent(self.jars[goal].name)
         return [
-            f"Fit the lid onto the neck of the {name} jar and let it go.",
-            f"The {name} jar stands open: close it with the cap from the table.",
-            f"Choose the jar that is {name}, and it shall receive the lid.",
+            f"Fit the lid onto the {name} jar and let it go.",
+            f"The {name} jar is open: close it with the lid from the table.",
+            f"Pick up the lid and use it to cover the jar that is {name}.",
         ]

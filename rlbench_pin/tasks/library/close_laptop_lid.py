@@ -8,7 +8,7 @@ from rlbench_pin.tasks import JointMoved, Task
 
 
 class CloseLaptopLid(Task):
-    """The screen starts leaning back; it must turn by 1.79 rad, nearly onto the keyboard."""
+    """The screen starts leaning back; it must turn by 1.79 rad; success leaves it up to 6 degrees open."""
 
     def init_task(self) -> None:
         """Success is a turn of the screen by more than 1.79 rad."""
@@ -18,6 +18,6 @@ class CloseLaptopLid(Task):
         """Return the sentences; only the place of the task varies."""
         return [
             "Close the laptop.",
-            "The notebook computer is open: fold its screen down onto the keyboard.",
-            "Work is over, so please bring the lid of the portable computer all the way down.",
+            "The notebook is still open: fold its screen down onto the keyboard.",
+            "I am done working, so please lower the lid of the computer.",
         ]

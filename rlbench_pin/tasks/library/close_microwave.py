@@ -8,7 +8,7 @@ from rlbench_pin.tasks import JointMoved, Task
 
 
 class CloseMicrowave(Task):
-    """The door stands wide open and must swing by 40 degrees."""
+    """The door stands wide open and must swing by 40 degrees; success leaves it up to 29 degrees open."""
 
     def init_task(self) -> None:
         """Success is a turn of the door by 40 degrees."""
@@ -17,7 +17,7 @@ class CloseMicrowave(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
         return [
-            "Swing the door of the microwave shut.",
-            "The microwave is open, please close it.",
-            "Nobody needs the microwave oven any more, so bring its door back to the frame.",
+            "Close the microwave.",
+            "The microwave is open, please push its door back.",
+            "Nobody needs the microwave oven any more, so swing its door closed.",
         ]

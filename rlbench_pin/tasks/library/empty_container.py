@@ -60,8 +60,8 @@ class EmptyContainer(Task):
         self._aim_at_tray()
         self.register_success_conditions([Detected(body, self.sensor) for body in self.objects])
         return [
-            f"Transfer the three things in the large tray to the {name} one.",
-            f"The small {name} tray is where everything in the middle belongs.",
+            f"Move the three things from the large tray to the {name} one.",
+            f"Everything in the middle belongs in the small {name} tray.",
             f"Empty the big container, and let all of it land in the {name} one.",
         ]
 

@@ -22,7 +22,7 @@ class EmptyDishwasher(Task):
         return [
             "Fetch the plate from the dishwasher.",
             "The dishes are done, so lift the clean plate out of the rack.",
-            "Unload the machine that has washed up: one plate is waiting in its rack.",
+            "Unload the dishwasher: there is one plate in its rack.",
         ]
 
     def _aim_at_plate(self, waypoint: Waypoint) -> None:

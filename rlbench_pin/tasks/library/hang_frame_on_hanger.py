@@ -19,7 +19,7 @@ class HangFrameOnHanger(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
         return [
-            "Mount the picture on the wall hook.",
-            "There is a free hook in the wall, and the framed picture should hang from it.",
-            "Slip the bar behind the frame over the hook and let the picture go.",
+            "Hang the picture on the hook in the wall.",
+            "There is a free hook on the wall, so put the framed picture on it.",
+            "Slip the bar on the back of the frame over the hook and let the picture go.",
         ]

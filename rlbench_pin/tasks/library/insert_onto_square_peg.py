@@ -36,7 +36,7 @@ class InsertOntoSquarePeg(Task):
         self.world.frame("goal").move_to(goal.name)
         self.boundary.scatter([self.ring], rng)
         return [
-            f"Thread the square ring over the {name} post, down to its foot.",
-            f"The {name} pillar is the one that the ring must surround at its foot.",
-            f"Lower the ring all the way onto the base, around the peg that is {name}.",
+            f"Thread the square ring onto the {name} post, all the way down.",
+            f"The {name} pillar is the one for the ring: put it around its foot.",
+            f"Lower the ring over the peg that is {name} until it lies on the base.",
         ]

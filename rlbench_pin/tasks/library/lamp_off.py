@@ -28,8 +28,8 @@ class LampOff(Task):
         self.world.body("button").set_color(ENAMEL, "base")
         return [
             "Press the button that switches the lamp off.",
-            "It is too bright in here: make the lamp go dark.",
-            "The lamp need not shine any more, so click its button.",
+            "It is too bright in here, please turn off the light.",
+            "The lamp can go out now, so click its button.",
         ]
 
     def step(self) -> None:

@@ -28,7 +28,7 @@ class LampOn(Task):
         self.world.body("button").set_color(ENAMEL, "base")
         return [
             "Press the button that switches the lamp on.",
-            "It is too dark in here: give me some light from the lamp.",
+            "It is too dark in here, please turn on the light.",
             "The lamp does not shine yet, so click its button.",
         ]
 

@@ -32,5 +32,5 @@ class LiftNumberedBlock(Task):
         return [
             f"Raise the cube labelled {number}.",
             f"Which of the blocks says {number}? Lift that one off the table.",
-            f"Up in the air, hold the block that has the digit {number}.",
+            f"Pick up and hold the block with the digit {number}.",
         ]

@@ -40,7 +40,7 @@ class LightBulbIn(Task):
         return [
             f"Fit the lamp with the bulb from the {name} holder.",
             f"The lamp is empty, so give it the bulb that stands in the {name} base.",
-            f"Of the two bulbs, choose the one whose holder is {name} and mount it in the socket of the lamp.",
+            f"Of the two bulbs, choose the one in the {name} holder and put it in the lamp.",
         ]
 
     def step(self) -> None:

@@ -43,8 +43,8 @@ class LightBulbOut(Task):
         self.step()
         return [
             f"Take the bulb out of the lamp and stand it in the {name} holder.",
-            f"The light is no longer needed: unscrew its bulb and leave that in the {name} base.",
-            f"Both holders are empty, so choose the one that is {name} and move the glowing bulb there.",
+            f"The light is no longer needed: unscrew the bulb and leave it in the {name} base.",
+            f"Both holders are empty: move the glowing bulb to the {name} one.",
         ]
 
     def step(self) -> None:

@@ -31,7 +31,7 @@ class MeatOffGrill(Task):
         beside = AnyOf([Detected(meat, side) for side in self.sides])
         self.register_success_conditions([NothingGrasped(self.gripper), beside])
         return [
-            f"Lay the {meat.name} on the table, by a long side of the grill.",
-            f"The {meat.name} is done: move it down beside the barbecue, next to a long side.",
-            f"On the table, along the grill's longer edge, find a place for the {meat.name}.",
+            f"Lay the {meat.name} on the table, next to a long side of the grill.",
+            f"The {meat.name} is done: take it off the barbecue and set it down along one of the longer sides.",
+            f"Get the {meat.name} from the grate down to the table, to one of the grill's longer sides.",
         ]

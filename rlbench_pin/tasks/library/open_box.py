@@ -19,5 +19,5 @@ class OpenBox(Task):
         return [
             "Flip the lid of the carton up, past upright.",
             "I want to look into the cardboard box, so fold its cover up and over.",
-            "Open the carton so far that its lid leans backwards.",
+            "Open the carton until its lid leans backwards.",
         ]

@@ -24,9 +24,9 @@ class OpenDoor(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
         return [
-            "Unlatch the door by its lever, then move it out of its frame.",
-            "The door is shut: press down its handle and push until it stands open.",
-            "After a turn of its lever, swing the door well away from the frame.",
+            "Unlatch the door by its lever, then push it open.",
+            "The door is shut: press down its handle and swing it open.",
+            "I need to get through, so open the door by its handle.",
         ]
 
     def step(self) -> None:

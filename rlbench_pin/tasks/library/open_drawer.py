@@ -27,5 +27,5 @@ class OpenDrawer(Task):
         return [
             f"Pull out the {drawer} drawer.",
             f"I need something from the {drawer} drawer, open it wide for me.",
-            f"Of the three compartments in the chest, draw the {drawer} one far out.",
+            f"Of the three drawers in the chest, slide the {drawer} one far out.",
         ]

@@ -18,6 +18,6 @@ class OpenFridge(Task):
         """Return the sentences; only the place of the task varies."""
         return [
             "Swing the upper door of the fridge wide open.",
-            "Someone is hungry: pull at the taller handle until the refrigerator's inside can be seen.",
-            "To get at the shelves, open the refrigerator by its big door.",
+            "Someone is hungry, so pull the fridge open by its taller handle.",
+            "I want to get at the shelves, please open the big door of the refrigerator.",
         ]

@@ -19,5 +19,5 @@ class OpenGrill(Task):
         return [
             "Raise the hood of the barbecue by its bar.",
             "The coals are hot, so swing the lid of the grill up.",
-            "For the meat to go on the grate, open the covered grill.",
+            "I want to put meat on the grate, please open the grill.",
         ]

@@ -36,6 +36,6 @@ class OpenJar(Task):
         self.register_success_conditions([on_table, NothingGrasped(self.gripper)])
         return [
             f"Take the lid off the {name} jar and lay it down inside the ring.",
-            f"The {name} jar should be open: unscrew its cap, and leave that on the round mark.",
-            f"Inside the ring on the table is where the lid of the jar that is {name} belongs.",
+            f"The {name} jar should be open: unscrew its lid and leave it on the round mark.",
+            f"I want the lid of the {name} jar in the ring on the table, so move it there.",
         ]

@@ -18,6 +18,6 @@ class OpenMicrowave(Task):
         """Return the sentences; only the place of the task varies."""
         return [
             "Swing the door of the microwave wide open.",
-            "A meal is to be warmed up: pull at the handle until the microwave stands open.",
-            "Open the microwave oven nearly as far as a right angle.",
+            "I want to warm up a meal, so pull the microwave open by its handle.",
+            "Open the microwave oven almost to a right angle.",
         ]

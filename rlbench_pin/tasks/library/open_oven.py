@@ -18,7 +18,7 @@ class OpenOven(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
         return [
-            "Fold the oven's door down flat.",
-            "The oven is shut: lower its door until it lies level.",
-            "Make room for a baking tray and open the oven as far as it goes.",
+            "Fold the door of the oven down flat.",
+            "The oven is shut, please lower its door all the way.",
+            "I want to put in a baking tray, so open the oven as far as it goes.",
         ]

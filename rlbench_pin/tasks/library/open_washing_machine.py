@@ -18,6 +18,6 @@ class OpenWashingMachine(Task):
         """Return the sentences; only the place of the task varies."""
         return [
             "Open the round door of the washing machine.",
-            "The laundry is done: pull at the grip until the washer stands open.",
-            "To reach the clothes in the drum, swing the glass door away from it.",
+            "The laundry is done, please pull the washer open.",
+            "I want to get at the clothes in the drum, so swing the glass door open.",
         ]

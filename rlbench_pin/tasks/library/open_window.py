@@ -21,7 +21,7 @@ class OpenWindow(Task):
         return [
             "Open the left side of the window.",
             "It is stuffy in here: turn the red handle up and push the left wing outwards.",
-            "Once its handle lies level, swing the wing on the left out of the frame.",
+            "Unlock the wing on the left with its handle, and swing it out of the frame.",
         ]
 
     def step(self) -> None:

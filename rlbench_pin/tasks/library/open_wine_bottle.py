@@ -25,9 +25,9 @@ class OpenWineBottle(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
         return [
-            "Unscrew the wine and take its cap away.",
+            "Unscrew the wine bottle and take its cap off.",
             "I would like a glass of wine, so get the top off the bottle.",
-            "With enough of a twist the cap comes loose: lift it clear of the neck of the bottle.",
+            "Twist the cap of the bottle until it comes loose, and lift it clear of the neck.",
         ]
 
     def step(self) -> None:

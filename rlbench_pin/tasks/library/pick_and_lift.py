@@ -33,8 +33,8 @@ class PickAndLift(Task):
             self.boundary.sample(block, rng, min_distance=0.1)
         return [
             f"Carry the {name} cube to the floating ring and keep it there.",
-            f"Up in the air there is a marker: hold the {name} block at it.",
-            f"Raise one of the blocks, the {name} one, to where the ring floats, and do not let go.",
+            f"There is a ring in the air: hold the {name} block in it.",
+            f"Raise the {name} block to where the ring floats, and do not let go.",
         ]
 
     def get_low_dim_state(self) -> np.ndarray:

@@ -34,6 +34,6 @@ class PickAndLiftSmall(Task):
         self.register_success_conditions([Grasped(self.gripper, shape), Detected(shape, self.goal)])
         return [
             f"Carry the {word} up to the floating ring.",
-            f"One small blue piece is a {word}: hold it where the ring floats.",
-            f"Raise one toy, the {word}, until it is in the red ring, and do not let go.",
+            f"There is a red ring in the air: hold the {word} in it.",
+            f"Raise the {word} until it is in the ring, and do not let go.",
         ]

@@ -8,15 +8,20 @@ from rlbench_pin.tasks import COLORS, Detected, Grasped, SpawnBoundary, Task, di
 
 
 class PickUpCup(Task):
-    """The cup of the asked colour must be held, clear of the zone where it stood. Another cup stands beside it."""
+    """The cup of the asked colour must be held, 5 cm above the table and clear of the zone where it stood.
+
+    Another cup stands beside it.
+    """
 
     def init_task(self) -> None:
-        """Both cups may be grasped; success is that the asked one is held and has left its zone."""
+        """Both cups may be grasped; success is that the asked one is held, is off the table and has left its zone."""
         self.cup, self.other = self.world.body("cup"), self.world.body("distractor")
         self.zone = self.world.sensor("start_zone")
         self.boundary = SpawnBoundary([self.world.region("patch")])
         self.register_graspable_objects(["cup", "distractor"])
-        self.register_success_conditions([Grasped(self.gripper, self.cup), Detected(self.cup, self.zone, negated=True)])
+        off_table = Detected(self.cup, self.world.sensor("above_table"), negated=True)
+        left = Detected(self.cup, self.zone, negated=True)
+        self.register_success_conditions([Grasped(self.gripper, self.cup), off_table, left])
 
     def variation_count(self) -> int:
         """One for each colour of the cup."""
@@ -32,9 +37,9 @@ class PickUpCup(Task):
         self.zone.set_position([x, y, z + self.zone.size[1] / 2.0])
         self._aim_at_far_side_of_rim()
         return [
-            f"Lift the {name} cup well above its place.",
-            f"Which cup is {name}? Take that one, and keep it in the hand.",
-            f"Off the table, into the air: grip the {name} cup and raise it.",
+            f"Lift the {name} cup off the table.",
+            f"Which cup is {name}? Pick that one up and hold it.",
+            f"Grip the {name} cup and raise it.",
         ]
 
     def _aim_at_far_side_of_rim(self) -> None:

@@ -36,7 +36,7 @@ class PlaceCups(Task):
         number = NUMBER[variation]
         return [
             f"Hang {number} on the tree.",
-            f"From the spokes of the stand, {number} should dangle by the handle.",
+            f"Please hook {number} onto the stand by the handle.",
             f"Slip {number}, handle first, onto the branches of the wooden tree and let go.",
         ]
 

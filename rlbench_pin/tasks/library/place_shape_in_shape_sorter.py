@@ -41,7 +41,7 @@ class PlaceShapeInShapeSorter(Task):
         self.register_success_conditions([Detected(asked, self.world.sensor("inside"))])
         return [
             f"Push the {word} through the hole it fits.",
-            f"The toy box has a hole with the outline of the {word}: drop it in there.",
+            f"There is a hole for the {word} in the toy box, please drop it in.",
             f"Sort the {word} into the box.",
         ]
 

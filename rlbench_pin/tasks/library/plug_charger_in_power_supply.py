@@ -26,6 +26,6 @@ class PlugChargerInPowerSupply(Task):
         self.boundary.scatter([self.stand], rng)
         return [
             "Connect the charger to the socket in the wall.",
-            "Both holes of the outlet are free: push the pins of the adapter to the bottom of them.",
-            "Stick the adapter's two pins all the way into the power point, then let go.",
+            "The outlet is free: push the adapter in all the way.",
+            "Stick both pins of the charger into the wall as far as they go, then let go of it.",
         ]

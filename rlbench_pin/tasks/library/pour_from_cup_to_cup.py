@@ -56,8 +56,8 @@ class PourFromCupToCup(Task):
         self.register_success_conditions([Detected(self.world.body(drop), sensor) for drop in self.drops])
         return [
             f"Tip the {source.name} cup so that all of it lands in the {target.name} one.",
-            f"The {target.name} cup is to receive every drop that the {source.name} cup holds.",
-            f"Over the {target.name} cup, empty the {source.name} one to the last drop.",
+            f"The {target.name} cup should get everything that is in the {source.name} one.",
+            f"Pour the {source.name} cup out over the {target.name} one, to the last drop.",
         ]
 
     def _aim(self) -> bool:

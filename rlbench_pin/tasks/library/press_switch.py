@@ -6,18 +6,29 @@ import numpy as np
 
 from rlbench_pin.tasks import JointMoved, Task
 
+SHINING, DARK = (1.0, 0.85, 0.2), (0.3, 0.28, 0.24)
+
 
 class PressSwitch(Task):
-    """The rocker must tip over to its other end, by more than 1 rad of the 1.2 rad that it turns."""
+    """The rocker must tip over to its other end, by more than 1 rad of the 1.2 rad that it turns.
+
+    A lamp on the back of the wall shines while the rocker is past its middle.
+    """
 
     def init_task(self) -> None:
         """Success is a turn of the rocker by 1 rad."""
-        self.register_success_conditions([JointMoved(self.world.joint("panel/rocker_joint"), 1.0)])
+        self.rocker = self.world.joint("panel/rocker_joint")
+        self.register_success_conditions([JointMoved(self.rocker, 1.0)])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Return the sentences; only the place of the task varies."""
+        """Begin in the dark; only the place of the task varies."""
+        self.step()
         return [
             "Flip the switch on the wall.",
-            "The upper half of the rocker stands out, so press it in.",
-            "It should be light in here: tip the wall switch over to its other end.",
+            "The upper half of the switch sticks out, so press it in.",
+            "It is dark in here, please turn on the light at the wall.",
         ]
+
+    def step(self) -> None:
+        """Let the lamp follow the switch."""
+        self.world.body("panel").set_color(SHINING if self.rocker.position > 0.0 else DARK, "lamp")

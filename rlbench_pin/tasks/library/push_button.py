@@ -29,9 +29,9 @@ class PushButton(Task):
         self.button.set_color(rgb, link="base")
         self.button.set_color(RED, link="cap")
         return [
-            f"Hit the button whose base is {name}.",
-            f"On the {name} base there is a button: click it.",
-            f"Drive down the cap of the {name} button.",
+            f"Press the button with the {name} base.",
+            f"The {name} button is the one that I want you to push.",
+            f"Hit the {name} button.",
         ]
 
     def step(self) -> None:

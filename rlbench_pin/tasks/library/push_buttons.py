@@ -58,7 +58,7 @@ def _sentences(names: list[str]) -> list[str]:
     first, *later = names
     after = zip(later, ("second", "third"), strict=False)
     return [
-        f"Hit the {first} button{''.join(f', then the {name} one' for name in later)}.",
+        f"Press the {first} button{''.join(f', then the {name} one' for name in later)}.",
         f"{first.capitalize()} is the {'first ' * bool(later)}button to click{''.join(f', {c} the {nth}' for c, nth in after)}.",
-        f"Operate {'these buttons one after another' if later else 'the button of this colour'}: {', '.join(names)}.",
+        f"Push {'these buttons one after another' if later else 'the button of this colour'}: {', '.join(names)}.",
     ]

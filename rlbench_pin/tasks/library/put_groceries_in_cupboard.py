@@ -43,7 +43,7 @@ class PutGroceriesInCupboard(Task):
         self.register_success_conditions([stowed, NothingGrasped(self.gripper)])
         word = item.replace("_", " ")
         return [
-            f"Find room for the {word} on the lower shelf of the cupboard.",
-            f"The lower shelf of the cupboard is the place to keep the {word}.",
+            f"Put the {word} on the lower shelf of the cupboard.",
+            f"The cupboard has room on its lower shelf, so keep the {word} there.",
             f"Clear away the {word}, and use the cupboard's lower shelf for that.",
         ]

@@ -26,7 +26,7 @@ class PutItemInDrawer(Task):
         self.world.frame("waypoint1").move_to(f"handle_{drawer}")
         self.register_success_conditions([Detected(self.world.body("cube"), self.world.sensor(f"in_{drawer}"))])
         return [
-            f"Lay the cube into the {drawer} drawer.",
-            f"The {drawer} compartment of the chest is where the blue block belongs.",
-            f"Draw out the {drawer} one of the three drawers and drop in what lies on the chest.",
+            f"Put the cube into the {drawer} drawer.",
+            f"The blue block belongs in the {drawer} drawer of the chest.",
+            f"Open the {drawer} one of the three drawers and drop in what lies on the chest.",
         ]

@@ -23,7 +23,7 @@ class PutRubbishInBin(Task):
         if choice > 0:
             swap_places(self.rubbish, self.tomatoes[choice - 1])
         return [
-            "Bin the crumpled paper.",
-            "Among the tomatoes there is a ball of paper, and it belongs at the bottom of the bin.",
-            "Dispose of the waste paper, which has to end up in the bin.",
+            "Throw the crumpled paper into the bin.",
+            "There is a ball of paper between the tomatoes, please put it in the bin.",
+            "Get rid of the waste paper in the rubbish bin.",
         ]

@@ -22,8 +22,8 @@ class ScrewNail(Task):
         """Return the sentences; only the place of the task varies."""
         return [
             "Take the screwdriver and give the screw in the block a quarter turn.",
-            "The screw needs another 90 degrees, so grip the screwdriver and drive it round.",
-            "Rotate the block's screw by a quarter, the screwdriver in hand.",
+            "The screw needs another 90 degrees, so grip the screwdriver and turn it.",
+            "Use the screwdriver to rotate the block's screw by a quarter.",
         ]
 
     def step(self) -> None:

@@ -60,6 +60,6 @@ def _sentences(count: int) -> list[str]:
         pieces, lie, are, them, squares = "piece", "lies", "is", "it", "its own square"
     return [
         f"Return the {number.lower()} loose {pieces} to {squares} on the draughts board.",
-        f"{number} {pieces} {lie} beside the board: set {them} back, as in the opening, on {squares}.",
+        f"{number} {pieces} {lie} beside the board: set {them} back on {squares}.",
         f"Get the draughtsmen ready to play, each on the square where it starts; {number.lower()} {are} off the board.",
     ]

@@ -19,8 +19,8 @@ class SlideBlockToTarget(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
         return [
-            "Shove the red block onto the middle of the green square.",
-            "The centre of the green field is the goal of the cube: nudge it there.",
+            "Push the red block onto the middle of the green square.",
+            "There is a green square on the table: nudge the red cube to its centre.",
             "Bring the block to the mark on the table, right to its middle.",
         ]
 

@@ -50,8 +50,8 @@ class StackBlocks(Task):
         number = NUMBER[self.height]
         return [
             f"Make a tower of {number} {name} cubes on the green square.",
-            f"On the green square there should rise a tower, {number} blocks high and all of them {name}.",
-            f"Pile {name} blocks one over another until the green square carries {number}.",
+            f"The green square needs a tower of {number} {name} blocks, so please build one.",
+            f"Stack {name} blocks on the green square until there are {number}.",
         ]
 
     def _aim_at_next_block(self, waypoint: Waypoint) -> None:

@@ -20,6 +20,6 @@ class StraightenRope(Task):
         """Return the sentences; only the place of the task varies."""
         return [
             "Lay each end of the rope on the green ring nearer to it.",
-            "The rope is bent: draw its ends apart, each to the green ring that is closer.",
+            "The rope is bent: pull its ends apart, each to the green ring that is closer.",
             "Stretch the rope out so that each green ring has the nearer end in it.",
         ]

@@ -23,5 +23,5 @@ class SweepToDustpan(Task):
         return [
             "Sweep all five crumbs into the dustpan.",
             "Five crumbs lie on the table: get every one of them onto the pan.",
-            "Rid the table of its crumbs; the broom helps to bring all five to the dustpan.",
+            "Use the broom to clean the table: all five crumbs go onto the pan.",
         ]

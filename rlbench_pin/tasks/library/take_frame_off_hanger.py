@@ -4,25 +4,30 @@ from __future__ import annotations
 
 import numpy as np
 
-from rlbench_pin.tasks import Detected, NothingGrasped, Task
+from rlbench_pin.tasks import AllOf, Detected, Grasped, InOrder, NothingGrasped, Task
 
 
 class TakeFrameOffHanger(Task):
-    """The frame must be off the hook, on the table in front of the wall, and let go."""
+    """The frame must be carried to the table in front of the wall, lie there, off the hook, and be let go.
 
-    solved_by_chance = True  # a blow can knock the frame off and out onto the table
+    A frame that was knocked off the hook or dropped from above does not count.
+    It lies when the four corners of its back are within 3 cm of the table and 2 cm away from the wall.
+    """
 
     def init_task(self) -> None:
-        """The frame may be grasped; success is that it lies on the table, off the hook and let go."""
-        frame = self.world.body("frame")
+        """The frame may be grasped; success is that it was held at the table, and lies there, off the hook and let go."""
+        frame, near_table = self.world.body("frame"), self.world.sensor("near_table")
         self.register_graspable_objects(["frame"])
         off = Detected(frame, self.world.sensor("hook"), negated=True)
-        self.register_success_conditions([off, Detected(frame, self.world.sensor("on_table")), NothingGrasped(self.gripper)])
+        lies = [Detected(self.world.frame(f"corner{i}"), near_table) for i in range(4)]
+        on_table = Detected(frame, self.world.sensor("on_table"))
+        carried = InOrder([AllOf([Grasped(self.gripper, frame), on_table])])
+        self.register_success_conditions([carried, off, on_table, *lies, NothingGrasped(self.gripper)])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
         return [
-            "Take the picture off its hook and lay it on the table in front of the wall.",
-            "The framed photo should come down: lift it from the peg and let go of it on the tabletop before the wall.",
-            "Where the wall faces, on the table, leave the frame that hangs from the hook.",
+            "Take the picture off its hook and lay it flat on the table in front of the wall.",
+            "The framed photo should come down: lift it from the peg and leave it lying on the table, away from the wall.",
+            "I do not want this picture on the wall any more, so put it down flat on the table before it.",
         ]

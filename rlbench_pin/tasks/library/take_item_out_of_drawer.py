@@ -30,5 +30,5 @@ class TakeItemOutOfDrawer(Task):
         return [
             f"Lift the cube out of the {drawer} drawer onto the chest.",
             f"Something is in the {drawer} drawer: fetch it and leave it on the chest.",
-            f"On the chest is where the block belongs that the {drawer} compartment hides.",
+            f"Empty the {drawer} compartment: its block belongs on top of the chest.",
         ]

@@ -20,8 +20,8 @@ class TakeLidOffSaucepan(Task):
         """Return the sentences; only the place of the task varies."""
         return [
             "Raise the saucepan's lid straight up by its knob and keep it there.",
-            "The steam wants out: hold the lid by its knob, well above the pan.",
-            "Take the cover of the pot up into the air over the pot, and do not let its knob go.",
+            "The pan must cool down: hold its lid well above it by the knob.",
+            "Take the cover off the pot, up into the air over it, and do not let go.",
         ]
 
     def reward(self) -> float:

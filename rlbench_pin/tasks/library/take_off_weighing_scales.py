@@ -45,8 +45,8 @@ class TakeOffWeighingScales(Task):
         self.register_success_conditions([NothingGrasped(self.gripper), Detected(pepper, self.world.sensor("on_table"))])
         return [
             f"Lay the {color} pepper on the table, in front of the scales.",
-            f"The {color} pepper has been weighed: take it down to the tabletop before the dial.",
-            f"From the tray, move the {color} vegetable to where the dial faces and leave it on the table.",
+            f"The {color} pepper has been weighed: take it off and leave it on the tabletop before the dial.",
+            f"Put the {color} vegetable from the tray down on the table, on the side that the dial faces.",
         ]
 
     def step(self) -> None:

@@ -8,7 +8,7 @@ from rlbench_pin.tasks import JointMoved, Task
 
 
 class ToiletSeatDown(Task):
-    """The seat starts upright, leaning back a little; it must turn by 1.7 rad, nearly onto the bowl."""
+    """The seat starts upright, leaning back a little; it must turn by 1.7 rad; success leaves it up to 6 degrees raised."""
 
     def init_task(self) -> None:
         """Success is a turn of the seat by more than 1.7 rad."""
@@ -19,5 +19,5 @@ class ToiletSeatDown(Task):
         return [
             "Lower the raised seat of the toilet.",
             "The blue seat leans against the cistern: fold it down onto the bowl.",
-            "Please bring the toilet seat back to where people can sit on it.",
+            "Please put the toilet seat down.",
         ]

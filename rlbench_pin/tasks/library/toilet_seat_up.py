@@ -19,5 +19,5 @@ class ToiletSeatUp(Task):
         return [
             "Lift the toilet seat until it stands.",
             "The blue seat lies on the bowl: flip it up.",
-            "Before the toilet is cleaned, somebody must raise its seat to the cistern.",
+            "I want to clean the toilet, so raise its seat.",
         ]

@@ -19,7 +19,7 @@ class TurnOvenOn(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
         return [
-            "Rotate the oven's knob on the far left by a good quarter turn.",
-            "The oven is cold: take its left-most dial and switch it on.",
-            "To heat the oven, move the first knob from the left on to its side.",
+            "Turn the leftmost knob of the oven by a good quarter turn.",
+            "The oven is cold: switch it on with the knob on the far left.",
+            "I want to bake, so rotate the first knob from the left to its side.",
         ]

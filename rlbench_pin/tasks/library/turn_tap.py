@@ -26,6 +26,6 @@ class TurnTap(Task):
         self.register_success_conditions([JointMoved(self.world.joint(f"tap/{side}"), 1.57)])
         return [
             f"Open the tap at its {side} handle, with a good quarter of a turn.",
-            f"To let the water run, rotate the {side} cross beside the spout by more than 90 degrees.",
+            f"To let the water run, rotate the {side} handle beside the spout by more than 90 degrees.",
             f"The valve to the {side} of the spout is shut: give it a little over a quarter turn.",
         ]

@@ -38,9 +38,9 @@ class WeighingScales(Task):
         weighed = Detected(self.world.frame("needle_end"), self.world.sensor("needle_zone"))
         self.register_success_conditions([NothingGrasped(self.gripper), weighed, Detected(pepper, self.world.sensor("tray"))])
         return [
-            f"Load the scales with the {color} pepper alone.",
+            f"Put only the {color} pepper on the scales.",
             f"How heavy is the {color} pepper? Weigh it by itself.",
-            f"Leave the {color} vegetable on the tray, with no other, for the needle to show its weight.",
+            f"Leave the {color} vegetable on the tray, and nothing else with it.",
         ]
 
     def step(self) -> None:

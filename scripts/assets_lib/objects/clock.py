@@ -126,7 +126,7 @@ def _movement_link() -> Link:
 
 def models() -> tuple[Model, ...]:
     """Return the models of this family."""
-    turn = Joint("hand", "revolute", "case", "movement", (0.0, 0.0, AXLE_Z), (1.0, 0.0, 0.0), -3.14, 3.14, damping=0.002)
+    turn = Joint("hand", "revolute", "case", "movement", (0.0, 0.0, AXLE_Z), (1.0, 0.0, 0.0), -3.14, 5.0, damping=0.002)
     notes = (
         f"the dial, of diameter {2 * RADIUS}, faces -x; its middle is at z = {AXLE_Z}, and three o'clock at -y",
         f"link `movement` is the long hand, at twelve at 0, {HAND[0]} long from the axle, at x = {HAND_X:.3f}, and the key; "

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from assets_lib.mesh import Mesh, box, cylinder, hull_of, merge, rod
-from assets_lib.prisms import mark, rectangle, regular_polygon
 from assets_lib.urdf import Link, Model, Visual, box_shape, cylinder_shape, mesh_shape, metal
 
 WIDTH, HEIGHT, DEPTH, BORDER = 0.20, 0.15, 0.015, 0.016
@@ -93,32 +92,6 @@ def _frame() -> Model:
     )
 
 
-def _band(a: tuple[float, float], b: tuple[float, float], width: float, x: float) -> Mesh:
-    """Return a straight line between two points (y, z) of the back of the wall."""
-    ends = np.array([a, b])
-    along = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
-    side = 0.5 * width * np.array([-along[1], along[0]])
-    return mark(np.concatenate([ends - side, ends + side]), x, "x")
-
-
-def _back() -> tuple[Visual, ...]:
-    """Return what the back of the wall shows: a picture that hangs by a string from a nail."""
-    x, z, nail = WALL[0], 0.15, PEG_ROOT - 0.03
-    strings = [_band((s * 0.11, z + 0.055), (0.0, nail), 0.008, x + 0.0006) for s in (-1.0, 1.0)]
-    frame, sky = (mark(rectangle(w, h) + (0.0, z), x + up, "x") for w, h, up in ((0.22, 0.15, 0.0012), (0.184, 0.114, 0.0018)))
-    foot = z - 0.057
-    hills = [
-        mark(((y - half, foot), (y + half, foot), (y, foot + high)), x + 0.0024, "x")
-        for y, half, high in ((-0.03, 0.06, 0.06), (0.04, 0.05, 0.085))
-    ]
-    return (
-        Visual(mesh_shape("back_frame", merge([frame, *strings])), WHITE),
-        Visual(mesh_shape("back_sky", sky), SKY),
-        Visual(mesh_shape("back_hills", merge(hills)), HILLS),
-        Visual(mesh_shape("back_nail", mark(regular_polygon(0.013, 10) + (0.0, nail), x + 0.0012, "x")), BRASS),
-    )
-
-
 def _wall() -> Model:
     t, w, h = WALL
     end = (-PEG_LENGTH * np.cos(PEG_TILT), 0.0, PEG_ROOT + PEG_LENGTH * np.sin(PEG_TILT))
@@ -129,7 +102,6 @@ def _wall() -> Model:
         Visual(mesh_shape("base", merge([box((0.004, w, 0.04), (-0.002, 0.0, 0.02)), _merged(feet)])), WHITE),
         Visual(mesh_shape("plate", cylinder(0.02, 0.002, 16).moved((-0.001, 0.0, PEG_ROOT), (0.0, HALF_PI, 0.0))), WHITE),
         Visual(mesh_shape("peg", rod((0.0, 0.0, PEG_ROOT), end, PEG_RADIUS, 14)), BRASS),
-        *_back(),
     )
     middle = (end[0] / 2.0, 0.0, (PEG_ROOT + end[2]) / 2.0)
     peg = cylinder_shape(PEG_RADIUS, PEG_LENGTH, middle, (0.0, PEG_TILT - HALF_PI, 0.0))

@@ -47,28 +47,23 @@ def _seen(shapes: tuple[Shape, ...]) -> Mesh:
 
 
 def _back() -> tuple[Visual, ...]:
-    """Return what the back of the wall shows: the box behind the switch, its cable, and a lamp that shines."""
+    """Return what the back of the wall shows: the box behind the switch, its cable, and the cap of a lamp."""
     x, y, z = THICKNESS, 0.055, 0.095
     cover = box((0.002, 0.07, 0.085), (x + 0.001, y, z + 0.02))
     pipe = rod((x, y, FOOT[2]), (x, y, z - 0.02), 0.005, 6)
-    rays = [_ray(angle, x + 0.0006, (-y, z)) for angle in np.arange(-1, 8) * np.pi / 6.0]
-    bulb = mark(regular_polygon(0.026, 16) + (-y, z), x + 0.0012, "x")
     cap = mark(
         ((-y - 0.013, z - 0.022), (-y + 0.013, z - 0.022), (-y - 0.009, z - 0.048), (-y + 0.009, z - 0.048)), x + 0.0018, "x"
     )
     return (
         Visual(mesh_shape("back_box", merge([cover, pipe])), TRIM),
-        Visual(mesh_shape("back_lamp", merge([bulb, *rays])), YELLOW),
         Visual(mesh_shape("back_cap", cap), BLACK),
     )
 
 
-def _ray(angle: float, x: float, center: tuple[float, float]) -> Mesh:
-    """Return a ray of the lamp on the back, at an angle from the y axis [rad]."""
-    along = np.array([np.cos(angle), np.sin(angle)])
-    side = 0.0025 * np.array([-along[1], along[0]])
-    points = [center + r * along + s * side for r in (0.032, 0.046) for s in (-1.0, 1.0)]
-    return mark(np.array(points), x, "x")
+def _lamp() -> Link:
+    """Return the lamp on the back, which a task paints dark or bright as the switch asks for."""
+    bulb = mark(regular_polygon(0.026, 16) + (-0.055, 0.095), THICKNESS + 0.0012, "x")
+    return Link("lamp", 0.001, (Visual(mesh_shape("back_lamp", bulb), YELLOW),), ())
 
 
 def _half(sign: float) -> FloatArray:
@@ -122,6 +117,7 @@ def _rim() -> tuple[float, float]:
 
 def models() -> tuple[Model, ...]:
     """Return the models of this family."""
+    holder = Joint("lamp_holder", "fixed", "switch_panel", "lamp", (0.0, 0.0, 0.0))
     joint = Joint(
         "rocker_joint",
         "revolute",
@@ -137,6 +133,7 @@ def models() -> tuple[Model, ...]:
         f"front faces -x; wall face at x = 0, plate to x = {-PLATE_THICKNESS}, top at z = {HEIGHT}",
         f"rocker about the y axis at x = {AXLE}, z = {SWITCH_HEIGHT}: pushing its upper half in makes the joint grow; "
         "it rests at either end, because its centre of mass lies above the axle",
+        "recolour the link `lamp`, on the back: that is its light",
     )
-    links = (_panel(), _rocker())
-    return (Model("switch_panel", "objects/switch_panel", "middle of the lower front edge", links, (joint,), notes),)
+    links = (_panel(), _rocker(), _lamp())
+    return (Model("switch_panel", "objects/switch_panel", "middle of the lower front edge", links, (joint, holder), notes),)

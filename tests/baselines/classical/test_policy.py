@@ -24,22 +24,22 @@ from rlbench_pin.evaluation.policies.policy import Policy, PolicyContext
 from rlbench_pin.tasks import library_names
 
 SENTENCES = {
-    "press_buttons": ["Hit the maroon button, then the green one.", "On the teal base there is a button: click it."],
+    "press_buttons": ["Press the maroon button, then the green one.", "The teal button is the one that I want you to push."],
     "press_lamp_button": [
-        "It is too dark in here: give me some light from the lamp.",
+        "It is too dark in here, please turn on the light.",
         "The lamp does not shine yet, so click its button.",
     ],
-    "flip_switch": ["The upper half of the rocker stands out, so press it in."],
+    "flip_switch": ["It is dark in here, please turn on the light at the wall."],
     "reach_ball": ["Which ball is red? Touch it.", "With the fingertips, go to the sphere that is red."],
-    "bin_paper": ["Among the tomatoes there is a ball of paper, and it belongs at the bottom of the bin."],
-    "lift_block_to_ring": ["Up in the air there is a marker: hold the red block at it."],
-    "shove_block": ["The centre of the green field is the goal of the cube: nudge it there."],
-    "lift_lid": ["The steam wants out: hold the lid by its knob, well above the pan."],
+    "bin_paper": ["There is a ball of paper between the tomatoes, please put it in the bin."],
+    "lift_block_to_ring": ["There is a ring in the air: hold the red block in it."],
+    "shove_block": ["There is a green square on the table: nudge the red cube to its centre."],
+    "lift_lid": ["The pan must cool down: hold its lid well above it by the knob."],
     "push_drawer": ["The chest looks untidy, so shove its bottom compartment back."],
     "meat_on_grill": ["To cook the steak, carry it from the table to the grill and leave it there."],
-    "meat_off_grill": ["The chicken is done: move it down beside the barbecue, next to a long side."],
+    "meat_off_grill": ["The chicken is done: take it off the barbecue and set it down along one of the longer sides."],
     "unplug": ["Draw the plug from the outlet until both of its prongs are free."],
-    "pull_drawer": ["Of the three compartments in the chest, draw the top one far out."],
+    "pull_drawer": ["Of the three drawers in the chest, slide the top one far out."],
 }
 
 
@@ -52,10 +52,10 @@ def test_a_sentence_finds_its_recipe(recipe: str, sentence: str) -> None:
 @pytest.mark.parametrize(
     ("bar", "sentence"),
     [
-        (MICROWAVE_BAR, "A meal is to be warmed up: pull at the handle until the microwave stands open."),
-        (FRIDGE_BAR, "To get at the shelves, open the refrigerator by its big door."),
-        (HOOD_UP, "For the meat to go on the grate, open the covered grill."),
-        (HOOD_DOWN, "The grill stands open: lower its lid."),
+        (MICROWAVE_BAR, "Open the microwave oven almost to a right angle."),
+        (FRIDGE_BAR, "I want to get at the shelves, please open the big door of the refrigerator."),
+        (HOOD_UP, "I want to put meat on the grate, please open the grill."),
+        (HOOD_DOWN, "The grill is open, please lower its lid."),
     ],
 )
 def test_a_sentence_finds_its_bar(bar: Bar, sentence: str, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -173,7 +173,7 @@ def test_sentences_with_fields_stay_f_strings(opened: Opener) -> None:
     """A new one is one when it has the fields of the others; others are plain texts."""
     document = opened("push_button")
     (sentences,) = document.behaviour.instructions or ()
-    assert sentences[0] == "Hit the button whose base is {name}."
+    assert sentences[0] == "Press the button with the {name} base."
     document.set_behaviour("instructions", [[*sentences[:2], "Press {name}.", "Press {other}."]])
     assert 'f"Press {name}.",\n            "Press {other}.",\n' in document.python_text
     assert f'f"{sentences[1]}",\n' in document.python_text

@@ -128,6 +128,22 @@ def test_the_thread_holds_until_it_is_unscrewed(goal: Goal) -> None:
 
 
 @goal_of("press_switch")
+def test_the_lamp_on_the_back_follows_the_switch(goal: Goal) -> None:
+    """Dark at the start, bright once the rocker is over, and dark again."""
+    panel, rocker = goal.world.body("panel"), goal.world.joint("panel/rocker_joint")
+    lamp = panel.model.link_index("lamp")
+    dark = panel.colors[lamp]
+    for value, bright in ((rocker.upper, True), (rocker.lower, False)):
+        goal.joint("panel/rocker_joint", value)
+        goal.tick()
+        assert (panel.colors[lamp] != dark) is bright
+    goal.joint("panel/rocker_joint", rocker.upper)
+    assert goal.reached()
+    goal.joint("panel/rocker_joint", rocker.lower)
+    assert not goal.reached()
+
+
+@goal_of("press_switch")
 def test_the_rocker_has_to_turn_to_its_other_end(goal: Goal) -> None:
     """By more than 1 rad, and to stay there: half way over does not count, nor does tipping back."""
     rocker = goal.world.joint("panel/rocker_joint")

@@ -7,6 +7,7 @@ import numpy as np
 from rlbench_pin.spatial import compose
 from rlbench_pin.tasks import COLORS
 from tests.tasks.goals.goal import Goal, goal_of
+from tests.tasks.running import running
 
 LIT = (1.0, 1.0, 0.0)
 
@@ -134,3 +135,12 @@ def test_as_many_mugs_as_asked_have_to_hang(goal: Goal) -> None:
         goal.border(lambda up, m=mugs[-1], s=spoke: hang(goal, m, s, up=up), inside=-0.02, outside=-0.022)
         for mug in mugs:
             goal.world.body(f"mug{mug}").set_pose(beside[mug])
+
+
+def test_only_the_frame_shows_a_picture() -> None:
+    """The wall has none of its colours but cream: whoever sees a picture sees the frame."""
+    with running("hang_frame_on_hanger") as task:
+        frame, wall = (
+            {color for visuals in task.world.body(name).mixed_colors.values() for color in visuals} for name in ("frame", "wall")
+        )
+    assert len(frame & wall) == 1 and len(frame) > 4

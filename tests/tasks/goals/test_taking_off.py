@@ -121,13 +121,26 @@ def test_the_hand_is_turned_alike_wherever_the_task_stands(goal: Goal) -> None:
 
 @goal_of("take_frame_off_hanger")
 def test_the_frame_has_to_lie_before_the_wall(goal: Goal) -> None:
-    """Let go, whichever face is up, or standing; on the hook, in the air before it or behind the wall it does not count."""
+    """Let go, whichever face is up; on the hook, in the air, on an edge, leaning, close to the wall or behind it do not count."""
     flat = (0.0, np.pi / 2.0, 0.0)
-    for place in ((-0.0405, 0.0, 0.351), (-0.25, 0.0, 0.351), (-0.25, 0.0, 0.139), (0.2, 0.0, 0.0755)):
+    goal.put("frame", (-0.25, 0.0, 0.0285), flat, on="wall")
+    assert not goal.reached(), "it was never held"
+    assert goal.task.gripper.grasp("frame")
+    assert not goal.reached()
+    goal.task.gripper.release()
+    assert goal.reached()
+    for place in ((-0.0405, 0.0, 0.351), (-0.25, 0.0, 0.351), (-0.25, 0.0, 0.139), (-0.25, 0.0, 0.0755), (0.2, 0.0, 0.0755)):
         goal.put("frame", place, on="wall")
         assert not goal.reached()
-    goal.ends("frame", (-0.25, 0.0, 0.0285), flat, on="wall", x=(-0.2, 0.2), y=(-0.275, 0.275), z=(0.0595,))
-    goal.needs_release_of("frame")
-    for place, rpy in (((-0.25, 0.0, 0.0285), (0.0, -np.pi / 2.0, 0.0)), ((-0.25, 0.0, 0.0755), (0.0, 0.0, 0.0))):
+    for place, rpy in (
+        ((-0.25, 0.0, 0.1005), (np.pi / 2.0, 0.0, 0.0)),  # on a short edge
+        ((-0.05, 0.0, 0.075), (0.0, 0.5, 0.0)),  # leaning on the wall
+        ((-0.15, 0.0, 0.05), (0.0, 1.2, 0.0)),  # one edge up by 5 cm
+        ((-0.25, 0.0, 0.06), flat),  # flat in the air
+    ):
         goal.put("frame", place, rpy, on="wall")
-        assert goal.reached()
+        assert not goal.reached()
+    goal.ends("frame", (-0.25, 0.0, 0.0285), flat, on="wall", x=(-0.2, 0.155), y=(-0.275, 0.275), z=(0.009,))
+    goal.needs_release_of("frame")
+    goal.put("frame", (-0.25, 0.0, 0.0085), (0.0, -np.pi / 2.0, 0.0), on="wall")
+    assert goal.reached()

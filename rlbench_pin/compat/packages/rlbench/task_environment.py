@@ -17,6 +17,7 @@ from rlbench.backend.task import Task
 from rlbench.observation_config import ObservationConfig
 from rlbench.utils import get_stored_demos
 from rlbench_pin.compat.simulator import SceneRuntime, runtime_of
+from rlbench_pin.environment.actions.modes import attaches_grasped
 from rlbench_pin.environment.reset import MAX_RESET_ATTEMPTS
 from rlbench_pin.environment.task_environment import MAX_DEMO_ATTEMPTS
 from rlbench_pin.errors import (
@@ -92,7 +93,8 @@ class TaskEnvironment:
         self._prev_ee_velocity: Any = None
         self._enable_path_observations = False
         scene.load(task)
-        scene.runtime.attach_grasped_objects = attach_grasped_objects
+        if not attaches_grasped(action_mode, attach_grasped_objects):
+            scene.runtime.gripper.rely_on_friction()
         pyrep.start()
 
     @cached_property

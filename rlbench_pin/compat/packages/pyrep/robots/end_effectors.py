@@ -77,8 +77,10 @@ class Gripper(RobotComponent):
         self._runtime.gripper.release()
 
     def get_grasped_objects(self) -> list[Object]:
-        """Return the objects attached to the gripper, in the order in which they were grasped."""
-        return [Shape(self.table.handle(Element("body", name))) for name in self._runtime.gripper.grasped]
+        """Return what the gripper holds: what is fixed to it, in the order in which it was grasped, or with
+        `attach_grasped_objects=False` what is between its fingers.
+        """
+        return [Shape(self.table.handle(Element("body", name))) for name in self._runtime.gripper.held]
 
     # Fingers ---------------------------------------------------------------------------------------------------------
 

@@ -1,0 +1,42 @@
+"""With `attach_grasped_objects=False` friction alone holds, in demonstrations as in actions, and conditions mean the fingers."""
+
+from __future__ import annotations
+
+import pytest
+
+from rlbench_pin.environment import Discrete, Environment, JointPosition, MoveArmThenGripper
+from rlbench_pin.environment.presets import low_dim_config
+
+pytestmark = pytest.mark.simulation
+
+
+def friction_only(by_mode: bool = False) -> Environment:
+    """Return an environment in which nothing is fixed to the gripper, by its own setting or by that of its gripper mode."""
+    mode = MoveArmThenGripper(JointPosition(), Discrete(attach_grasped_objects=False if by_mode else None))
+    return Environment(mode, obs_config=low_dim_config(), attach_grasped_objects=by_mode, seed=0)
+
+
+@pytest.mark.parametrize("by_mode", [False, True], ids=["environment", "gripper mode"])
+def test_a_lifted_block_is_held_by_friction(by_mode: bool) -> None:
+    """`Grasped` holds although nothing is attached, so that the demonstration succeeds."""
+    with friction_only(by_mode) as environment:
+        task = environment.get_task("pick_and_lift")
+        attached: list[str] = []
+        task.runtime.register_step_callback(lambda: attached.extend(task.runtime.gripper.grasped))
+        outcome = task.try_demo(seed=0, variation=0)
+        assert outcome.success, outcome.cause
+        assert not attached and task.runtime.gripper.held == ("block",)
+
+
+@pytest.mark.parametrize("name", ["meat_on_grill", "close_jar"])
+def test_success_needs_an_open_gripper(name: str) -> None:
+    """`NothingGrasped` does not hold while the fingers are closed on the object, in its place already."""
+    with friction_only() as environment:
+        task = environment.get_task(name)
+        gripper, closed_on_it = task.runtime.gripper, []
+        task.runtime.register_step_callback(
+            lambda: closed_on_it.append(bool(gripper.between_fingers()) and bool(task.task.success()[0]))
+        )
+        outcome = task.try_demo(seed=0, variation=0)
+        assert outcome.success, outcome.cause
+        assert closed_on_it and not any(closed_on_it)
