@@ -329,7 +329,7 @@ class Runtime:
 
     def touching(self) -> tuple[str, ...]:
         """Names of bodies that the arm touches and does not hold."""
-        held = set(self.gripper.grasped)
+        held = set(self.gripper.held)
         return tuple(name for name in self.robot.touching() if name not in held)
 
     def check_target_in_workspace(self, position: FloatArray) -> None:

@@ -241,7 +241,7 @@ class Contents:
         """Return names, shapes, poses and joint values at this instant; bodies without collision shapes are left out."""
         seen = [_captured(body, in_room=True) for body in self.room.values()] + [_captured(body) for body in self.bodies.values()]
         bodies = tuple(body for body in seen if body.link_names)
-        return WorldSnapshot(bodies, self.robot.joint_positions, self.robot.fingers, self.gripper.grasped)
+        return WorldSnapshot(bodies, self.robot.joint_positions, self.robot.fingers, self.gripper.held)
 
 
 def _captured(body: Body, in_room: bool = False) -> BodySnapshot:
