@@ -308,6 +308,7 @@ def _joint(joint: ET.Element) -> UrdfJoint:
 __all__ = [
     "UNBOUNDED",
     "ZERO",
+    "Finish",
     "Urdf",
     "UrdfInertial",
     "UrdfJoint",
