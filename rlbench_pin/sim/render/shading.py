@@ -54,6 +54,11 @@ class KeptBackdrop:
         np.divide(np.float32(1.0), self.image.depth, out=padded[1:-1, 1:-1])
         return padded.ravel()
 
+    @cached_property
+    def surfaces(self) -> NDArray[np.uint8]:
+        """Which surface each pixel sees, counted down from 255, (h, w); of 256 surfaces apart two look like one."""
+        return (255 - self.image.owner).astype(np.uint8)
+
     def table(self, light: CameraView) -> TableSpots:
         """Where its pixels that see the table lie in the image that the key light takes."""
         if self._spots is None or self._spots[0] is not light:

@@ -181,14 +181,16 @@ def _with_normals(drawn: Sequence[tuple[NDArray, ...]], sights: Sequence[Sight],
     place = np.empty((len(sights), count), dtype=np.int64)
     place[camera, triangle] = np.arange(len(camera))
     forms = _forms(_inverses(projection.corners(camera, triangle)), np.take(projection.normals, triangle, axis=2))
-    results = []
-    for number, (pixels, triangles, inverse, depth) in enumerate(drawn):
-        normals = np.zeros((3, 0), dtype=np.float32)
-        if sights[number].is_lit:
-            width = sights[number].view.size[0]
-            normals = _vectors(forms.take(place[number].take(triangles), axis=0), pixels, width)
-        results.append(Drawn(pixels, triangles, inverse, depth, normals))
-    return results
+    normals = [np.zeros((3, 0), dtype=np.float32)] * len(drawn)
+    if lit:
+        chosen = np.concatenate([place[number].take(drawn[number][1]) for number in lit])
+        rows = [drawn[number][0] // sights[number].view.size[0] for number in lit]
+        columns = [drawn[number][0] - row * sights[number].view.size[0] for number, row in zip(lit, rows, strict=True)]
+        vectors = _vectors(forms.take(chosen, axis=0), np.concatenate(rows), np.concatenate(columns))
+        ends = np.cumsum([0, *(len(row) for row in rows)])
+        for number, begin, end in zip(lit, ends, ends[1:]):
+            normals[number] = vectors[:, begin:end]
+    return [Drawn(*quantities, own) for quantities, own in zip(drawn, normals, strict=True)]
 
 
 def _inverse_depths(p: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -221,15 +223,13 @@ def _forms(inverses: NDArray[np.float64], values: NDArray[np.float32]) -> NDArra
     return np.ascontiguousarray(forms.reshape(9, -1).T)
 
 
-def _vectors(forms: NDArray[np.float32], pixels: NDArray[np.int64], width: int) -> NDArray[np.float32]:
-    """Unit vectors (3, n) at pixels, from their factors (n, 9)."""
-    row = pixels // width
-    column = (pixels - row * width).astype(np.float32)
-    row = row.astype(np.float32)
-    vectors = np.empty((3, len(pixels)), dtype=np.float32)
+def _vectors(forms: NDArray[np.float32], row: NDArray[np.int64], column: NDArray[np.int64]) -> NDArray[np.float32]:
+    """Unit vectors (3, n) at pixels in rows and columns (n,), from their factors (n, 9)."""
+    u, v = column.astype(np.float32), row.astype(np.float32)
+    vectors = np.empty((3, len(u)), dtype=np.float32)
     for i, values in enumerate(vectors):
-        np.multiply(forms[:, i], column, out=values)
-        values += forms[:, 3 + i] * row
+        np.multiply(forms[:, i], u, out=values)
+        values += forms[:, 3 + i] * v
         values += forms[:, 6 + i]
     x, y, z = vectors
     vectors /= np.maximum(np.sqrt(x * x + y * y + z * z), np.float32(1e-12))
