@@ -88,7 +88,7 @@ def draw(
     projection = Projection(placed, views)
     starts = np.cumsum([0, *(view.size[0] * view.size[1] for view in views)])
     solid, glass = opacity >= _SOLID, (opacity > 0.0) & (opacity < _SOLID)
-    nearest = np.zeros(int(starts[-1]), dtype=np.int64)
+    nearest = np.empty(int(starts[-1]), dtype=np.int64)
     _draw_into(nearest, starts, projection, solid & _from_layers(nearest, starts, projection, placed, layers, solid))
     blocked = None if light is None else _blocked(nearest[starts[len(sights)] :], projection)
     keys = nearest[: starts[len(sights)]]
@@ -138,13 +138,15 @@ def _from_layers(
     layers: Layers,
     shown: NDArray[np.bool_],
 ) -> NDArray[np.bool_]:
-    """Put into `nearest` what cameras at rest see of links at rest, and tell what has still to be drawn, (c, m)."""
+    """Fill `nearest` with what cameras at rest see of links at rest, and tell what has still to be drawn, (c, m)."""
     kept = layers.of(projection.views, shown, placed.still)
     link = placed.parts.link
     missing = np.zeros((len(kept), len(placed.still)), dtype=np.bool_)
     for number, layer in enumerate(kept):
         if layer is not None:
             missing[number] = placed.still & ~layer.links
+        if layer is None or missing[number].any():
+            nearest[starts[number] : starts[number + 1]] = 0
     if missing.any():
         _draw_into(nearest, starts, projection, shown & missing.take(link, axis=1))
     left = np.ones((len(kept), len(placed.still)), dtype=np.bool_)
