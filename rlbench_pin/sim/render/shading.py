@@ -199,7 +199,7 @@ def _crossings(surfaces: NDArray[np.uint8]) -> tuple[NDArray[np.int64], NDArray[
         up = flat.take(beside) == below.take(end)
         down = flat.take(beside + width) == above.take(end)
         bends.append((up.astype(np.float32) - down.astype(np.float32)) * (np.float32(0.5) * ~is_border))
-    run = np.cumsum(begins[:-1])
+    run = np.cumsum(begins[:-1], dtype=np.int64)
     run -= 1
     place = (np.arange(len(upper)) - first.take(run) + np.float32(0.5)) / length.take(run)
     left, right = (bend.take(run) for bend in bends)

@@ -192,7 +192,10 @@ def _with_normals(drawn: Sequence[tuple[NDArray, ...]], sights: Sequence[Sight],
         ends = np.cumsum([0, *(len(row) for row in rows)])
         for number, begin, end in zip(lit, ends, ends[1:]):
             normals[number] = vectors[:, begin:end]
-    return [Drawn(*quantities, own) for quantities, own in zip(drawn, normals, strict=True)]
+    return [
+        Drawn(pixels, triangles, inverse, depth, own)
+        for (pixels, triangles, inverse, depth), own in zip(drawn, normals, strict=True)
+    ]
 
 
 def _inverse_depths(p: NDArray[np.float64]) -> NDArray[np.float64]:
