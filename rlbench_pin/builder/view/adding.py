@@ -1,4 +1,4 @@
-"""The tab *Add*: waypoints, objects of the catalogue, primitives, uploaded files, frames, regions, sensors."""
+"""The tab *Add*: waypoints, frames, regions, sensors, objects of the catalogue, primitives, uploaded files."""
 
 from __future__ import annotations
 
@@ -52,6 +52,10 @@ class Adding:
         """Show the controls."""
         with panel.folder("Waypoint") as folder:
             self._show_waypoint(folder)
+        with panel.folder("Frame, region, sensor") as folder:
+            folder.button("Add frame", lambda: self._add_on_selected("frame", {}))
+            folder.button("Add region", lambda: self._add("region", {"size": (0.2, 0.2, 0.0)}))
+            folder.button("Add sensor", lambda: self._add_on_selected("sensor", _SENSOR))
         with panel.folder("Objects") as folder:
             self._show_catalogue(folder)
         with panel.folder("Box, cylinder, sphere", is_open=False) as folder:
@@ -60,10 +64,6 @@ class Adding:
             self._show_mesh_upload(folder)
         with panel.folder("Custom URDF", is_open=False) as folder:
             self._show_urdf_upload(folder)
-        with panel.folder("Frame, region, sensor", is_open=False) as folder:
-            folder.button("Add frame", lambda: self._add_on_selected("frame", {}))
-            folder.button("Add region", lambda: self._add("region", {"size": (0.2, 0.2, 0.0)}))
-            folder.button("Add sensor", lambda: self._add_on_selected("sensor", _SENSOR))
 
     def close(self) -> None:
         """Stop a running conversion."""

@@ -97,7 +97,6 @@ def _rename(page: Page, name: str) -> None:
 def _add_sensor(desk: Desk) -> None:
     page, document = desk.page, desk.document
     page.tab("Add")
-    page.fold("Frame, region, sensor")
     page.press("Add sensor")
     until(lambda: "[[sensor]]" in document.scene_text, "the sensor")
     _rename(page, "goal")
