@@ -225,3 +225,14 @@ def test_a_grasp_is_across_the_narrowest_side(copied: Copied, show: Show) -> Non
     before = document.text
     press(window, "Add", "Add grasp of block")
     assert document.text == before and "9.0 cm wide, and the gripper opens 8 cm" in told[0]
+
+
+def test_frames_regions_and_sensors_are_above_the_catalogue(copied: Copied, show: Show) -> None:
+    """They need no scrolling past the objects, and a sensor is attached to what is selected."""
+    document = copied("pick_and_lift")
+    window = show(document, WorkerStandIn())
+    labels = [c.label for c in controls(window.panels["Add"])]
+    assert max(labels.index(f"Add {kind}") for kind in ("frame", "region", "sensor")) < labels.index("Search")
+    _select(window, "block")
+    press(window, "Add", "Add sensor")
+    assert window.session.element("sensor").parent == "block"  # type: ignore[union-attr]

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from rlbench_pin.builder.contracts import ValidationLine
-from rlbench_pin.builder.document import TaskDocument
+from rlbench_pin.builder.document import TaskDocument, condition_kinds
 from rlbench_pin.builder.view import Window
 from tests.builder.view.conftest import Show, call, control, press, settle, text
 from tests.builder.view.stand_ins import WorkerStandIn
@@ -136,3 +136,11 @@ def test_the_page_does_not_ask_about_python_that_the_builder_wrote(show: Show, t
     (tmp_path / "reach_it.py").write_text(typed)
     assert "Read it first" in do(lambda d: d.reload())
     assert "Read it first" in text(show(TaskDocument.open(tmp_path / "reach_it.py"), WorkerStandIn()), "Try")
+
+
+def test_words_of_the_validator_and_kinds_of_conditions_have_legends(copied: Copied, show: Show) -> None:
+    """Each line that is there, and each kind that a button adds."""
+    window = _validated(copied, show, ValidationLine("replay", True, "9/10", meaning="Recorded actions reach the goal again."))
+    assert "- **replay**: Recorded actions reach the goal again." in text(window, "Validate")
+    said = text(window, "Behaviour")
+    assert all(f"- **{kind.name}**: {kind.text}" in said for kind in condition_kinds())
