@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
+from functools import partial
 
 from rlbench_pin.assets import asset_path
 from rlbench_pin.builder.custom_assets.conversion import Conversion, Job
@@ -12,7 +13,7 @@ from rlbench_pin.builder.custom_assets.mesh_asset import CustomAsset
 from rlbench_pin.builder.custom_assets.uploads import UploadRefused, check_size, upload_stem
 from rlbench_pin.builder.custom_assets.urdf_file import MAX_TEXT_SIZE, checked_model
 from rlbench_pin.builder.document import EditRefused
-from rlbench_pin.builder.view.catalogue import PRIMITIVES, SIZES, Asset, catalogue, primitive_urdf, search, thumbnail
+from rlbench_pin.builder.view.catalogue import PRIMITIVES, SIZES, Asset, catalogue, model_size, primitive_urdf, search, thumbnail
 from rlbench_pin.builder.view.placing import free_place, in_frame, own_points, top_grasp
 from rlbench_pin.builder.view.session import Session
 from rlbench_pin.builder.view.widgets import Panel
@@ -23,7 +24,7 @@ from rlbench_pin.scene.spec import ROOT
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import COLORS
 
-_PAGE_SIZE = 6
+_PAGE_SIZE = 8
 _MAX_FILES = 40
 _OPENING = 2.0 * robot_description(DEFAULT_ROBOT).gripper_open
 """Distance between the open fingers [m]."""
@@ -80,11 +81,12 @@ class Adding:
 
     def _show_waypoint(self, panel: Panel) -> None:
         body = self._selected_body()
-        none, name = body is None, "the selected object" if body is None else body.name
-        hint = "Select a body, or a waypoint on one, first." if none else f"The gripper points down onto {name}"
+        name = "the selected object" if body is None else body.name
+        hint = "The gripper points down. Select a body, or an element on one."
         panel.button("Add waypoint at the tip", self._add_waypoint)
-        panel.button(f"Add waypoint above {name}", lambda: self._add_on_body(False), hint=hint, disabled=none)
-        panel.button(f"Add grasp of {name}", lambda: self._add_on_body(True), hint=hint, disabled=none)
+        for word, closes in (("Above", False), ("Grasp", True)):
+            press = partial(self._add_on_body, closes)
+            panel.button(f"{word} {name}", press, hint=hint, disabled=body is None, key=word)
 
     def _selected_body(self) -> BodySpec | None:
         """Return the selected body, or the one to which the selected element is attached."""
@@ -144,9 +146,17 @@ class Adding:
         pages = max(1, -(-len(hits) // _PAGE_SIZE))
         self._page = min(self._page, pages - 1)
         panel.text("Search", self._words, set_words)
-        for asset in hits[self._page * _PAGE_SIZE : (self._page + 1) * _PAGE_SIZE]:
-            panel.image(asset.name, thumbnail(asset_path(asset.path)))
-            panel.button(f"Add {asset.name}", lambda asset=asset: add(asset), hint=asset.words[:300])  # type: ignore[misc]
+        shown = hits[self._page * _PAGE_SIZE : (self._page + 1) * _PAGE_SIZE]
+        with panel.grid("Found") as grid:
+            for row in (shown[first : first + 2] for first in range(0, len(shown), 2)):
+                for asset in row:
+                    file = asset_path(asset.path)
+                    size = " x ".join(f"{100.0 * side:.3g}" for side in model_size(file))
+                    grid.image(f"{asset.name}, {size} cm", thumbnail(file))
+                if len(row) == 1:
+                    grid.html("")
+                for asset in row:
+                    grid.button(f"Add {asset.name}", lambda asset=asset: add(asset), hint=asset.words[:300])  # type: ignore[misc]
         panel.note(f"{len(hits)} objects, page {self._page + 1} of {pages}")
         panel.button("Next page", lambda: turn(1), disabled=self._page + 1 >= pages)
         panel.button("Page before", lambda: turn(-1), disabled=self._page == 0)

@@ -100,3 +100,17 @@ def test_the_tree_is_indented(sit: Sit, copied: Callable[[str], TaskDocument]) -
     for row in lefts:
         assert np.ptp(row) < 0.5
     assert np.diff([row[0] for row in lefts]).min() > 8.0
+
+
+def test_the_catalogue_is_a_grid_with_sizes(sit: Sit, copied: Callable[[str], TaskDocument]) -> None:
+    """Two objects beside one another, each with its image and size above its button."""
+    desk = sit(copied("pick_and_lift"))
+    page = desk.page
+    page.tab("Add")
+    page.type("Search", "cube_")
+    page.shows("cube_45, 4.5 x 4.5 x 4.5 cm")
+    first, second = ([b for b in page.browser.find_elements("css selector", "button") if b.text.startswith("Add cube_")])[:2]
+    assert first.rect["y"] == second.rect["y"] and first.rect["x"] + first.rect["width"] <= second.rect["x"]
+    image = page.browser.find_element("css selector", "img[alt*='cube_'], img[src^='blob:'], img[src^='data:image/jpeg']")
+    assert image.rect["y"] < first.rect["y"]
+    page.screenshot("grid")

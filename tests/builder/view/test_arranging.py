@@ -192,7 +192,7 @@ def test_waypoints_are_added_above_the_selected_object_and_as_its_grasp(copied: 
     disabled = [c.values[2] for c in controls(window.panels["Add"]) if "the selected object" in str(c.values[:1])]
     assert disabled == [True, True]
     _select(window, "block")
-    for label in ("Add waypoint above block", "Add grasp of block", "Add waypoint above block"):
+    for label in ("Above block", "Grasp block", "Above block"):
         press(window, "Add", label)
     spec, block = document.spec, window.session.places.of("block")
     assert spec is not None and block is not None and window.session.selected == "waypoint6"
@@ -223,7 +223,7 @@ def test_a_grasp_is_across_the_narrowest_side(copied: Copied, show: Show) -> Non
     window.session.post(lambda: window.session.do(lambda d: d.set("block", "scale", 2.0)))
     _select(window, "block")
     before = document.text
-    press(window, "Add", "Add grasp of block")
+    press(window, "Add", "Grasp block")
     assert document.text == before and "9.0 cm wide, and the gripper opens 8 cm" in told[0]
 
 
