@@ -17,7 +17,7 @@ _MARKS = {"BodySpec": "■", "FrameSpec": "✛", "RegionSpec": "▭", "SensorSpe
 
 _LEFT_ALIGNED = (
     '<div class="element-tree"></div>'
-    "<style>div:has(> div > .element-tree) > div > button .mantine-Button-inner { justify-content: flex-start }</style>"
+    "<style>div:has(> .element-tree) ~ div > button .mantine-Button-inner { justify-content: flex-start }</style>"
 )
 """Viser centres the labels of buttons, so that an indentation would move them by half of it."""
 
