@@ -16,6 +16,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from stable_baselines3 import PPO
 from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.monitor import Monitor
 
 from rlbench_pin.environment import Discrete, EndEffectorVelocity, MoveArmThenGripper
@@ -48,6 +49,21 @@ class TipAndBall(gymnasium.ObservationWrapper):
     def observation(self, observation: dict[str, np.ndarray]) -> np.ndarray:
         tip, ball = observation["gripper_pose"][:3], observation["task_low_dim_state"]
         return np.concatenate([ball - tip, tip])
+
+
+class Progress(BaseCallback):
+    """Prints a line after each round of training."""
+
+    def __init__(self, episodes: Monitor, steps: int) -> None:
+        super().__init__()
+        self.episodes, self.steps = episodes, steps
+
+    def _on_step(self) -> bool:
+        return True
+
+    def _on_rollout_end(self) -> None:
+        rewards = self.episodes.get_episode_rewards()[-20:]
+        print(f"{self.num_timesteps} of {self.steps} steps, mean reward of the last episodes {np.mean(rewards):.2f}", flush=True)
 
 
 def make(shaped: bool = True) -> gymnasium.Env:
@@ -93,9 +109,10 @@ def main(shaped: bool = True, steps: int = STEPS) -> None:
     env = make(shaped)
     episodes = Monitor(env)
     policy = PPO("MlpPolicy", episodes, n_steps=1024, batch_size=64, gamma=0.95, learning_rate=1e-3, seed=0, device="cpu")
+    print(f"playing {len(TESTS)} test episodes before the training", flush=True)
     before = evaluate(policy, env)
     began = time.perf_counter()
-    policy.learn(steps)
+    policy.learn(steps, callback=Progress(episodes, steps))
     rate = policy.num_timesteps / (time.perf_counter() - began)
     after = evaluate(policy, env)
     draw(episodes, f"PPO on reach_target, {'shaped' if shaped else 'sparse'} reward")

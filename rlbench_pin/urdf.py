@@ -32,6 +32,22 @@ class UrdfOrigin:
 
 
 @dataclass(frozen=True)
+class Finish:
+    """What the material of a visual says beside its colour."""
+
+    gloss: Vector = ZERO
+    """Share of red, green, blue that it throws back like a mirror, `<specular rgb>`."""
+    emission: Vector | None = None
+    """Colour in which it shines, `<emission rgb>`; in other colours it does not."""
+    reach: float = 0.0
+    """How far its light reaches over the table when it shines, `<emission reach>` [m]."""
+
+
+DULL = Finish()
+"""A material without a finish."""
+
+
+@dataclass(frozen=True)
 class UrdfShape:
     """One visual or collision element of a link."""
 
@@ -45,8 +61,8 @@ class UrdfShape:
     """Placement in the link frame; None where the file has none."""
     color: tuple[float, ...] | None
     """Red, green, blue, opacity from 0 to 1 of its own material."""
-    gloss: Vector = ZERO
-    """Share of red, green, blue that its material throws back like a mirror, `<specular rgb>`."""
+    finish: Finish = DULL
+    """What its material says beside the colour."""
 
 
 @dataclass(frozen=True)
@@ -242,14 +258,23 @@ def _link(path: Path, link: ET.Element) -> UrdfLink:
 
 
 def _shape(path: Path, element: ET.Element) -> UrdfShape:
-    geometry, color, specular = (element.find(path) for path in ("geometry", "material/color", "material/specular"))
+    geometry, color = element.find("geometry"), element.find("material/color")
     shape = geometry[0] if geometry is not None and len(geometry) else None
     rgba = None if color is None else _numbers(color, "rgba", "1 1 1 1")
-    gloss = ZERO if specular is None else _vector(specular, "rgb")
+    finish = _finish(element)
     if shape is None:
-        return UrdfShape("", (), None, _origin(element), rgba, gloss)
+        return UrdfShape("", (), None, _origin(element), rgba, finish)
     mesh = _file(path, shape) if shape.tag == "mesh" else None
-    return UrdfShape(shape.tag, _size(shape), mesh, _origin(element), rgba, gloss)
+    return UrdfShape(shape.tag, _size(shape), mesh, _origin(element), rgba, finish)
+
+
+def _finish(element: ET.Element) -> Finish:
+    specular, emission = element.find("material/specular"), element.find("material/emission")
+    return Finish(
+        gloss=ZERO if specular is None else _vector(specular, "rgb"),
+        emission=None if emission is None else _vector(emission, "rgb"),
+        reach=0.0 if emission is None else _numbers(emission, "reach", "0")[0],
+    )
 
 
 def _size(shape: ET.Element) -> tuple[float, ...]:
@@ -283,6 +308,7 @@ def _joint(joint: ET.Element) -> UrdfJoint:
 __all__ = [
     "UNBOUNDED",
     "ZERO",
+    "Finish",
     "Urdf",
     "UrdfInertial",
     "UrdfJoint",

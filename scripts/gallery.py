@@ -12,30 +12,31 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from rlbench_pin.environment.observations.observe import look_at
-from rlbench_pin.environment.presets import low_dim_config, make_environment
-from rlbench_pin.sim import CameraView
+from rlbench_pin.environment.presets import clear_view, low_dim_config, make_environment
+from rlbench_pin.robot.description import DEFAULT_ROBOT, robot_description
+from rlbench_pin.sim import CameraView, look_at
 from rlbench_pin.tasks import library_names
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 PAGE, PICTURES = DOCS / "gallery.md", DOCS / "images" / "gallery"
-COLUMNS, SIZE, SEED = 3, (360, 330), 0
+COLUMNS, SIZE, SEED = 2, 320, 0
 MOMENTS = {"put_rubbish_in_bin": 0.72, "meat_off_grill": 0.7, "slide_block_to_target": 0.8, "stack_blocks": 0.95}
 """Share of the demonstration that has passed; all of it where none is given."""
 VIEW = CameraView(
-    pose=look_at((0.0, 1.5, 1.65), (0.18, 0.0, 0.98)), fov=float(np.radians(42.0)), size=(480, 440), near=0.05, far=6.0
+    pose=look_at((0.0, 1.5, 1.65), (0.18, 0.0, 0.98)), fov=float(np.radians(42.0)), size=(SIZE, SIZE), near=0.05, far=6.0
 )
 HEAD = """# Gallery
 
-The {count} tasks of the library, each late in a demonstration of seed 0 and variation 0, with a sentence that asks for it.
-An image leads to the task's contact sheet: the five cameras and the clear view at five moments.
+The {count} tasks of the library, each late in a demonstration of seed 0 and variation 0, from the side and from behind the robot
+(`clear_robot_side`), with a sentence that asks for it. A picture leads to the task's contact sheet: the five cameras and the
+three clear views at five moments.
 `rlbench-pin view TASK` draws the sheet of any task, `rlbench-pin video TASK` films it. Written by `python scripts/gallery.py`.
 
 """
 
 
 def late_in_a_demonstration(name: str) -> tuple[Image.Image, str]:
-    """Play a demonstration and return one image of it, and its first instruction."""
+    """Play a demonstration and return one picture of it, from two sides, and its first instruction."""
     shots: list[np.ndarray] = []
     with make_environment(low_dim_config()) as environment:
         task = environment.get_task(name)
@@ -45,19 +46,20 @@ def late_in_a_demonstration(name: str) -> tuple[Image.Image, str]:
         def look(_: object) -> None:
             nonlocal frame
             if frame == wanted:
-                shots.append(task.world.renderer.image(VIEW))
+                behind = clear_view((SIZE, SIZE))["clear_robot_side"].view(task.world, robot_description(DEFAULT_ROBOT))
+                shots.extend(task.world.renderer.image(view) for view in (VIEW, behind))
             frame += 1
 
         assert demo.random_seed is not None
         task.try_demo(seed=demo.random_seed, attempt=demo.attempt, on_frame=look)
-    return Image.fromarray(shots[0]), demo.instructions[0]
+    return Image.fromarray(np.concatenate(shots, axis=1)), demo.instructions[0]
 
 
 def draw(name: str) -> str:
     """Write the image of a task and return its first instruction."""
     image, instruction = late_in_a_demonstration(name)
     PICTURES.mkdir(parents=True, exist_ok=True)
-    image.resize(SIZE, Image.Resampling.LANCZOS).save(PICTURES / f"{name}.jpg", quality=80, optimize=True)
+    image.save(PICTURES / f"{name}.jpg", quality=80, optimize=True)
     return instruction
 
 

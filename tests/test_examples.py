@@ -15,13 +15,15 @@ SAYS = {
     "06_train_ppo": "the mean reward has risen",
     "07_plan_and_follow": "solved 3 of 3",
     "08_policy_by_ik": "solved 3 of 3",
-    "09_frame_dataset": "the error has fallen\n",
+    "09_pick_from_point_cloud": "solved 3 of 3",
+    "10_frame_dataset": "the error has fallen\n",
 }
 """What an example says when it shows what it promises; the others reach the goal of their task."""
-NEEDS = {"06_train_ppo": "stable_baselines3", "09_frame_dataset": "torch"}
+NEEDS = {"06_train_ppo": "stable_baselines3", "10_frame_dataset": "torch"}
 """What an example needs beyond the package; without it the example is skipped."""
 EXAMPLES = sorted((ROOT / "examples").glob("[0-9]*.py"))
-WORKED = [("07_plan_and_follow",), *(("08_policy_by_ik", "--task", t) for t in ("reach_target", "push_button", "pick_and_lift"))]
+BY_IK = ("reach_target", "push_button", "pick_and_lift")
+WORKED = [("07_plan_and_follow",), ("09_pick_from_point_cloud",), *(("08_policy_by_ik", "--task", task) for task in BY_IK)]
 """The worked programs, with what they play."""
 
 

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import ClassVar, Literal, Self, TypeVar
+from typing import ClassVar, Self, TypeVar
 
+from rlbench_pin.checking.plan import Part
 from rlbench_pin.checking.reach import Reach
 from rlbench_pin.checking.validate import NoopEpisode
 from rlbench_pin.environment.demos import SegmentReport
-
-Part = Literal["words", "demos", "unseen", "repeat", "noop", "random", "reach", "key_frames", "friction_only"]
 
 
 @dataclass(frozen=True)

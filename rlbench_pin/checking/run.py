@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from rlbench_pin.assets import ASSETS
+from rlbench_pin.checking.plan import Item, Part
 from rlbench_pin.checking.reach import Reach
-from rlbench_pin.checking.records import RECORDS, Cost, FailedAttempt, Part, SolvedDemo, Trial
-from rlbench_pin.checking.trials import Item, work
+from rlbench_pin.checking.records import RECORDS, Cost, FailedAttempt, SolvedDemo, Trial
+from rlbench_pin.checking.trials import work
 from rlbench_pin.checking.validate import NoopEpisode
 from rlbench_pin.environment.demos import SegmentReport, library_versions
 from rlbench_pin.errors import RlbenchPinError

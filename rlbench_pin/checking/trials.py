@@ -5,9 +5,9 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from functools import partial
 
+from rlbench_pin.checking.plan import Item, Part
 from rlbench_pin.checking.reach import reach_of
 from rlbench_pin.checking.records import (
     RECORDS,
@@ -17,7 +17,6 @@ from rlbench_pin.checking.records import (
     FrictionTrial,
     KeyFramesTrial,
     NoopTrial,
-    Part,
     RandomTrial,
     ReachTrial,
     RepeatTrial,
@@ -47,18 +46,6 @@ from rlbench_pin.tasks import find_task
 
 KEY_FRAME_TRIES = 3
 """Attempts at a demonstration whose key frames are executed."""
-REPEATS = 4
-"""Seeds whose reset and demonstration are done twice, at most."""
-_SEEDS_PER_ITEM: dict[Part, int] = {
-    "demos": 5,
-    "unseen": 5,
-    "repeat": 2,
-    "noop": 10,
-    "random": 5,
-    "reach": 50,
-    "key_frames": 5,
-    "friction_only": 5,
-}
 
 
 class Stopwatch(Listener):
@@ -99,25 +86,6 @@ class Stopwatch(Listener):
 
     def on_observe(self, seconds: float) -> None:
         self.spent["observing"] += seconds
-
-
-@dataclass(frozen=True)
-class Item:
-    """An item of work: some seeds of one part of the check of one task."""
-
-    task: str
-    """Name, or path of a task file."""
-    part: Part
-    seeds: tuple[int, ...]
-    """Seeds of the episodes; not used for `words`, which has one trial for each variation."""
-    max_variations: int
-    """Maximum number of variations to draw."""
-    max_attempts: int = 10
-    """Attempts at each demonstration."""
-    first_seed: int = 0
-    """First seed of the whole check; it has the first of the variations drawn."""
-    replays: int = 1_000_000
-    """Seeds, from the first on, whose demonstrations are replayed."""
 
 
 def work(item: Item) -> list[Trial]:
@@ -287,58 +255,3 @@ _TRIALS: dict[Part, Callable[[TaskEnvironment, int, int], Trial]] = {
     "key_frames": key_frames_trial,
     "friction_only": friction_trial,
 }
-
-
-@dataclass(frozen=True)
-class CheckPlan:
-    """Numbers of trials of a check; the fields are the arguments of `rlbench-pin check` and their defaults."""
-
-    episodes: int = 30
-    """Demonstrations of each task."""
-    variations: int = 20
-    """Variations of a task at most."""
-    replays: int = 50
-    """Demonstrations that are replayed."""
-    key_frames: int = 10
-    """Demonstrations whose key frames alone are executed."""
-    friction_only: int = 0
-    """Demonstrations in which friction alone holds what is grasped."""
-    seed: int = 0
-    """Of the first episode."""
-    unseen: int = 0
-    """Further demonstrations on other seeds."""
-    unseen_seed: int = 5000
-    """First of those seeds."""
-    contract: bool = True
-    """Whether instructions, resets, the no-op and the random policy, and reach are validated too."""
-    contract_seeds: int = 5
-    """Episodes of the no-op policy, and those of the random policy."""
-    placements: int = 100
-    """Layouts in which every waypoint is tried."""
-    max_attempts: int = 10
-    """Tries for each demonstration."""
-
-    def items(self, task: str, seeds_at_once: int = 50) -> Iterator[Item]:
-        """Yield the items of a task.
-
-        Args:
-            task: Its name, or the path of its file.
-            seeds_at_once: Maximum number of seeds of an item; their results come together.
-        """
-        if self.contract:
-            yield Item(task, "words", (0,), self.variations)
-        for part, amount in self._amounts().items():
-            first = self.unseen_seed if part == "unseen" else self.seed
-            replays = 0 if part == "unseen" else self.replays
-            step = min(_SEEDS_PER_ITEM[part], seeds_at_once)
-            for i in range(first, first + amount, step):
-                chosen = tuple(range(i, min(i + step, first + amount)))
-                yield Item(task, part, chosen, self.variations, self.max_attempts, first, replays)
-
-    def _amounts(self) -> dict[Part, int]:
-        amounts: dict[Part, int] = {"demos": self.episodes, "unseen": self.unseen, "key_frames": self.key_frames}
-        amounts["friction_only"] = self.friction_only
-        if self.contract:
-            amounts |= {"repeat": min(REPEATS, self.contract_seeds), "noop": self.contract_seeds, "random": self.contract_seeds}
-            amounts |= {"reach": self.placements}
-        return amounts

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import tyro
 
+from rlbench_pin.checking.plan import CheckPlan
 from rlbench_pin.cli.list_tasks import ALL, named_tasks
 from rlbench_pin.cli.options import (
     AnyTasks,
@@ -26,43 +27,19 @@ from rlbench_pin.cli.options import (
 from rlbench_pin.errors import TaskEnvironmentError
 
 if TYPE_CHECKING:
-    from rlbench_pin.checking import Item, TaskReport, Trial, TrialJournal
+    from rlbench_pin.checking import TaskReport, Trial, TrialJournal
 
 FORMAT = 3
 
 
 @dataclass(frozen=True)
-class Check:
+class Check(CheckPlan):
     """Validate tasks: demonstrations succeed and replay, resets repeat, the no-op and the random policy solve nothing."""
 
     tasks: tyro.conf.Positional[AnyTasks] = ()
     """Task names, as `rlbench-pin list` prints them, or task files, separated by spaces or commas; all by default."""
     task_file: Files = ()
     """Task files outside the package, each with its scene file in the same folder."""
-    episodes: int = 30
-    """Demonstrations of each task, spread over its variations."""
-    variations: int = 20
-    """Maximum number of variations of a task."""
-    replays: int = 50
-    """Number of demonstrations whose recorded actions are replayed, the first ones of a task."""
-    key_frames: int = 10
-    """Number of demonstrations whose key frames alone (where the arm rests or the fingers move) are executed through planning."""
-    friction_only: int = 0
-    """Number of demonstrations in which friction alone holds what is grasped; none in a task without graspable objects."""
-    seed: int = 0
-    """Seed of the first episode; episode i uses seed + i."""
-    unseen: int = 0
-    """Further demonstrations of each task on other seeds, counted separately."""
-    unseen_seed: int = 5000
-    """First of those seeds."""
-    contract: bool = True
-    """Also validate instructions, resets, the no-op policy, random actions, and what the arm reaches."""
-    contract_seeds: int = 5
-    """Number of seeds for the no-op policy, and for random actions."""
-    placements: int = 100
-    """Number of random places of the task at which every waypoint is tried."""
-    max_attempts: int = 10
-    """Attempts for each demonstration."""
     workers: int = 1
     """Processes; the result does not depend on their number."""
     explain: bool = False
@@ -88,7 +65,8 @@ class Check:
         if self.out is not None:
             check_folder(self.out)
         with closing(CheckBar()) as bar:
-            trials = run_trials(list(self._items(wanted.values())), self.workers, self._journal(wanted), bar)
+            items = [item for task in wanted.values() for item in self.items(task)]
+            trials = run_trials(items, self.workers, self._journal(wanted), bar)
         of_task = {name: [t for t in trials if t.task == name] for name in wanted}
         reports = [_report(name, wanted[name], of_task[name]) for name in wanted]
         print(table(reports))
@@ -130,13 +108,6 @@ class Check:
         from rlbench_pin.checking import TrialJournal
 
         return TrialJournal(None if self.out is None else self.out / "trials.jsonl", list(wanted.values()))
-
-    def _items(self, tasks: Iterable[str]) -> Iterator[Item]:
-        from rlbench_pin.checking.trials import CheckPlan
-
-        plan = CheckPlan(**{field.name: getattr(self, field.name) for field in fields(CheckPlan)})
-        for task in tasks:
-            yield from plan.items(task)
 
     def _content(self, reports: Sequence[TaskReport]) -> dict[str, Any]:
         from rlbench_pin.environment.demos import library_versions

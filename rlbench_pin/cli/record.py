@@ -8,9 +8,9 @@ import shlex
 import sys
 from collections.abc import Sequence
 from contextlib import closing
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields, make_dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_type_hints
 
 import tyro
 
@@ -84,7 +84,7 @@ class Record:
     engine: EngineName = "processes"
     """Engine: processes of this machine, or a Ray cluster."""
     resume: bool = False
-    """Continue the recording in the folder."""
+    """Continue the recording in the folder, with its settings where no other is given."""
     trust_task_files: bool = False
     """Run the task files in the folder, for tasks that are neither installed nor named as files. Read them first."""
     image_size: Size = (128, 128)
@@ -113,12 +113,12 @@ class Record:
     def run(self) -> int:
         """Record; 1 when episodes are missing at the end."""
         from rlbench_pin.cli.progress import RecordBar, stopping_gently
-        from rlbench_pin.recording.record import read_recording, record
+        from rlbench_pin.recording.record import record
 
         if self.known.are_used:
             return self._in_our_names().run()
         check_at_least(self, workers=0)
-        config = read_recording(self.out) if self.resume and not self.tasks else self._config()
+        config = self._config()
         engine = make_engine(self.engine, self.workers)
         with stopping_gently() as stop, closing(RecordBar("record")) as bar:
             report = record(
@@ -145,18 +145,45 @@ class Record:
             value = getattr(known, theirs)
             if value is None:
                 continue
-            if getattr(self, ours) not in (getattr(Record(), ours), value):
+            if getattr(self, ours) not in (getattr(type(self)(), ours), value):
                 raise TaskEnvironmentError(f"--{ours} and --{theirs} name the same setting with two values. Give one of them.")
             changes[ours] = value
         if known.all_variations is not None or known.episodes_per_task is not None:
             changes["per_variation"] = self.per_variation if known.all_variations else True
         return replace(self, **changes)
 
-    def _config(self) -> RecordConfig:
-        from rlbench_pin.recording.config import ImageConfig, RecordConfig
+    def with_recorded_defaults(self) -> type[Record]:
+        """Return this command with the settings that its folder records as defaults.
 
+        Raises:
+            DatasetError: The folder records nothing that can be read.
+        """
+        from rlbench_pin.recording.config import RECORDING, read_recording
+
+        out = self.known.save_path or self.out
+        if not (out / RECORDING).exists():
+            return type(self)
+        config = read_recording(out)
+        defaults = {
+            **{name: getattr(config, name) for name in ("episodes", "per_variation", "variations", "seed", "max_attempts")},
+            **{name: getattr(config.images, name) for name in ("image_size", "cameras", "products", "compression")},
+            "renderer": config.images.render_mode,
+            "arm_max_velocity": config.max_velocity,
+            "arm_max_acceleration": config.max_acceleration,
+        }
+        types = get_type_hints(Record, include_extras=True)
+        changed = [(name, types[name], field(default=value)) for name, value in defaults.items()]
+        return make_dataclass("Record", changed, bases=(Record,), frozen=True)
+
+    def _config(self) -> RecordConfig:
+        from rlbench_pin.recording.config import RECORDING, ImageConfig, RecordConfig, read_recording
+
+        tasks, before = named_tasks(self.tasks), None
+        if self.resume and (not tasks or (self.out / RECORDING).exists()):
+            before = read_recording(self.out)
         return RecordConfig(
-            tasks=named_tasks(self.tasks),
+            tasks=tasks if tasks or before is None else before.tasks,
+            draw_variations=before is None or before.draw_variations,
             episodes=self.episodes,
             per_variation=self.per_variation,
             variations=self.variations,
@@ -170,6 +197,7 @@ class Record:
                 image_size=self.image_size,
                 render_mode=self.renderer,
                 compression=self.compression,
+                renderer="cpu" if before is None else before.images.renderer,
             ),
         )
 

@@ -76,18 +76,28 @@ def parse(words: Sequence[str]) -> Command:
     """Return the command that `words` describe.
 
     Raises:
+        UnknownName: No command is called so; names the nearest.
         SystemExit: Help or the version was asked for and printed (0), or the words are no command line (2).
     """
     if list(words) == ["--version"]:
         print(f"rlbench-pin {__version__}")
         raise SystemExit(DONE)
     asked = words[0] if words else ""
+    if asked and not asked.startswith("-") and asked not in COMMANDS:
+        raise UnknownName("command", asked, tuple(COMMANDS), "rlbench-pin --help")
     if asked == "record":
         words = spelled_out(words)
     commands: dict[str, Callable[..., object]] = {
         name: command if name == asked else make_dataclass(command.__name__, [], namespace={"__doc__": summary(command)})
         for name, command in COMMANDS.items()
     }  # the parser of a command is built only when it is needed
+    command = _parsed(commands, words)
+    if isinstance(command, Record) and command.resume:
+        command = _parsed({**commands, "record": command.with_recorded_defaults()}, words)
+    return command
+
+
+def _parsed(commands: dict[str, Callable[..., object]], words: Sequence[str]) -> Command:
     command: Command = tyro.extras.subcommand_cli_from_dict(
         commands, prog="rlbench-pin", description=DESCRIPTION, args=list(words)
     )

@@ -7,6 +7,9 @@ are installed. The two packages are in `packages/`, a folder that `install()` ap
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Iterable
+
 from rlbench_pin.compat.startup import NAMES, PACKAGES, add_packages, taken_name
 from rlbench_pin.errors import RlbenchPinError
 
@@ -27,3 +30,11 @@ def install() -> None:
     if taken is not None:
         raise RealPackageInstalled(taken)
     add_packages()
+
+
+def add_aliases(module: str, names: Iterable[str]) -> None:
+    """Make `import <module>.<name>` work for names of modules that RLBench or PyRep has; all stand for the module itself."""
+    target = sys.modules[module]
+    for name in names:
+        setattr(target, name, target)
+        sys.modules[f"{module}.{name}"] = target

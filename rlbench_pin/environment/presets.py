@@ -43,20 +43,22 @@ def image_config(
 
 
 def clear_view(image_size: tuple[int, int] = (128, 128)) -> dict[str, ExtraCamera]:
-    """Return two cameras with a free view, to be added to the five standard ones by `extra_cameras`.
+    """Three cameras for all who are not bound to the known poses; assigned to `extra_cameras`, they stand beside the five.
 
     At the reset `front` cuts the gripper off and `overhead` looks over the arm's shoulder. `clear_front` has the whole arm and
-    the whole table top, `clear_overhead` is ahead of the arm and looks back down, so that the arm hides little.
+    the whole table top, `clear_overhead` stands ahead of the arm and looks back down, so that the arm hides little.
+    `clear_robot_side` stands behind the arm, on its left, and shows the fronts of appliances.
 
     Args:
         image_size: Width and height [px].
     """
     ahead = look_at((1.5, 0.0, above_table(1.1)), (0.12, 0.0, above_table(0.38)))
     above = look_at((0.8, 0.0, above_table(1.7)), (0.22, 0.0, above_table(0.1)))
-    sizes = (CameraConfig(image_size=image_size), CameraConfig(image_size=image_size))
+    behind = look_at((-0.72, 0.62, above_table(0.92)), (0.30, 0.06, above_table(0.16)))
+    places = {"clear_front": (ahead, 46.0), "clear_overhead": (above, 44.0), "clear_robot_side": (behind, 48.0)}
     return {
-        "clear_front": ExtraCamera(pose=ahead, config=sizes[0], fov=float(np.radians(46.0))),
-        "clear_overhead": ExtraCamera(pose=above, config=sizes[1], fov=float(np.radians(44.0))),
+        name: ExtraCamera(pose=pose, config=CameraConfig(image_size=image_size), fov=float(np.radians(fov)))
+        for name, (pose, fov) in places.items()
     }
 
 

@@ -329,7 +329,7 @@ class Runtime:
 
     def touching(self) -> tuple[str, ...]:
         """Names of bodies that the arm touches and does not hold."""
-        held = set(self.gripper.grasped)
+        held = set(self.gripper.held)
         return tuple(name for name in self.robot.touching() if name not in held)
 
     def check_target_in_workspace(self, position: FloatArray) -> None:
@@ -378,19 +378,14 @@ def build_runtime(
     """Build the world of a task and set the task up.
 
     Args:
-            task: What the world is for; `EmptyTable` has no scene file.
-            model: The arm.
-            config: What observations contain.
-            planning: Settings of the planner.
-    <<<<<<< HEAD
-            attach_grasped_objects: Whether closing the gripper fixes grasped bodies to it.
-            renderer: Who draws pictures.
-    =======
-            attach_grasped_objects: As in `Runtime`.
-            renderer: Renderer of images.
-    >>>>>>> main
-            camera_places: Where cameras stand that were put elsewhere; shared with other runtimes.
-            kind: `Runtime`, or a subclass of it.
+        task: What the world is for; `EmptyTable` has no scene file.
+        model: The arm.
+        config: What observations contain.
+        planning: Settings of the planner.
+        attach_grasped_objects: As in `Runtime`.
+        renderer: Renderer of images.
+        camera_places: Where cameras stand that were put elsewhere; shared with other runtimes.
+        kind: `Runtime`, or a subclass of it.
     """
     spec = SceneSpec(format=1) if task is EmptyTable else task_scene(task)
     world = World(spec, model.description, renderer=renderer)

@@ -245,6 +245,35 @@ def read_recording(root: Path | str) -> RecordConfig:
         ) from error
 
 
+def common_flags(config: RecordConfig) -> dict[str, str]:
+    """Return the settings that all episodes of a dataset share, as flags of `rlbench-pin record` and their values."""
+    images = config.images
+    return {
+        "--seed": f"{config.seed}",
+        "--max-attempts": f"{config.max_attempts}",
+        "--cameras": " ".join(images.cameras),
+        "--products": " ".join(images.products),
+        "--image-size": "{} {}".format(*images.image_size),
+        "--renderer": images.render_mode,
+        "--compression": images.compression,
+        "ImageConfig.renderer": images.renderer,
+    }
+
+
+def all_flags(config: RecordConfig) -> dict[str, str]:
+    """Return all settings of a recording, as flags of `rlbench-pin record` and their values."""
+    return {
+        "TASK": " ".join(config.tasks),
+        "--episodes": f"{config.episodes}",
+        "--per-variation": f"{config.per_variation}",
+        "--variations": f"{config.variations}",
+        "RecordConfig.draw_variations": f"{config.draw_variations}",
+        "--arm-max-velocity": f"{config.max_velocity}",
+        "--arm-max-acceleration": f"{config.max_acceleration}",
+        **common_flags(config),
+    }
+
+
 def write_recording(root: Path, config: RecordConfig) -> None:
     """Write the settings, so that `--resume` needs only the folder."""
     content = {"version": VERSION, **asdict(config)}

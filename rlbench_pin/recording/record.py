@@ -42,6 +42,8 @@ from rlbench_pin.recording.config import (
     ImageConfig,
     RecordConfig,
     WorkItem,
+    all_flags,
+    common_flags,
     plan_items,
     read_recording,
     write_recording,
@@ -299,12 +301,14 @@ def _prepare(root: Path, config: RecordConfig, items: Sequence[WorkItem], tasks:
         raise DatasetConflict(f"'{root}' contains episodes of {stored} already. Use `--resume`, or choose another folder.")
     if (root / RECORDING).exists():
         before = read_recording(root)
-        for name in ("seed", "max_attempts", "images"):
-            then, now = getattr(before, name), getattr(config, name)
-            if stored and then != now:
-                raise DatasetConflict(
-                    f"'{root}' was recorded with {name}={then}, this is {name}={now}. Use the same, or choose another folder."
-                )
+        flags = common_flags if resume else all_flags
+        then, now = flags(before), flags(config)
+        if changed := [flag for flag in then if then[flag] != now[flag]]:
+            recorded, given = (" ".join(f"{flag} {values[flag]}".strip() for flag in changed) for values in (then, now))
+            raise DatasetConflict(
+                f"'{root}' is a recording with `{recorded}`, not with `{given}`. Leave these out and "
+                f"`rlbench-pin record --resume --out {root}` continues it, or choose another folder."
+            )
         config = replace(config, tasks=tuple(dict.fromkeys((*before.tasks, *config.tasks)))) if resume else config
     keep_tasks(root, tasks)
     write_recording(root, config)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rlbench_pin.scene.reader import read_scene, read_scene_text, resolve_asset
-from rlbench_pin.scene.snapshot import BodySnapshot, Shape, WorldSnapshot
+from rlbench_pin.scene.snapshot import BodySnapshot, Box, Shape, WorldSnapshot
 from rlbench_pin.scene.spec import (
     BodySpec,
     DeviationSpec,
@@ -20,6 +20,7 @@ from rlbench_pin.scene.writer import write_scene
 __all__ = [
     "BodySnapshot",
     "BodySpec",
+    "Box",
     "DeviationSpec",
     "FrameSpec",
     "JointSpec",

@@ -2,18 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from rlbench_pin.errors import InvalidValue
 from rlbench_pin.spatial import FloatArray
+from rlbench_pin.values import as_names, as_number, as_pose, as_rows, as_vector
 
 NO_FILE = Path()
 """Model file of a body that brings its own shapes."""
 ROOM = ("table", "floor", "wall_front", "wall_back", "wall_left", "wall_right", "ceiling")
 """Names of the bodies that every world has, in mask order; no body of a scene may be called so."""
+
+Box = tuple[ArrayLike, ArrayLike]
+"""Sides (3,) [m], and position (3,) [m] or pose (7,) of the middle, in the world."""
+CELL = 0.025
+"""Side of the cubes that represent a point cloud [m]."""
+LONGEST = 4
+"""Number of cubes in a row that are joined to one box at most, so that a body that may be touched is a small one."""
+FEWEST = 2
+"""Cubes with fewer points are noise."""
 
 
 @dataclass(frozen=True)
@@ -77,3 +90,105 @@ class WorldSnapshot:
     def configuration(self) -> FloatArray:
         """Return arm and finger positions as one vector."""
         return np.concatenate([self.arm, self.fingers])
+
+    # Made from what a robot perceives ---------------------------------------------------------------------------------
+
+    @classmethod
+    def from_boxes(
+        cls, boxes: Mapping[str, Box], arm: ArrayLike, fingers: ArrayLike = (0.04, 0.04), attached: Sequence[str] = ()
+    ) -> WorldSnapshot:
+        """Return a world of boxes, for planning without a simulator.
+
+        Args:
+            boxes: Name -> sides (3,) [m], and position (3,) or pose (7,) of the middle. Those called like a part of the room,
+                such as `table`, stay solid where touching an object is allowed.
+            arm: Arm joint positions (n,) [rad].
+            fingers: Finger joint positions (2,) [m]; by default those of the open gripper of the Panda.
+            attached: Names of the boxes that the gripper holds.
+
+        Raises:
+            InvalidValue: A number is NaN, a side is not positive, a shape is wrong, or what is held is not among the boxes
+                (also a ValueError).
+        """
+        held = as_names(attached, "attached")
+        if unknown := [name for name in held if name not in boxes]:
+            raise InvalidValue("attached", unknown, f"has to name boxes: {', '.join(boxes) or 'there are none'}")
+        bodies = tuple(_box(name, box, name in held) for name, box in boxes.items())
+        return cls(bodies, np.array(arm, dtype=float), np.array(fingers, dtype=float), held)
+
+    @classmethod
+    def from_point_cloud(
+        cls,
+        points: ArrayLike,
+        arm: ArrayLike,
+        fingers: ArrayLike = (0.04, 0.04),
+        *,
+        boxes: Mapping[str, Box] | None = None,
+        attached: Sequence[str] = (),
+        cell: float = CELL,
+        fewest: int = FEWEST,
+    ) -> WorldSnapshot:
+        """Return a world in which space with points is solid, beside known boxes.
+
+        The points must not contain the arm, nor what the boxes represent. Space behind surfaces counts as free.
+
+        Args:
+            points: Points in the world, shape (n, 3) [m].
+            arm: Arm joint positions (n,) [rad].
+            fingers: Finger joint positions (2,) [m]; by default those of the open gripper of the Panda.
+            boxes: Known boxes, as in `from_boxes`: the table, the object to grasp.
+            attached: Names of the boxes that the gripper holds.
+            cell: Side of the cubes that space is divided into [m].
+            fewest: Number of points from which a cube is solid.
+
+        Returns:
+            Bodies `points 0`, `points 1`, ... after the boxes; each is a few cubes.
+
+        Raises:
+            InvalidValue: As in `from_boxes`, or the points are no finite array (n, 3) (also a ValueError).
+        """
+        corners = solid_boxes(as_rows(points, 3, "points", least=0), as_number(cell, "cell", above=0.0), fewest)
+        seen = {f"points {k}": (high - low, 0.5 * (low + high)) for k, (low, high) in enumerate(corners)}
+        return cls.from_boxes({**(boxes or {}), **seen}, arm, fingers, attached)
+
+
+def _box(name: str, box: Box, held: bool) -> BodySnapshot:
+    """Return a box as a body that cannot move, unless it is held."""
+    sides, place = (np.asarray(value, dtype=float) for value in box)
+    what = f"the box '{name}'"
+    size = as_vector(sides, 3, f"the sides of {what}")
+    if size.min() <= 0.0:
+        raise InvalidValue(f"the sides of {what}", sides, "have to be positive")
+    pose = as_pose(np.concatenate([place, [0.0, 0.0, 0.0, 1.0]]) if place.shape == (3,) else place, f"the pose of {what}")
+    shape = Shape("box", (float(size[0]), float(size[1]), float(size[2])))
+    return BodySnapshot(name, NO_FILE, ("base",), pose[None], fixed=not held, shapes=(shape,), in_room=name in ROOM)
+
+
+def solid_boxes(points: FloatArray, cell: float = CELL, fewest: int = FEWEST) -> FloatArray:
+    """Return boxes that together are the cubes with points in them, lowest and highest corners (m, 2, 3) [m].
+
+    Args:
+        points: Points (n, 3) [m].
+        cell: Side of the cubes [m].
+        fewest: Number of points that a cube must have.
+    """
+    cells, counts = np.unique(np.floor(points / cell).astype(np.int64), axis=0, return_counts=True)
+    cells = cells[counts >= fewest]
+    boxes = np.stack([cells, cells + 1], axis=1)
+    for axis in (2, 0, 1):
+        boxes = _joined(boxes, axis)
+    return cell * boxes.astype(float)
+
+
+def _joined(boxes: np.ndarray, axis: int) -> np.ndarray:
+    """Join boxes (m, 2, 3) of one cross-section that follow each other along an axis, up to the next multiple of `LONGEST`."""
+    others = [i for i in range(3) if i != axis]
+    section = boxes[:, :, others].reshape(-1, 4)
+    order = np.lexsort((boxes[:, 0, axis], *section.T))
+    boxes, section = boxes[order], section[order]
+    continues = (section[1:] == section[:-1]).all(axis=1) & (boxes[1:, 0, axis] == boxes[:-1, 1, axis])
+    continues &= boxes[1:, 0, axis] % LONGEST != 0
+    first, last = np.append(True, ~continues)[: len(boxes)], np.append(~continues, True)[: len(boxes)]
+    joined = boxes[first].copy()
+    joined[:, 1] = boxes[last][:, 1]
+    return joined

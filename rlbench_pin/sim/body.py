@@ -17,7 +17,7 @@ from rlbench_pin.robot.geometry import Ball, Part, link_geometry, solid_balls, s
 from rlbench_pin.scene.spec import JointSpec
 from rlbench_pin.sim.client import PhysicsClient, bullet
 from rlbench_pin.spatial import FloatArray, PoseLike, compose, pose_to_se3, relative, se3_to_pose
-from rlbench_pin.urdf import read_urdf
+from rlbench_pin.urdf import DULL, Finish, read_urdf
 from rlbench_pin.values import InvalidNumbers, as_flag, as_number, as_record, as_rows, color_values, finite_vector, pose_vector
 
 BASE = -1
@@ -331,7 +331,7 @@ class Body:
         self.joints: dict[str, ObjectJoint] = {n: ObjectJoint(f"{name}/{n}", model, info) for n, info in model.joints.items()}
         self._on_move = on_move
         self._collides = True
-        self._visuals, self._gloss = visual_colors(model), visual_gloss(model)
+        self._visuals, self._finishes = visual_colors(model), visual_finishes(model)
         self._colors: dict[int, Color] = {}
         self._rigid_bounds: FloatArray | None = None
         if not collides:
@@ -499,9 +499,9 @@ class Body:
         return {link: own for link, own in self._visuals.items() if link not in self._colors and len(set(own)) > 1}
 
     @property
-    def gloss(self) -> dict[int, tuple[tuple[float, float, float], ...]]:
-        """Share of red, green, blue that visuals throw back like mirrors, by link number, of links that have such."""
-        return self._gloss
+    def finishes(self) -> dict[int, tuple[Finish, ...]]:
+        """Finishes of the visuals of links that have some, by link number."""
+        return self._finishes
 
     def set_colors(self, colors: dict[int, Color]) -> None:
         """Make `colors` the only ones that differ from the URDF."""
@@ -558,10 +558,10 @@ def visual_colors(model: LoadedModel) -> dict[int, tuple[Color, ...]]:
     return colors
 
 
-def visual_gloss(model: LoadedModel) -> dict[int, tuple[tuple[float, float, float], ...]]:
-    """What the URDF's visuals throw back like mirrors, of links where one does, by link number, in file order."""
-    links = ((link.name, tuple(shape.gloss for shape in link.visuals if shape.kind)) for link in read_urdf(model.urdf).links)
-    return {model.link_index(name): gloss for name, gloss in links if any(map(any, gloss))}
+def visual_finishes(model: LoadedModel) -> dict[int, tuple[Finish, ...]]:
+    """Finishes of the URDF's visuals, of links where one has some, by link number, in file order."""
+    links = ((link.name, tuple(shape.finish for shape in link.visuals if shape.kind)) for link in read_urdf(model.urdf).links)
+    return {model.link_index(name): finishes for name, finishes in links if any(finish != DULL for finish in finishes)}
 
 
 TOUCH_DISTANCE = 5e-4

@@ -22,7 +22,7 @@ from rlbench_pin.sim.client import PhysicsClient, bullet
 from rlbench_pin.sim.frames import Frame, PlaceTree, Region, Sensor
 from rlbench_pin.sim.overrides import DynamicsOverrides, TextureOverrides
 from rlbench_pin.sim.render.masks import MaskTable
-from rlbench_pin.sim.render.raster.stage import Appearance, Visuals
+from rlbench_pin.sim.render.raster.stage import Appearance, Finishes, Visuals
 from rlbench_pin.sim.render.renderer import Renderer
 from rlbench_pin.sim.resting import Resting
 from rlbench_pin.sim.room import RoomBody
@@ -76,7 +76,7 @@ class Contents:
         self.places.place_bodies()
         self.resting = Resting(client, self.bodies, self.room)
         room_ids = {name: self._masks.first_id(body.model) for name, body in self.room.items()}
-        appearance = Appearance(self._mixed_colors, self._gloss)
+        appearance = Appearance(self._mixed_colors, self._finishes)
         self.renderer = Renderer(client, self.room, room_ids, self._masks.table, appearance)
         self.robot = SimRobot(arm, robot, self._contacts, timestep, substeps)
         self.texture_overrides = TextureOverrides(self.renderer, arm, self.bodies, self.room)
@@ -99,8 +99,8 @@ class Contents:
     def _mixed_colors(self) -> Visuals:
         return {(b.model.uid, link): colors for b in self.bodies.values() for link, colors in b.mixed_colors.items()}
 
-    def _gloss(self) -> Visuals:
-        return {(b.model.uid, link): gloss for b in self.bodies.values() for link, gloss in b.gloss.items()}
+    def _finishes(self) -> Finishes:
+        return {(b.model.uid, link): finishes for b in self.bodies.values() for link, finishes in b.finishes.items()}
 
     # Lookup ----------------------------------------------------------------------------------------------------------
 
@@ -241,7 +241,7 @@ class Contents:
         """Return names, shapes, poses and joint values at this instant; bodies without collision shapes are left out."""
         seen = [_captured(body, in_room=True) for body in self.room.values()] + [_captured(body) for body in self.bodies.values()]
         bodies = tuple(body for body in seen if body.link_names)
-        return WorldSnapshot(bodies, self.robot.joint_positions, self.robot.fingers, self.gripper.grasped)
+        return WorldSnapshot(bodies, self.robot.joint_positions, self.robot.fingers, self.gripper.held)
 
 
 def _captured(body: Body, in_room: bool = False) -> BodySnapshot:

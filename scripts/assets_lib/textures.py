@@ -11,6 +11,9 @@ from assets_lib.files import png_bytes
 from assets_lib.mesh import FloatArray
 
 ROOM, SET = "room", "textures"
+TABLE_X, TABLE_Y = (-0.65, 0.95), (-0.75, 0.75)
+ROOM_X, ROOM_Y = (-1.75, 2.25), (-2.0, 2.0)
+"""What table and floor span; no wall is farther from the work than the cameras see [m]."""
 
 
 def _noise(rng: np.random.Generator, height: int, width: int, cells: tuple[int, int]) -> FloatArray:
@@ -34,48 +37,53 @@ def _paint(color: tuple[float, float, float], shade: FloatArray) -> NDArray[np.u
 
 
 def wood(size: int = 512) -> NDArray[np.uint8]:
-    """Return a pale table top of narrow boards, each with a grain and a tone of its own."""
+    """Return the whole top of the table: one slab of warm pale wood, the grain along x, with a darker lipping at its edge."""
     rng = np.random.default_rng(3)
-    boards, seam = 10, 2
-    board = np.arange(size) * boards // size
-    shade = 1.0 + rng.uniform(-0.022, 0.022, boards)[board][:, None] + np.zeros((size, size))
-    grain = 0.016 * _noise(rng, size, size, (128, 5)) + 0.008 * _noise(rng, size, size, (256, 12))
-    # each board is cut from another place, so that no grain runs over a seam
-    shifts = rng.integers(0, size, boards)[board]
-    shade += np.take_along_axis(grain, (np.arange(size)[None, :] + shifts[:, None]) % size, axis=1)
-    row = np.arange(size) - np.ceil(board * size / boards).astype(int)
-    shade[row < seam] *= 0.89
-    for number, end in enumerate(rng.integers(0, size - seam, boards)):
-        shade[board == number, end : end + seam] *= 0.90
-    return _paint((0.785, 0.755, 0.71), np.round(shade, 2))
+    bend = 0.02 * _noise(rng, size, size, (3, 4)) + np.arange(size)[:, None] / size
+    rings = 0.5 + 0.5 * np.sin(2.0 * np.pi * 9.0 * (bend + 0.05 * _noise(rng, size, size, (5, 2))))
+    shade = 1.0 + 0.018 * (rings**3 - 0.4) + 0.012 * _noise(rng, size, size, (160, 6)) + 0.01 * _noise(rng, size, size, (4, 3))
+    edge = _edge_distance(size, size)
+    shade[edge < 9] *= 0.80
+    shade[(edge >= 9) & (edge < 10)] *= 0.68
+    shade[edge < 1] *= 1.18
+    return _paint((0.83, 0.725, 0.59), np.round(shade, 2))
 
 
-def tiles(size: int = 128) -> NDArray[np.uint8]:
-    """Return a grey tiled floor, two by two tiles."""
+def floor(size: int = 512) -> NDArray[np.uint8]:
+    """Return the whole floor: grey linoleum, darker below the table and along the walls, where less light gets."""
     rng = np.random.default_rng(5)
-    y, x = np.mgrid[0:size, 0:size] * 2 // size
-    tone = rng.uniform(0.94, 1.04, (2, 2))[y, x]
-    shade = tone + 0.03 * _noise(rng, size, size, (16, 16))
-    seam = (np.arange(size) * 2 % size) < 4
-    shade[seam, :] = shade[:, seam] = 0.78
-    return _paint((0.58, 0.59, 0.60), np.round(shade, 2))
+    x, y = (np.linspace(low, high, size) for low, high in (ROOM_X, ROOM_Y))
+    beyond = np.hypot(*np.meshgrid(_beyond(x, TABLE_X), _beyond(y[::-1], TABLE_Y)))
+    open_sky = 1.0 - 0.42 * np.exp(-((beyond / 0.45) ** 2))
+    wall = _edge_distance(size, size) * (ROOM_X[1] - ROOM_X[0]) / size
+    shade = open_sky * (1.0 - 0.20 * np.exp(-wall / 0.25)) + 0.012 * _noise(rng, size, size, (96, 96))
+    return _paint((0.47, 0.50, 0.54), np.round(shade, 2))
 
 
-def wall(height: int = 128, width: int = 128) -> NDArray[np.uint8]:
-    """Return a painted wall: off-white above, a panelled dado in light grey and a skirting board below."""
-    image = _paint((0.885, 0.885, 0.875), np.ones((height, width)))
-    low = int(0.62 * height)
-    dado = np.ones((height, width))
-    dado[:, (np.arange(width) * 5 % width) < 5] = 0.93
-    image[low:] = _paint((0.69, 0.715, 0.735), dado)[low:]
-    image[low - 3 : low] = (236, 236, 234)
-    image[int(0.95 * height) :] = (236, 236, 234)
-    return image
+def wall(size: int = 128) -> NDArray[np.uint8]:
+    """Return a plainly painted wall, a little darker towards floor, ceiling and corners."""
+    y = (np.arange(size) + 0.5) / size
+    x = np.minimum(y, 1.0 - y)
+    shade = (
+        1.0 - 0.10 * np.exp(-(1.0 - y) / 0.10)[:, None] - 0.05 * np.exp(-y / 0.08)[:, None] - 0.06 * np.exp(-x / 0.05)[None, :]
+    )
+    return _paint((0.78, 0.815, 0.83), shade)
+
+
+def _edge_distance(height: int, width: int) -> NDArray[np.int64]:
+    """Return of each pixel (h, w) how many lie between it and the nearest border."""
+    rows, columns = (np.minimum(np.arange(side), np.arange(side)[::-1]) for side in (height, width))
+    return np.minimum(rows[:, None], columns[None, :])
+
+
+def _beyond(values: FloatArray, span: tuple[float, float]) -> FloatArray:
+    """Return how far values lie outside a span."""
+    return np.maximum(np.maximum(span[0] - values, values - span[1]), 0.0)
 
 
 def write_room_textures(assets: Path) -> None:
     """Write the pictures of the room below `assets`."""
-    _write(assets / ROOM, {"wood": wood(), "tiles": tiles(), "wall": wall()})
+    _write(assets / ROOM, {"wood": wood(), "floor": floor(), "wall": wall()})
 
 
 def _write(folder: Path, images: dict[str, NDArray[np.uint8]]) -> None:

@@ -73,8 +73,14 @@ class Paint:
     """A colour with a finish."""
 
     color: Vec3
-    gloss: Vec3
+    gloss: Vec3 = ZERO
     """Share of red, green, blue that it throws back like a mirror."""
+    opacity: float = 1.0
+    """What is behind it is seen through it below 1."""
+    emission: Vec3 | None = None
+    """Colour in which it shines."""
+    reach: float = 0.0
+    """How far its light reaches when it shines [m]."""
 
 
 def metal(color: Vec3) -> Paint:
@@ -86,6 +92,16 @@ def metal(color: Vec3) -> Paint:
 def glass(color: Vec3) -> Paint:
     """Return the look of glass and glaze: mirrors some, in white."""
     return Paint(color, (0.15, 0.15, 0.15))
+
+
+def pane(color: Vec3, opacity: float = 0.35) -> Paint:
+    """Return the look of clear glass: mirrors some, in white, and lets the light through."""
+    return Paint(color, (0.15, 0.15, 0.15), opacity)
+
+
+def shining(color: Vec3, *, emission: Vec3 | None = None, reach: float = 0.0) -> Paint:
+    """Return the look of a lamp or a display that shines in its colour, or in another that it gets."""
+    return Paint(color, emission=emission or color, reach=reach)
 
 
 def plastic(color: Vec3) -> Paint:
@@ -110,9 +126,9 @@ class Visual:
         return self.paint.color if isinstance(self.paint, Paint) else self.paint
 
     @property
-    def gloss(self) -> Vec3:
-        """Share of red, green, blue that it throws back like a mirror."""
-        return self.paint.gloss if isinstance(self.paint, Paint) else ZERO
+    def finish(self) -> Paint:
+        """Its colour and what else there is to it."""
+        return self.paint if isinstance(self.paint, Paint) else Paint(self.paint)
 
 
 @dataclass(frozen=True)
@@ -212,10 +228,14 @@ def _link_lines(link: Link) -> list[str]:
     lines += ["    <inertial>", f"      {_origin(center, ZERO)}"]
     lines += [f'      <mass value="{significant(link.mass)}"/>', f"      <inertia {moments}/>", "    </inertial>"]
     for i, visual in enumerate(link.visuals):
-        rgba = numbers((*visual.color, 1.0), 4)
+        finish = visual.finish
+        rgba = numbers((*finish.color, finish.opacity), 4)
         lines += ["    <visual>", f"      {_origin(visual.shape.xyz, visual.shape.rpy)}", f"      {_geometry(visual.shape)}"]
-        gloss = f'<specular rgb="{numbers(visual.gloss, 4)}"/>' if any(visual.gloss) else ""
-        lines += [f'      <material name="{link.name}_{i}"><color rgba="{rgba}"/>{gloss}</material>', "    </visual>"]
+        more = f'<specular rgb="{numbers(finish.gloss, 4)}"/>' if any(finish.gloss) else ""
+        if finish.emission is not None:
+            reach = f' reach="{number(finish.reach)}"' if finish.reach else ""
+            more += f'<emission rgb="{numbers(finish.emission, 4)}"{reach}/>'
+        lines += [f'      <material name="{link.name}_{i}"><color rgba="{rgba}"/>{more}</material>', "    </visual>"]
     for shape in link.collisions:
         lines += ["    <collision>", f"      {_origin(shape.xyz, shape.rpy)}", f"      {_geometry(shape)}", "    </collision>"]
     return [*lines, "  </link>"]

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, fields
-
 import pytest
 
 from rlbench_pin.checking import FrictionTrial, KeyFramesTrial, ReachTrial
-from rlbench_pin.checking.trials import REPEATS, CheckPlan, Item, Stopwatch, work
-from rlbench_pin.cli.check import Check
+from rlbench_pin.checking.plan import REPEATS, CheckPlan, Item
+from rlbench_pin.checking.trials import Stopwatch, work
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 
 
@@ -63,12 +61,6 @@ def _seeds(plan: CheckPlan, at_once: int = 50) -> dict[str, list[int]]:
         assert len(item.seeds) <= at_once
         seeds.setdefault(item.part, []).extend(item.seeds)
     return seeds
-
-
-def test_the_fields_are_the_arguments_of_the_command() -> None:
-    """With the same defaults."""
-    default = asdict(Check())
-    assert {field.name: default[field.name] for field in fields(CheckPlan)} == asdict(CheckPlan())
 
 
 def test_each_seed_is_tried_once_in_pieces_of_any_size() -> None:

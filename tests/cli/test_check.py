@@ -14,9 +14,10 @@ import pytest
 from PIL import Image
 
 from rlbench_pin.checking import run
+from rlbench_pin.checking.plan import Item
 from rlbench_pin.checking.records import DemoTrial, FailedAttempt, ReachTrial, Trial
 from rlbench_pin.checking.run import TrialJournal
-from rlbench_pin.checking.trials import Item, work
+from rlbench_pin.checking.trials import work
 from rlbench_pin.cli.main import main
 from rlbench_pin.errors import ResetError, RlbenchPinError
 from rlbench_pin.processes import GivenUp

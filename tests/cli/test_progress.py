@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import pytest
 
+from rlbench_pin.checking.plan import Item
 from rlbench_pin.checking.run import CheckProgress
-from rlbench_pin.checking.trials import Item
 from rlbench_pin.cli.progress import CheckBar, RecordBar
 from rlbench_pin.processes import WorkerDeath
 from rlbench_pin.recording.config import WorkItem

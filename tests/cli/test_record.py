@@ -76,6 +76,30 @@ def test_tasks_with_commas_between_them(tmp_path: Path, capsys: Capture) -> None
         assert "Did you mean 'reach_target'" in capsys.readouterr().err
 
 
+def test_resuming_takes_the_recorded_settings(tmp_path: Path, capsys: Capture) -> None:
+    """Flags that are left out are those of the folder, also for a further task; another value is refused, as flags."""
+    out, small = (
+        ("--workers", "0", "--out", str(tmp_path)),
+        ("--cameras", "front", "--image-size", "16", "12", "--products", "rgb"),
+    )
+    assert exit_code("record", TASK, "--seed", "7", "--episodes", "1", *small, *out) == 0
+    assert exit_code("record", "push_button", "--resume", *out) == 0
+    demo = read_demo(episode_files(tmp_path, "push_button")[0])
+    assert demo[0].front_rgb is not None and demo[0].front_rgb.shape == (12, 16, 3) and demo[0].wrist_rgb is None
+    assert len(episode_files(tmp_path, "push_button")) == 1
+    assert exit_code("record", "--resume", "--episodes", "2", "--save_path", str(tmp_path), "--workers", "0") == 0
+    assert len(episode_files(tmp_path, TASK)) == 2
+    capsys.readouterr()
+    assert exit_code("record", TASK, "--resume", "--seed", "0", *out) == 1
+    assert "a recording with `--seed 7`, not with `--seed 0`" in capsys.readouterr().err
+
+
+def test_an_unknown_command_names_the_near_one(capsys: Capture) -> None:
+    """As wrong usage."""
+    assert exit_code("recrod", TASK) == 2
+    assert "No command is called 'recrod'. Did you mean 'record'?" in capsys.readouterr().err
+
+
 def test_resuming_nothing_is_an_error(tmp_path: Path, capsys: Capture) -> None:
     """A folder without a recording cannot be resumed without naming tasks."""
     assert exit_code("record", "--resume", "--out", str(tmp_path)) == 1

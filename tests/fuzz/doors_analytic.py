@@ -41,7 +41,20 @@ LOOSE = {
     "MotionPlanner.plan_to_pose": "pose",
 }
 """Limits may be infinite; some arguments stand for several or for one."""
-FAST = ("place", "visit", "distance", "measure", "probe", "gradients", "names", "wider", "update", "collides", "configuration")
+FAST = (
+    "place",
+    "visit",
+    "distance",
+    "measure",
+    "probe",
+    "pairs_of",
+    "gradients",
+    "names",
+    "wider",
+    "update",
+    "collides",
+    "configuration",
+)
 """Of `DistanceModel` and `CollisionModel`: inner loops of searches and of the safety filter, which check what they get."""
 
 

@@ -19,7 +19,7 @@ from rlbench_pin.datasets.layout import episode_path
 from rlbench_pin.datasets.storage import hold
 from rlbench_pin.errors import DatasetConflict, DatasetError, StorageError
 from rlbench_pin.processes import SerialEngine
-from rlbench_pin.recording.config import ImageConfig, RecordConfig, plan_items, read_recording
+from rlbench_pin.recording.config import ImageConfig, RecordConfig, plan_items, read_recording, write_recording
 from rlbench_pin.recording.record import RecordReport, record
 from tests.demos_for_tests import mounted, simulate_full_disk
 from tests.engines_for_tests import MadeUpEngine
@@ -161,12 +161,25 @@ def test_a_folder_that_is_in_use_is_refused(tmp_path: Path, undisturbed: Path) -
     """Recording onto a dataset, with other settings, or beside a running recording, is an error that says what to do."""
     with pytest.raises(DatasetConflict, match="--resume"):
         record(CONFIG, undisturbed, engine=MadeUpEngine())
-    with pytest.raises(DatasetConflict, match="seed=0, this is seed=1"):
+    with pytest.raises(DatasetConflict, match="a recording with `--seed 0`, not with `--seed 1`"):
         record(replace(CONFIG, seed=1), undisturbed, engine=MadeUpEngine(), resume=True)
-    with pytest.raises(DatasetConflict, match="images="):
+    with pytest.raises(DatasetConflict, match="with `--products`, not with `--products rgb depth mask`"):
         record(replace(CONFIG, images=ImageConfig()), undisturbed, engine=MadeUpEngine(), resume=True)
     with hold(tmp_path), pytest.raises(DatasetConflict, match="is running"):
         record(CONFIG, tmp_path, engine=MadeUpEngine())
+
+
+def test_other_settings_are_shown_as_flags(tmp_path: Path) -> None:
+    """Those that differ, as they are typed; also where nothing but the settings was stored yet."""
+    write_recording(tmp_path, CONFIG)
+    other = replace(CONFIG, episodes=9, images=replace(CONFIG.images, image_size=(64, 32)))
+    with pytest.raises(DatasetConflict) as caught:
+        record(other, tmp_path, engine=MadeUpEngine())
+    width, height = CONFIG.images.image_size
+    assert f"with `--episodes {CONFIG.episodes} --image-size {width} {height}`" in str(caught.value)
+    assert "not with `--episodes 9 --image-size 64 32`" in str(caught.value) and "ImageConfig(" not in str(caught.value)
+    assert read_recording(tmp_path) == CONFIG
+    assert record(CONFIG, tmp_path, engine=MadeUpEngine()).recorded == 6
 
 
 def test_a_foreign_episode_in_the_place_of_one_is_refused(tmp_path: Path, undisturbed: Path) -> None:

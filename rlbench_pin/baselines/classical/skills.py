@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 import pinocchio as pin
 
-from rlbench_pin.baselines.perception import Axis, Cloud, View, as_world, look, near
+from rlbench_pin.baselines.perception import TABLE, Axis, Cloud, View, look, near
 from rlbench_pin.control import DifferentialIK, DifferentialIKConfig, PostureObjective, TrajectoryFollower, VelocityFollowing
 from rlbench_pin.errors import GoalInCollision, PlanningError, RlbenchPinError
 from rlbench_pin.observation import Observation
@@ -174,7 +174,7 @@ class Driver:
 
     def update(self, objects: Cloud, q: FloatArray, fingers: FloatArray) -> None:
         """Take what is seen for the world, with the arm at `q` (n,) [rad] and its fingers at `fingers` (2,) [m]."""
-        self._world = as_world(objects, q, fingers)
+        self._world = WorldSnapshot.from_point_cloud(objects.points, q, fingers, boxes={"table": TABLE})
         self._planner.update(self._world)
 
     def reach(self, q: FloatArray, target: pin.SE3, rng: np.random.Generator) -> tuple[FloatArray, bool]:

@@ -10,6 +10,7 @@ import numpy as np
 import trimesh
 
 from rlbench_pin.builder.custom_assets.uploads import UploadedMesh, UploadRefused
+from rlbench_pin.builder.custom_assets.urdf_file import one_link_urdf
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_number
 
@@ -163,24 +164,8 @@ def obj_text(mesh: trimesh.Trimesh) -> str:
 def _urdf(name: str, names: Sequence[str], parts: Sequence[trimesh.Trimesh], mass: float, color: Sequence[float]) -> str:
     inertia = inertia_of(parts, mass)
     moments = " ".join(f'{key}="{inertia.moments[i, j]:.6g}"' for key, i, j in MOMENTS)
-    rgba = " ".join(f"{share:g}" for share in (*color[:3], 1.0))
-    collisions = [f'    <collision>\n      <geometry><mesh filename="{file}"/></geometry>\n    </collision>' for file in names]
-    lines = (
-        '<?xml version="1.0"?>',
-        f'<robot name="{name}">',
-        f'  <link name="{name}">',
-        '    <contact><lateral_friction value="0.8"/></contact>',
-        "    <inertial>",
-        f'      <origin xyz="{format_numbers(inertia.center)}" rpy="0 0 0"/>',
-        f'      <mass value="{mass:g}"/>',
-        f"      <inertia {moments}/>",
-        "    </inertial>",
-        "    <visual>",
-        f'      <geometry><mesh filename="{name}.obj"/></geometry>',
-        f'      <material name="{name}"><color rgba="{rgba}"/></material>',
-        "    </visual>",
-        *collisions,
-        "  </link>",
-        "</robot>",
-    )
-    return "\n".join(lines) + "\n"
+    inertial = (
+        f'<origin xyz="{format_numbers(inertia.center)}" rpy="0 0 0"/>', f'<mass value="{mass:g}"/>', f"<inertia {moments}/>",
+    )  # fmt: skip
+    visual, *collisions = (f'<mesh filename="{file}"/>' for file in (f"{name}.obj", *names))
+    return one_link_urdf(name, inertial, visual, collisions, color)

@@ -171,3 +171,33 @@ def _check_path(urdf: str, link: str, parents: Mapping[str, str]) -> None:
         if parent in path:
             raise UploadRefused(urdf, f"its joints form a circle: {' -> '.join([*path[path.index(parent) :], parent][:8])}")
         path.append(parent)
+
+
+def one_link_urdf(name: str, inertial: Sequence[str], visual: str, collisions: Sequence[str], color: Sequence[float]) -> str:
+    """Return a URDF file of one link.
+
+    Args:
+        name: Name of model, link and material.
+        inertial: Elements of its inertia.
+        visual: Shape that cameras see.
+        collisions: Shapes that touch.
+        color: Red, green, blue from 0 to 1.
+    """
+    rgba = " ".join(f"{share:g}" for share in (*color[:3], 1.0))
+    lines = (
+        '<?xml version="1.0"?>',
+        f'<robot name="{name}">',
+        f'  <link name="{name}">',
+        '    <contact><lateral_friction value="0.8"/></contact>',
+        "    <inertial>",
+        *(f"      {element}" for element in inertial),
+        "    </inertial>",
+        "    <visual>",
+        f"      <geometry>{visual}</geometry>",
+        f'      <material name="{name}"><color rgba="{rgba}"/></material>',
+        "    </visual>",
+        *(f"    <collision>\n      <geometry>{shape}</geometry>\n    </collision>" for shape in collisions),
+        "  </link>",
+        "</robot>",
+    )
+    return "\n".join(lines) + "\n"

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from rlbench_pin.assets import ASSETS
+from rlbench_pin.builder.custom_assets.urdf_file import one_link_urdf
 from rlbench_pin.errors import InvalidValue, RlbenchPinError
 from rlbench_pin.robot.geometry import shape_surface
 from rlbench_pin.spatial import FloatArray, pose_to_matrix
@@ -186,33 +187,11 @@ def primitive_urdf(name: str, kind: Primitive, size: Sequence[float], mass: floa
         raise InvalidValue("size", size, f"has to be {', '.join(words)} [m]")
     lengths = [as_number(value, f"{word} [m]", above=0.0, most=_MAX_SIZE) for word, value in zip(words, size)]
     mass = as_number(mass, "mass [kg]", above=0.0, most=100.0)
-    rgba = " ".join(f"{as_number(share, 'colour', least=0.0, most=1.0):g}" for share in (*color[:3], 1.0))
-    return _text(as_text(name, "name"), _shape(kind, lengths), mass, _moments(kind, lengths, mass), rgba)
-
-
-def _text(name: str, shape: str, mass: float, moments: Vector3, rgba: str) -> str:
-    geometry = f"      <geometry>{shape}</geometry>"
-    x, y, z = (f"{moment:.6g}" for moment in moments)
-    lines = (
-        '<?xml version="1.0"?>',
-        f'<robot name="{name}">',
-        f'  <link name="{name}">',
-        '    <contact><lateral_friction value="0.8"/></contact>',
-        "    <inertial>",
-        f'      <mass value="{mass:g}"/>',
-        f'      <inertia ixx="{x}" ixy="0" ixz="0" iyy="{y}" iyz="0" izz="{z}"/>',
-        "    </inertial>",
-        "    <visual>",
-        geometry,
-        f'      <material name="{name}"><color rgba="{rgba}"/></material>',
-        "    </visual>",
-        "    <collision>",
-        geometry,
-        "    </collision>",
-        "  </link>",
-        "</robot>",
-    )
-    return "\n".join(lines) + "\n"
+    rgb = [as_number(share, "colour", least=0.0, most=1.0) for share in color[:3]]
+    x, y, z = (f"{moment:.6g}" for moment in _moments(kind, lengths, mass))
+    inertial = (f'<mass value="{mass:g}"/>', f'<inertia ixx="{x}" ixy="0" ixz="0" iyy="{y}" iyz="0" izz="{z}"/>')
+    shape = _shape(kind, lengths)
+    return one_link_urdf(as_text(name, "name"), inertial, shape, [shape], rgb)
 
 
 def _shape(kind: Primitive, size: Sequence[float]) -> str:

@@ -8,9 +8,10 @@ from pathlib import Path
 
 from rlbench_pin.builder.contracts import ValidationLine
 from rlbench_pin.checking import Item, Part, TaskReport, Trial, summarise
+from rlbench_pin.checking.plan import CheckPlan
 from rlbench_pin.checking.records import DemoTrial, NoopTrial, ReachTrial, SolvedDemo
 from rlbench_pin.checking.report import FIRST_TRY_FLOOR, KEY_FRAMES_FLOOR, REPLAY_FLOOR
-from rlbench_pin.checking.trials import CheckPlan, work
+from rlbench_pin.checking.trials import work
 from rlbench_pin.checking.validate import MAX_DRIFT, MAX_PENETRATION, NOOP_TIME
 from rlbench_pin.rates import Rate
 from rlbench_pin.tasks import find_task

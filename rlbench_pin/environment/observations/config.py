@@ -127,9 +127,8 @@ class CameraConfig(Settings):
     """Width and height [px]; one number means both."""
     render_mode: RenderMode = "opengl3"
     """`opengl3` draws shadows, `opengl` is faster without."""
-    antialiasing: bool = False
-    """Each colour is the mean of two by two, so that edges and thin lines are smooth, and with shadows the table is darker around
-    what stands on it; depth and masks stay as they are. Colours take about four times as long."""
+    antialiasing: bool = True
+    """Edges between surfaces are smooth; depth and masks stay as they are."""
     masks_as_one_channel: bool = True
     """Masks as one integer per pixel; otherwise (h, w, 3) float32 in 0..1 with the id spread over the channels."""
     depth_in_meters: bool = False

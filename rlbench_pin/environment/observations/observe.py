@@ -467,6 +467,10 @@ def point_cloud(depth: np.ndarray, view: CameraView) -> np.ndarray:
     Returns:
         float32 array of shape (h, w, 3).
     """
-    points = view.rays * depth.reshape(-1, 1)
-    points += view.extrinsics()[:3, 3].astype(np.float32)
-    return points.reshape(*depth.shape, 3)
+    height, width = depth.shape
+    points = np.empty((height * width, 3), dtype=np.float32)
+    for axis in range(3):
+        np.multiply(view.rays[:, axis], depth.ravel(), out=points[:, axis], casting="same_kind")
+    rows = points.reshape(height, 3 * width)  # additions along short rows are slow
+    rows += np.tile(view.extrinsics()[:3, 3].astype(np.float32), width)
+    return points.reshape(height, width, 3)

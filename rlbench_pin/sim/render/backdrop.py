@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 from rlbench_pin.sim.render.camera import CameraView, pixel_rays
 from rlbench_pin.sim.render.lighting import Lighting
 from rlbench_pin.sim.render.texture import Texture
+from rlbench_pin.sim.render.tone import toned
 
 _CLOSE = 1e-3  # [m]
 _SLACK = 1.0001  # for rounding
@@ -88,6 +88,18 @@ class Canvas:
             return
         for sight in sights:
             self._add(sight)
+
+    def draw_alone(self, sights: Sequence[PanelSight], number: int) -> bool:
+        """Draw a rectangle, before which there is no other, if it fills the image, and tell whether it does.
+
+        Args:
+            sights: Where it can be seen, if it can.
+            number: Its number.
+        """
+        if not sights or not self._hides(sights[0], ()):
+            return False
+        self.draw([replace(sights[0], number=number)])
+        return True
 
     def _hides(self, sight: PanelSight, others: Sequence[PanelSight]) -> bool:
         """Whether a rectangle fills the image and lies before all others; if its corners do, all of the image does."""
@@ -199,6 +211,8 @@ def _windows(view: CameraView, points: NDArray[np.float64]) -> tuple[NDArray[np.
     return low, np.maximum(high, 1)
 
 
+_LEVEL, _DEEP = 0.9999, -100.0
+"""From which z of its normal on a rectangle is level; the height of the table where there is none [m]."""
 _ON_WALLS = 0.65
 """By how much more of the ambient light upright sides of the room get, as from lamps along the ceiling."""
 PIXEL = np.dtype("V3")
@@ -207,15 +221,14 @@ _OUTSIDE = np.array((118, 128, 138), dtype=np.uint8).view(PIXEL)[0]
 
 
 class Paints:
-    """The colours of all rectangles that were seen so far, rgb bytes of type `PIXEL`; the first is that of emptiness.
+    """The colours of all rectangles that were seen so far in the key light, rgb bytes of type `PIXEL`; the first is emptiness.
 
     Attributes:
-        lit: Texels (t,) in the key light.
-        dark: In its shadow.
+        lit: Texels (t,).
     """
 
     def __init__(self) -> None:
-        self.lit = self.dark = np.array([_OUTSIDE], dtype=PIXEL)
+        self.lit = np.array([_OUTSIDE], dtype=PIXEL)
         self._starts: dict[int, int] = {}
 
     def start(self, number: int, panel: Panel, lighting: Lighting) -> int:
@@ -223,9 +236,7 @@ class Paints:
         if number not in self._starts:
             self._starts[number] = len(self.lit)
             texels = np.ones((1, 3), dtype=np.float32) if panel.texture is None else panel.texture.texels
-            bright, shaded = _light_on(panel, lighting)
-            self.lit = np.concatenate([self.lit, _packed(texels * bright)])
-            self.dark = np.concatenate([self.dark, _packed(texels * shaded)])
+            self.lit = np.concatenate([self.lit, _packed(texels * _light_on(panel, lighting)[0])])
         return self._starts[number]
 
 
@@ -239,19 +250,10 @@ class Backdrop:
     """Depth [m], `far` where nothing is in range, (h, w)."""
     mask: NDArray[np.int32]
     """Ids, 0 where nothing is in range, (h, w)."""
-    texel: NDArray[np.int32]
-    """Number of the texel that each pixel sees (h * w,)."""
-    paints: Paints
-    """The colours of the texels."""
-
-    def dark(self, pixels: NDArray[np.int64]) -> NDArray[np.void]:
-        """Colours (n,), of type `PIXEL`, of some pixels in the shadow of the key light."""
-        return self.paints.dark.take(self.texel.take(pixels))
-
-    @cached_property
-    def all_dark(self) -> NDArray[np.void]:
-        """Colours (h * w,), of type `PIXEL`, of all pixels in the shadow of the key light."""
-        return self.paints.dark.take(self.texel)
+    owner: NDArray[np.int32]
+    """Number of the rectangle that each pixel sees, -1 for none, (h, w)."""
+    table: NDArray[np.int64]
+    """Flat indices of the pixels that see the table top (n,)."""
 
 
 class Painter:
@@ -260,6 +262,10 @@ class Painter:
     Args:
         panels: The rectangles.
         lighting: The lights.
+
+    Attributes:
+        table_height: z of the highest level rectangle, which is the table top [m].
+        table_key: Share (3,) of its colour that the key light gives.
     """
 
     def __init__(self, panels: Sequence[Panel], lighting: Lighting) -> None:
@@ -268,6 +274,30 @@ class Painter:
         self._corners, self._edges = np.array([p.corner for p in panels]), np.array([p.edges for p in panels])
         self._bases = _bases(self._edges)
         self._paints = Paints()
+        heights = [panel.corner[2] if panel.normal[2] > _LEVEL else -np.inf for panel in panels]
+        self._top = int(np.argmax(heights))
+        self.table_height = float(heights[self._top])
+        bright, shaded = _light_on(self._panels[self._top], lighting)
+        self.table_key = (1.0 - shaded / np.maximum(bright, 1e-6)).astype(np.float32)
+
+        corners = self._panels[self._top].corner + np.array([[0, 0], [1, 0], [0, 1], [1, 1]]) @ self._panels[self._top].edges
+        aside = [
+            p for p in panels if max(p.corner[2] + z for z in (0.0, *p.edges[:, 2], p.edges[:, 2].sum())) > self.table_height
+        ]
+        normals = np.array([panel.normal for panel in aside]).reshape(-1, 3)
+        offsets = np.array([panel.normal @ panel.corner for panel in aside])
+        sides = normals @ corners.T - offsets[:, None]
+        # a camera that is on the same side of all of them as the table has none before it
+        self._aside = normals, offsets, np.where(sides.min(axis=1) > 0.0, 1.0, np.where(sides.max(axis=1) < 0.0, -1.0, 0.0))
+
+    def _is_clear(self, eye: NDArray[np.float64]) -> bool:
+        """Whether no other rectangle lies between a point and the table top."""
+        normals, offsets, sides = self._aside
+        return bool(eye[2] > self.table_height and ((normals @ eye - offsets) * sides > 0.0).all())
+
+    def _alone(self, *arrays: NDArray[np.float64]) -> Iterator[NDArray[np.float64]]:
+        """The part (1, ...) of arrays (m, ...) that belongs to the table top."""
+        return (values[self._top : self._top + 1] for values in arrays)
 
     def draw(self, view: CameraView) -> Backdrop:
         """Draw all rectangles as a camera sees them."""
@@ -275,7 +305,11 @@ class Painter:
         to_camera = np.linalg.inv(view.extrinsics())
         rotation, shift = to_camera[:3, :3], to_camera[:3, 3]
         corners, edges = self._corners @ rotation.T + shift, self._edges @ rotation.T
-        canvas.draw(sights_of(canvas, corners, edges, self._bases @ rotation.T))
+        bases = self._bases @ rotation.T
+        if not (
+            self._is_clear(view.pose[:3]) and canvas.draw_alone(sights_of(canvas, *self._alone(corners, edges, bases)), self._top)
+        ):
+            canvas.draw(sights_of(canvas, corners, edges, bases))
         owner, inverse = canvas.owner, canvas.inverse
         texel = np.zeros(owner.size, dtype=np.int32)
         for number, pixels in canvas.visible():
@@ -292,7 +326,12 @@ class Painter:
         if len(outside := (inverse.ravel() * np.float32(view.far) < 1.0).nonzero()[0]):
             depth.ravel()[outside], ids.ravel()[outside] = view.far, 0
         rgb = self._paints.lit.take(texel).view(np.uint8).reshape(*owner.shape, 3)
-        return Backdrop(rgb, depth, ids, texel, self._paints)
+        table = (
+            np.arange(owner.size)
+            if canvas.only is not None and canvas.only.number == self._top
+            else (owner.ravel() == self._top).nonzero()[0]
+        )
+        return Backdrop(rgb, depth, ids, owner, table)
 
 
 def _bases(edges: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -316,4 +355,4 @@ def _light_on(panel: Panel, lighting: Lighting) -> tuple[NDArray[np.float32], ND
 
 def _packed(colors: NDArray) -> NDArray[np.void]:
     """Colours (n, 3) in 0..1 as rgb bytes (n,) of type `PIXEL`."""
-    return np.minimum(colors * 255.0 + 0.5, 255.0).astype(np.uint8).reshape(-1).view(PIXEL)
+    return toned((colors * 255.0).astype(np.float32)).reshape(-1).view(PIXEL)

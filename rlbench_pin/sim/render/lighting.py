@@ -1,9 +1,9 @@
 """Three directional lights, and the shadows of the first: one image of the moving objects from the light, for all cameras.
 
-A point is in shadow as far as texels around its place are nearer to the light: a square of 2 x 2, of which each of 3 x 3 counts
-by what of it lies there. Most points lie beyond all of these texels or before them all, which two looks tell; only those
-at edges are looked at nine times. The same image says where objects stand on the table: what of them is seen low above it
-keeps light from around their feet.
+Its texels are 3 mm wide. On the table, which is level, a shadow is the image of what lies above it, smoothed: as wide as a few
+texels below low things, four times as wide below high ones. Points of moving objects are in shadow as far as texels around them
+are nearer to the light. The same image says where objects stand on the table: what of them is seen low above it keeps light from
+around their feet.
 """
 
 from __future__ import annotations
@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rlbench_pin.errors import CameraError, InvalidCamera
-from rlbench_pin.sim.render.camera import CameraView, pixel_rays
+from rlbench_pin.sim.render.camera import CameraView
+from rlbench_pin.sim.render.raster.drawing import Blocked
 from rlbench_pin.spatial import TABLE_HEIGHT, matrix_to_pose
 from rlbench_pin.values import as_number, as_vector
 
@@ -60,11 +61,11 @@ class Light:
 class Lighting:
     """All light in a world."""
 
-    key: Light = Light((0.6, 0.4, 1.6), 0.42)
+    key: Light = Light((0.6, 0.4, 1.6), 0.36)
     """The sun of the scene; casts the shadows."""
-    fills: tuple[Light, ...] = field(default=(Light((-0.9, 0.8, 0.9), 0.10), Light((0.5, -1.2, 0.5), 0.10)))
+    fills: tuple[Light, ...] = field(default=(Light((-0.9, 0.8, 0.9), 0.17), Light((0.5, -1.2, 0.5), 0.10)))
     """Soft lights from the other sides."""
-    ambient: float = 0.50
+    ambient: float = 0.53
     """Brightness of a white surface that no light reaches."""
 
     def __post_init__(self) -> None:
@@ -86,17 +87,21 @@ class Lighting:
 
 
 _CENTER = np.array([0.15, 0.0, TABLE_HEIGHT + 0.1])
-_REACH = 0.84  # half a side of the square around the centre whose shadows are drawn [m]
+_SIZE, _TEXEL = 512, 0.003
+"""Side of the image that the key light takes [px], and of one of its texels at the table [m]."""
 _DISTANCE = 30.0  # far away, so that its rays are almost parallel [m]
-_SIZE = 256
-_ROOM_BIAS = 0.002  # [m]
 _FAR = np.float32(np.inf)
-_MARGIN = 8  # texels that a shadow, or what objects keep from the table, reaches beyond them
+_BORDER, _MARGIN = 4, 24
+"""So many texels at the border of the image stay free, and so far a shadow on the table reaches beyond what casts it [px]."""
+_TOUCHING = np.float32(0.002)  # so little above the table things cast no shadow on it [m]
+_ON_TABLE = np.float32(0.001)  # so near the table top points count as its own [m]
+_SHARP, _SOFT = 0.02, 0.30
+"""Heights of casters above the table up to which their shadows are sharp, and from which on they are soft [m]."""
 _LOW, _HIGH = (0.002, 0.014), (0.02, 0.09)
 """Between these heights above the table objects begin to darken it, and cease to [m]."""
-_DARKENING = np.float32(0.45)
-_ON_TABLE = np.float32(0.01)  # so near the table top points count as its own [m]
-_STEPS = tuple(tuple(row * _SIZE + column for column in range(-1, 2)) for row in range(-1, 2))
+_DARKENING = np.float32(1.1)
+_TAPS = tuple((row, column) for row in range(-2, 3) for column in range(-2, 3) if (row + column) % 2 == 0)
+"""Every other texel of 5 x 5."""
 
 
 def light_view(light: Light) -> CameraView:
@@ -108,31 +113,34 @@ def light_view(light: Light) -> CameraView:
     matrix = np.eye(4)
     matrix[:3, :3] = np.column_stack([np.cross(up, forward), up, forward])
     matrix[:3, 3] = _CENTER - _DISTANCE * forward
-    fov = 2.0 * float(np.arctan(_REACH / _DISTANCE))
+    fov = 2.0 * float(np.arctan(0.5 * _SIZE * _TEXEL / _DISTANCE))
     return CameraView(pose=matrix_to_pose(matrix), fov=fov, size=(_SIZE, _SIZE), near=_DISTANCE - 2.0, far=_DISTANCE + 2.0)
 
 
 @dataclass(frozen=True, eq=False)
 class LightSpots:
-    """Places of points in a shadow map: texel, place in it, and distance from the light."""
+    """Where points lie in the image that the key light takes."""
 
-    texel: NDArray[np.int64]
-    """Texel (n,)."""
     right: NDArray[np.float32]
-    """Share (n,) of it that lies to the left."""
+    """Column (n,), the middle of the first at 0.5 [px]."""
     down: NDArray[np.float32]
-    """Share (n,) of it that lies above."""
+    """Row (n,) [px]."""
     depth: NDArray[np.float32]
     """Distance along the light (n,) [m]."""
 
-    def at(self, chosen: NDArray[np.int64]) -> LightSpots:
-        """Return some of them."""
-        return LightSpots(self.texel.take(chosen), self.right.take(chosen), self.down.take(chosen), self.depth.take(chosen))
 
+@dataclass(frozen=True, eq=False)
+class TableSpots:
+    """Where the pixels of a camera that see the table lie in the image that the key light takes."""
 
-def joined_spots(spots: Sequence[LightSpots]) -> LightSpots:
-    """Return some spots after each other."""
-    return LightSpots(*(np.concatenate([getattr(s, name) for s in spots]) for name in ("texel", "right", "down", "depth")))
+    pixels: NDArray[np.int64]
+    """Flat indices of the pixels (n,)."""
+    texel: NDArray[np.int64]
+    """Texel (n,)."""
+    right: NDArray[np.float32] | None
+    """How far to the right of its middle (n,) [px]; None where no pixel is as small as a texel."""
+    down: NDArray[np.float32] | None
+    """How far below its middle (n,) [px]; None where no pixel is as small as a texel."""
 
 
 class ShadowMap:
@@ -140,96 +148,136 @@ class ShadowMap:
 
     Args:
         view: Camera of the light.
-        depth: Distance (n, n) along the light to the first moving object [m], infinite where there is none; changed here.
+        height: z of the table top [m].
+        blocked: Where moving objects stand in the light.
 
     Attributes:
+        view: The same.
         is_empty: Whether nothing stands in the light.
     """
 
-    def __init__(self, view: CameraView, depth: NDArray[np.float32]) -> None:
-        for edge in (depth[:2], depth[-2:], depth[:, :2], depth[:, -2:]):
-            edge[:] = _FAR
-        self.view, self._image, self._depth = view, depth, depth.ravel()
-        self._window = _window_of(depth < _FAR)
-        self.is_empty = self._window is None
-        self._least, self._greatest = (np.full((_SIZE, _SIZE), _FAR, dtype=np.float32) for _ in range(2))
-        if self._window is not None:
-            rows, columns = self._window
-            seen = depth[rows, columns]
-            inner = slice(rows.start + 1, rows.stop - 1), slice(columns.start + 1, columns.stop - 1)
-            self._least[inner], self._greatest[inner] = _of_neighbours(np.minimum, seen), _of_neighbours(np.maximum, seen)
+    def __init__(self, view: CameraView, height: float, blocked: Blocked) -> None:
+        self.view, self._height = view, height
+        rows, columns = (
+            slice(max(first, _BORDER), min(first + count, _SIZE - _BORDER))
+            for first, count in zip((blocked.row, blocked.column), blocked.depth.shape, strict=True)
+        )
+        self.is_empty = rows.start >= rows.stop or columns.start >= columns.stop
+        if self.is_empty:
+            return
+        self._rows, self._columns = _span(rows), _span(columns)
+        self._image = np.full((self._rows.stop - self._rows.start, self._columns.stop - self._columns.start), _FAR, np.float32)
+        part = blocked.depth[_moved(rows, blocked.row), _moved(columns, blocked.column)]
+        self._image[_moved(rows, self._rows.start), _moved(columns, self._columns.start)] = part
 
-    @cached_property
-    def is_near(self) -> NDArray[np.bool_]:
-        """Of every texel (n * n,), whether one of those around it is blocked."""
-        return (self._least < _FAR).ravel()
+    def lit(self, spots: LightSpots, bias: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Share (n,) of the key light that reaches points of moving objects, 0..1: how many of 13 texels around it passes.
 
-    @cached_property
-    def is_dim(self) -> NDArray[np.bool_]:
-        """Of every texel (n * n,), whether objects keep light from the table there."""
-        return (self._contact > 0.0).ravel()
-
-    @cached_property
-    def _contact(self) -> NDArray[np.float32]:
-        """How much of the light from all sides objects keep from the table (n, n), 0..1."""
-        result = np.zeros((_SIZE, _SIZE), dtype=np.float32)
-        if self._window is not None:
-            ground, image = _ground(self.view)[self._window], self._image[self._window]
-            # two of four texels, as the corners of a chequered pattern
-            coarse = _lowness(ground[0::2, 0::2] - image[0::2, 0::2], self.view)
-            coarse += _lowness(ground[1::2, 1::2] - image[1::2, 1::2], self.view)
-            coarse *= np.float32(0.5 / 16.0**2) * _DARKENING
-            rows, columns = self._window
-            inner = slice(rows.start + 4, rows.stop - 4), slice(columns.start + 4, columns.stop - 4)
-            result[inner] = _twice_as_fine(_twice_as_fine(_smooth(_smooth(coarse).T)).T)
-        return result
-
-    def open(self, spots: LightSpots) -> NDArray[np.float32]:
-        """Share (n,) of the light from all sides that reaches points of the room, 0..1: less around what stands on the table."""
-        contact = self._contact.ravel()
-        value = contact.take(spots.texel)
-        for place, step in ((spots.right, 1), (spots.down, _SIZE)):
-            slope = contact.take(spots.texel + step) - contact.take(spots.texel - step)
-            slope *= np.float32(0.5) * place - np.float32(0.25)
-            value += slope
-        value *= np.abs(_ground(self.view).ravel().take(spots.texel) - spots.depth) < _ON_TABLE
-        return np.subtract(np.float32(1.0), value, out=value)
-
-    def lit(self, spots: LightSpots, bias: NDArray[np.float32] | float = _ROOM_BIAS) -> NDArray[np.float32]:
-        """Share (n,) of the key light that reaches points, 0..1.
+        Most points lie beyond all of 5 x 5 texels or before them all, which two looks tell.
 
         Args:
             spots: The points, from `spots_of`.
-            bias: By how much an object must be nearer to the light to shade a point [m].
+            bias: By how much an object must be nearer to the light to shade a point (n,) [m].
         """
-        limit = spots.depth - np.float32(bias)
-        share = (self._least.ravel().take(spots.texel) >= limit).astype(np.float32)
-        reached = (share == 0.0).nonzero()[0]
-        edge = reached.take((self._greatest.ravel().take(spots.texel.take(reached)) >= limit.take(reached)).nonzero()[0])
-        share[edge] = self._share(spots.at(edge), limit.take(edge))
+        height, width = self._image.shape
+        column, row = spots.right - np.float32(self._columns.start), spots.down - np.float32(self._rows.start)
+        for values, side in ((column, width), (row, height)):
+            np.maximum(values, np.float32(2.0), out=values)
+            np.minimum(values, np.float32(side - 3), out=values)
+        down, right = row.astype(np.int64), column.astype(np.int64)
+        block = down >> 2
+        block *= width >> 2
+        block += right >> 2
+        limit = spots.depth - bias
+        least, greatest = self._extremes
+        is_free = least.take(block) >= limit
+        share = is_free.astype(np.float32)
+        reached = (~is_free).nonzero()[0]
+        edge = reached.take((greatest.take(block.take(reached)) >= limit.take(reached)).nonzero()[0])
+        share[edge] = self._share(down.take(edge) * width + right.take(edge), limit.take(edge))
         return share
 
-    def _share(self, spots: LightSpots, limit: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Mean of 2 x 2 texels around points."""
-        total = np.zeros(len(spots.texel), dtype=np.float32)
-        for row, weight in zip(_STEPS, (np.float32(1.0) - spots.down, None, spots.down), strict=True):
-            free = [(self._depth.take(spots.texel + step) >= limit).astype(np.float32) for step in row]
-            part = free[2] - free[0]
-            part *= spots.right
-            part += free[0]
-            part += free[1]
-            if weight is not None:
-                part *= weight
-            total += part
-        total *= np.float32(0.25)
-        return total
+    def _share(self, texel: NDArray[np.int64], limit: NDArray[np.float32]) -> NDArray[np.float32]:
+        depth, width = self._image.ravel(), self._image.shape[1]
+        free = np.zeros(len(texel), dtype=np.uint8)
+        for row, column in _TAPS:
+            free += depth.take(texel + (row * width + column)) >= limit
+        return free * np.float32(1.0 / len(_TAPS))
+
+    @cached_property
+    def _extremes(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Of every four by four texels of the window, flat, the least and the greatest of these and those around them."""
+        found = []
+        for function in (np.minimum, np.maximum):
+            blocks = function(function(self._image[0::4], self._image[1::4]), function(self._image[2::4], self._image[3::4]))
+            blocks = function(function(blocks[:, 0::4], blocks[:, 1::4]), function(blocks[:, 2::4], blocks[:, 3::4]))
+            full = np.full_like(blocks, _FAR)
+            across = function(function(blocks[:, :-2], blocks[:, 2:]), blocks[:, 1:-1])
+            function(function(across[:-2], across[2:]), across[1:-1], out=full[1:-1, 1:-1])
+            found.append(full.ravel())
+        return found[0], found[1]
+
+    @cached_property
+    def on_table(self) -> NDArray[np.float32]:
+        """How much of the key light the table misses at each texel (n * n,): 1 in full shadow, more at the feet of things.
+
+        Two filters: one of 5 x 5 texels for what is low above the table, one four times as wide for what is high; between them by
+        the mean height of what casts the shadow.
+        """
+        result = np.zeros((_SIZE, _SIZE), dtype=np.float32)
+        if self.is_empty:
+            return result.ravel()
+        height = ground_distance(self.view, self._height)[self._rows, self._columns] - self._image
+        blocked = height > _TOUCHING
+        np.maximum(height, np.float32(0.0), out=height)
+        lowness = _lowness(height[0::4, 0::4], self.view)
+        lowness += _lowness(height[2::4, 2::4], self.view)
+        sums = (_by_four(blocked.view(np.uint8)).astype(np.float32), _by_four(height), lowness)
+        coarse, lifted, contact = (_smooth(_smooth(values).T).T for values in sums)
+        lifted /= np.maximum(coarse, np.float32(1e-6))
+        lifted -= np.float32(_SHARP)
+        lifted *= np.float32(1.0 / (_SOFT - _SHARP))
+        softness = np.minimum(np.maximum(lifted, np.float32(0.0), out=lifted), np.float32(1.0), out=lifted)
+        coarse *= softness
+        coarse *= np.float32(1.0 / (16.0 * 256.0))
+        contact *= np.float32(0.5 / 256.0) * _DARKENING
+        coarse += contact
+        # 3 x 3 before and after both are put together make 5 x 5, and no steps are seen of the coarse one
+        fine = _smooth(_smooth(blocked.view(np.uint8)[7:-7, 7:-7], 2).T, 2).T.astype(np.float32, order="C")
+        pairs = fine.reshape(len(fine) // 2, 2, -1)
+        pairs *= _four_times((np.float32(1.0) - softness) * np.float32(1.0 / 256.0))
+        pairs += _four_times(coarse * np.float32(1.0 / 16.0))
+        fine = _smooth(_smooth(fine, 2).T, 2).T
+        result[self._rows.start + 9 : self._rows.stop - 9, self._columns.start + 9 : self._columns.stop - 9] = fine
+        return result.ravel()
+
+    def at(self, spots: TableSpots) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+        """Return which of some points of the table are darker (k,), and how much of the key light these miss (k,)."""
+        values = self.on_table
+        found = values.take(spots.texel)
+        chosen = (found > np.float32(0.004)).nonzero()[0]
+        texel, missing = spots.texel.take(chosen), found.take(chosen)
+        for place, step in ((spots.right, 1), (spots.down, _SIZE)):
+            if place is None:
+                continue
+            slope = values.take(texel + step)
+            slope -= values.take(texel - step)
+            slope *= place.take(chosen)
+            slope *= np.float32(0.5)
+            missing += slope
+        return chosen, missing
 
 
 @lru_cache(maxsize=4)
-def _ground(view: CameraView) -> NDArray[np.float32]:
-    """Distance (n, n) along the light to the plane of the table top [m]."""
+def ground_distance(view: CameraView, height: float) -> NDArray[np.float32]:
+    """Distance (n, n) along the light to a level plane [m].
+
+    Args:
+        view: Camera of the light.
+        height: z of the plane [m].
+    """
     rays = view.rays[:, 2].reshape(_SIZE, _SIZE)
-    return (np.float32(TABLE_HEIGHT - view.pose[2]) / np.minimum(rays, np.float32(-1e-3))).astype(np.float32)
+    return (np.float32(height - view.pose[2]) / np.minimum(rays, np.float32(-1e-3))).astype(np.float32)
 
 
 def _lowness(above: NDArray[np.float32], view: CameraView) -> NDArray[np.float32]:
@@ -241,42 +289,52 @@ def _lowness(above: NDArray[np.float32], view: CameraView) -> NDArray[np.float32
     return np.maximum(share, np.float32(0.0), out=share)
 
 
-def _smooth(values: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Sums (n - 4, m) of five rows of (n, m), weighted by 1, 4, 6, 4 and 1."""
-    for _ in range(4):
+def _smooth(values: NDArray, times: int = 4) -> NDArray:
+    """Sums (n - times, m) of rows of (n, m), weighted by 1, 2 and 1, or by 1, 4, 6, 4 and 1."""
+    for _ in range(times):
         values = values[:-1] + values[1:]
     return values
 
 
-def _twice_as_fine(values: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Two rows (2 n, m) for each of (n, m), a quarter of a row before and after it."""
-    result = np.repeat(values * np.float32(0.75), 2, axis=0)
+def _by_four(values: NDArray) -> NDArray:
+    """Sums (n / 4, m / 4) of four by four."""
+    rows = values[0::4] + values[1::4]
+    rows += values[2::4]
+    rows += values[3::4]
+    result = rows[:, 0::4] + rows[:, 1::4]
+    result += rows[:, 2::4]
+    result += rows[:, 3::4]
+    return result
+
+
+def _four_times(values: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Pairs of rows (2 n, 1, 4 m) for each of (n, m): twice as fine with values between them, then each column twice."""
+    rows = np.repeat(values * np.float32(0.75), 2, axis=0)
     quarter = values * np.float32(0.25)
-    result[2::2] += quarter[:-1]
-    result[1:-1:2] += quarter[1:]
+    rows[2::2] += quarter[:-1]
+    rows[1:-1:2] += quarter[1:]
+    own, quarter = rows * np.float32(0.75), rows * np.float32(0.25)
+    left, right = own, own.copy()
+    left[:, 1:] += quarter[:, :-1]
+    right[:, :-1] += quarter[:, 1:]
+    result = np.empty((len(rows), 1, 4 * rows.shape[1]), dtype=np.float32)
+    for start, part in enumerate((left, left, right, right)):
+        result[:, 0, start::4] = part
     return result
 
 
-def _window_of(blocked: NDArray[np.bool_]) -> tuple[slice, slice] | None:
-    """Rows and columns that hold all blocked texels and a margin; None when there are none."""
-    rows, columns = (np.flatnonzero(blocked.any(axis=axis)) for axis in (1, 0))
-    if not len(rows):
-        return None
-    first, last = (
-        slice(max(int(own[0]) - _MARGIN, 0) & ~1, min(int(own[-1]) + _MARGIN + 1, _SIZE) & ~1) for own in (rows, columns)
-    )
-    return first, last
+def _span(own: slice) -> slice:
+    """Texels and a margin, a multiple of four."""
+    return slice(max(own.start - _MARGIN, 0) & ~3, min(own.stop + _MARGIN + 3, _SIZE) & ~3)
 
 
-def _of_neighbours(function: np.ufunc, values: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Of every texel but those at the border, the least or greatest of 3 x 3."""
-    across = function(function(values[:, :-2], values[:, 2:]), values[:, 1:-1])
-    result: NDArray[np.float32] = function(function(across[:-2], across[2:]), across[1:-1])
-    return result
+def _moved(own: slice, start: int) -> slice:
+    """The same texels, counted from another one."""
+    return slice(own.start - start, own.stop - start)
 
 
 def spots_of(light: CameraView, view: CameraView, points: NDArray[np.float32]) -> LightSpots:
-    """Find points (3, n) [m] in the frame of a camera in shadow maps taken with `light`."""
+    """Find points (3, n) [m] in the frame of a camera in the image that `light` takes."""
     x, y, z = points
     found = []
     for a, b, c, shift in (light.to_image @ view.extrinsics()).astype(np.float32):
@@ -285,39 +343,42 @@ def spots_of(light: CameraView, view: CameraView, points: NDArray[np.float32]) -
         value += z * c
         value += shift
         found.append(value)
-    return _spots(*found)
+    right, down, depth = found
+    for values in (right, down):
+        values /= depth
+        values += np.float32(0.5)
+    return LightSpots(right, down, depth)
 
 
-def spots_in_image(light: CameraView, view: CameraView, depth: NDArray[np.float32]) -> LightSpots:
-    """Find what all pixels of a camera see in shadow maps taken with `light`.
+def joined_spots(spots: Sequence[LightSpots]) -> LightSpots:
+    """Return some spots after each other."""
+    return LightSpots(*(np.concatenate([getattr(s, name) for s in spots]) for name in ("right", "down", "depth")))
+
+
+def table_spots(light: CameraView, view: CameraView, depth: NDArray[np.float32], pixels: NDArray[np.int64]) -> TableSpots:
+    """Find the pixels of a camera that see the table in the image that `light` takes.
 
     Args:
         light: Camera of the light.
         view: The camera.
-        depth: What it sees, (h, w) [m].
+        depth: What it sees of the room, (h, w) [m].
+        pixels: Flat indices of the pixels that see the table (n,).
     """
-    matrix = light.to_image @ view.extrinsics()
-    columns, rows = pixel_rays(view)
-    found = []
-    for a, b, c, shift in matrix:
-        slope = (b * rows + c).astype(np.float32)[:, None] + (a * columns).astype(np.float32)
-        slope *= depth
-        slope += np.float32(shift)
-        found.append(slope.ravel())
-    return _spots(*found)
-
-
-def _spots(u: NDArray[np.float32], v: NDArray[np.float32], depth: NDArray[np.float32]) -> LightSpots:
-    """Spots of homogeneous image points u z, v z and z (n,); overwrites the first two."""
-    last = np.float32(_SIZE - 1.501)
-    for values in (u, v):
-        values /= depth
-        values += np.float32(0.5)
+    row = pixels // view.size[0]
+    column = (pixels - row * view.size[0]).astype(np.float32)
+    k = view.intrinsics().astype(np.float32)
+    z = depth.ravel().take(pixels)
+    points = np.empty((3, len(pixels)), dtype=np.float32)
+    np.multiply(column - k[0, 2], z / k[0, 0], out=points[0])
+    np.multiply(row.astype(np.float32) - k[1, 2], z / k[1, 1], out=points[1])
+    points[2] = z
+    spots = spots_of(light, view, points)
+    right, down = spots.right, spots.down
+    for values in (right, down):
         np.maximum(values, np.float32(1.0), out=values)
-        np.minimum(values, last, out=values)
-    column, row = np.floor(u), np.floor(v)
-    u -= column
-    v -= row
-    row *= np.float32(_SIZE)
-    row += column
-    return LightSpots(row.astype(np.int64), u, v, depth)
+        np.minimum(values, np.float32(_SIZE - 1.501), out=values)
+    texel = down.astype(np.int64) * _SIZE
+    texel += right.astype(np.int64)
+    if not len(z) or float(z.min()) > -_TEXEL * float(k[0, 0]):
+        return TableSpots(pixels, texel, None, None)
+    return TableSpots(pixels, texel, right - np.floor(right) - np.float32(0.5), down - np.floor(down) - np.float32(0.5))

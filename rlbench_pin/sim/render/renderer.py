@@ -24,16 +24,17 @@ from rlbench_pin.sim.render.raster.stage import Appearance
 from rlbench_pin.sim.render.shading import (
     KeptBackdrop,
     LinkTexture,
-    as_bytes,
     colors_in_light,
-    darken_feet,
     halved,
-    put_pixels,
+    put_pools,
+    put_shot,
     put_textures,
-    shade_rooms,
+    shade_tables,
+    smoothed,
     surfaces_of,
+    toned_pixels,
 )
-from rlbench_pin.sim.render.shots import BulletRasterizer, NumpyRasterizer, Shot
+from rlbench_pin.sim.render.shots import BulletRasterizer, NumpyRasterizer, Shooting, Shot
 from rlbench_pin.sim.room import RoomBody
 from rlbench_pin.values import as_flag, as_record
 
@@ -55,15 +56,15 @@ class Request:
     shadows: bool = False
     """Draw shadows and fill lights."""
     antialiasing: bool = False
-    """Take each colour as the mean of two by two, and darken the table around what stands on it; depth and mask stay the same."""
-    feet: bool = False
-    """Darken the table around what stands on it, if shadows are drawn."""
+    """Smooth the edges between surfaces; depth and mask stay the same."""
+    fine: bool = False
+    """Take each colour as the mean of two by two; depth and mask stay the same."""
 
     def parts(self) -> tuple[Request, ...]:
         """What is drawn for it: itself, or its colours at twice the size, and depth and mask if they are wanted."""
-        if not (self.antialiasing and self.rgb):
+        if not (self.fine and self.rgb):
             return (self,)
-        colors = Request(self.view.finer, rgb=True, depth=False, mask=False, shadows=self.shadows, feet=True)
+        colors = replace(self, view=self.view.finer, depth=False, mask=False, fine=False)
         rest = Request(self.view, rgb=False, depth=self.depth, mask=self.mask)
         return (colors, rest) if self.depth or self.mask else (colors,)
 
@@ -124,8 +125,10 @@ class Renderer:
 
     def shadow_map(self) -> ShadowMap:
         """Look from the key light, for cameras that look at the present instant."""
-        view = self._view_of_light()
-        return _shadow_map(view, self._rasterizer.shoot([_sight_of_light(view)], self.lighting)[0])
+        view, height = self._view_of_light(), self._present_painter().table_height
+        blocked = self._rasterizer.shoot([], self.lighting, view).blocked
+        assert blocked is not None
+        return ShadowMap(view, height, blocked)
 
     def render(
         self, view: CameraView, *, rgb: bool, depth: bool, mask: bool, shadows: bool | ShadowMap, antialiasing: bool = False
@@ -138,7 +141,7 @@ class Renderer:
             depth: Deliver metric depth.
             mask: Deliver mask ids.
             shadows: Draw shadows and fill lights; a map from `shadow_map` of this instant saves making one.
-            antialiasing: Take each colour as the mean of two by two, so that edges and thin lines are smooth.
+            antialiasing: Smooth the edges between surfaces.
         """
         as_record(view, CameraView, "camera")
         flags = ((rgb, "rgb"), (depth, "depth"), (mask, "mask"), (antialiasing, "antialiasing"))
@@ -148,9 +151,9 @@ class Renderer:
         return self.render_all([Request(view, rgb, depth, mask, shadows is not False, antialiasing)], light)[0]
 
     def image(self, view: CameraView) -> NDArray[np.uint8]:
-        """Return an image for people, uint8 (h, w, 3): with shadows, and with smooth edges."""
+        """Return an image for people, uint8 (h, w, 3): with shadows, smooth edges and smooth thin lines."""
         as_record(view, CameraView, "camera")
-        image = self.render_all([Request(view, depth=False, mask=False, shadows=True, antialiasing=True)])[0].rgb
+        image = self.render_all([Request(view, depth=False, mask=False, shadows=True, antialiasing=True, fine=True)])[0].rgb
         assert image is not None
         return image
 
@@ -174,13 +177,13 @@ class Renderer:
         sights = [self._sight(request, backdrop) for request, backdrop in zip(requests, backdrops, strict=True)]
         makes_map = shadows is None and any(request.is_shaded for request in requests)
         view = self._view_of_light()
-        shots = self._rasterizer.shoot([*sights, _sight_of_light(view)] if makes_map else sights, self.lighting)
-        if makes_map:
-            shadows = _shadow_map(view, shots.pop())
-        images = self._images(requests, backdrops, shots, shadows)
+        shooting = self._rasterizer.shoot(sights, self.lighting, view if makes_map else None)
+        if shooting.blocked is not None:
+            shadows = ShadowMap(view, painter.table_height, shooting.blocked)
+        images = self._images(requests, painter, backdrops, shooting, shadows)
         return [
             self._put_together(request, backdrop, shot, image)
-            for request, backdrop, shot, image in zip(requests, backdrops, shots, images, strict=True)
+            for request, backdrop, shot, image in zip(requests, backdrops, shooting.shots, images, strict=True)
         ]
 
     # Moving objects ---------------------------------------------------------------------------------------------------
@@ -208,7 +211,12 @@ class Renderer:
         return Images(image, distance, ids)
 
     def _images(
-        self, requests: Sequence[Request], backdrops: Sequence[KeptBackdrop], shots: Sequence[Shot], shadows: ShadowMap | None
+        self,
+        requests: Sequence[Request],
+        room: Painter,
+        backdrops: Sequence[KeptBackdrop],
+        shooting: Shooting,
+        shadows: ShadowMap | None,
     ) -> list[NDArray[np.uint8] | None]:
         """Colours of what moves before those of the room, with shadows, fill lights and textures; None where none are wanted."""
         images = [
@@ -218,19 +226,46 @@ class Renderer:
             chosen = [n for n, request in enumerate(requests) if request.rgb and request.shadows == is_shaded]
             if not chosen:
                 continue
-            surfaces = [surfaces_of(backdrops[n], shots[n]) for n in chosen]
+            views, shots = [backdrops[n] for n in chosen], [shooting.shots[n] for n in chosen]
             chosen_images = [image for n in chosen if (image := images[n]) is not None]
             if is_shaded and shadows is not None:
-                shade_rooms(chosen_images, [backdrops[n] for n in chosen], shadows)
-                for image, n in zip(chosen_images, chosen, strict=True):
-                    if requests[n].feet:
-                        darken_feet(image, backdrops[n], shadows)
-            colors = colors_in_light(surfaces, self.lighting, shadows if is_shaded else None)
-            for image, own, seen in zip(chosen_images, colors, surfaces, strict=True):
+                shade_tables(chosen_images, views, shadows, room.table_key)
+                if shooting.lamps:
+                    for image, view in zip(chosen_images, views, strict=True):
+                        put_pools(image, view, view.table(shadows.view), shooting.lamps)
+            # what is seen through glass first
+            layers = [(n, shot.behind) for n, shot in enumerate(shots) if shot.behind is not None] + list(enumerate(shots))
+            surfaces = [surfaces_of(views[n], shot) for n, shot in layers]
+            colors = colors_in_light(surfaces, self.lighting, shadows if is_shaded else None, shooting.lamps)
+            for (n, shot), own, seen in zip(layers, colors, surfaces, strict=True):
                 if self._link_textures:
                     put_textures(own, seen, self._link_textures, self._frame)
-                put_pixels(image, seen.shot.pixels, as_bytes(own))
+                put_shot(chosen_images[n], shot, toned_pixels(own))
+        self._smooth(requests, backdrops, shooting.shots, images)
         return images
+
+    def _smooth(
+        self,
+        requests: Sequence[Request],
+        backdrops: Sequence[KeptBackdrop],
+        shots: Sequence[Shot],
+        images: list[NDArray[np.uint8] | None],
+    ) -> None:
+        """Smooth the edges of the images that ask for it, those of one size together."""
+        sizes: dict[tuple[int, int], list[int]] = {}
+        for n, request in enumerate(requests):
+            if request.rgb and request.antialiasing:
+                sizes.setdefault(request.view.size, []).append(n)
+        for (width, height), chosen in sizes.items():
+            together = np.stack([image for n in chosen if (image := images[n]) is not None])
+            # as bytes: of 256 surfaces apart two look like one, and their edge stays as it is
+            surfaces = np.empty((len(chosen), height, width), dtype=np.uint8)
+            for own, n in zip(surfaces, chosen, strict=True):
+                np.subtract(255, backdrops[n].image.owner, out=own, casting="unsafe")
+                own.ravel()[shots[n].pixels] = shots[n].surface
+            smoothed(together, surfaces)
+            for image, n in zip(together, chosen, strict=True):
+                images[n] = image if len(chosen) == 1 else image.copy()
 
     def _frame(self, body: int, link: int) -> NDArray[np.float32]:
         identifier = self._client.id
@@ -271,16 +306,6 @@ class Renderer:
 
 def _joined(request: Request, parts: Sequence[Images]) -> Images:
     """Return what a request is to deliver from the images of its parts."""
-    if parts[0].rgb is None or not request.antialiasing:
+    if parts[0].rgb is None or not request.fine:
         return parts[0]
     return replace(parts[-1], rgb=halved(parts[0].rgb))
-
-
-def _sight_of_light(view: CameraView) -> Sight:
-    return Sight(view, None)
-
-
-def _shadow_map(view: CameraView, shot: Shot) -> ShadowMap:
-    depth = np.full(view.size[0] * view.size[1], np.inf, dtype=np.float32)
-    depth[shot.pixels] = shot.depth
-    return ShadowMap(view, depth.reshape(view.size))

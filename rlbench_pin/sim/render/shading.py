@@ -20,13 +20,16 @@ from rlbench_pin.sim.render.lighting import (
     Lighting,
     LightSpots,
     ShadowMap,
+    TableSpots,
     joined_spots,
-    spots_in_image,
     spots_of,
+    table_spots,
 )
 from rlbench_pin.sim.render.masks import segment_of
+from rlbench_pin.sim.render.raster.stage import Lamp
 from rlbench_pin.sim.render.shots import Shot
 from rlbench_pin.sim.render.texture import Texture
+from rlbench_pin.sim.render.tone import toned
 
 _EDGE = np.float32(1e9)
 
@@ -41,8 +44,7 @@ class KeptBackdrop:
 
     def __init__(self, view: CameraView, image: Backdrop) -> None:
         self.view, self.image = view, image
-        self._spots: tuple[CameraView, LightSpots] | None = None
-        self._was_shaded = False
+        self._spots: tuple[CameraView, TableSpots] | None = None
 
     @cached_property
     def inverse(self) -> NDArray[np.float32]:
@@ -52,54 +54,45 @@ class KeptBackdrop:
         np.divide(np.float32(1.0), self.image.depth, out=padded[1:-1, 1:-1])
         return padded.ravel()
 
-    def spots(self, light: CameraView) -> LightSpots:
-        """Places of its pixels in the shadow map of the key light."""
+    def table(self, light: CameraView) -> TableSpots:
+        """Where its pixels that see the table lie in the image that the key light takes."""
         if self._spots is None or self._spots[0] is not light:
-            self._spots = light, spots_in_image(light, self.view, self.image.depth)
+            self._spots = light, table_spots(light, self.view, self.image.depth, self.image.table)
         return self._spots[1]
 
-    def dark(self, pixels: NDArray[np.int64]) -> NDArray[np.void]:
-        """Colours (n,), of type `PIXEL`, of some pixels in the shadow of the key light; from the second time on all are kept."""
-        if self._was_shaded:
-            return self.image.all_dark.take(pixels)
-        self._was_shaded = True
-        return self.image.dark(pixels)
 
-
-def shade_rooms(images: Sequence[NDArray[np.uint8]], backdrops: Sequence[KeptBackdrop], shadows: ShadowMap) -> None:
-    """Darken the room in images (h, w, 3) where moving objects stand in the key light.
+def shade_tables(
+    images: Sequence[NDArray[np.uint8]],
+    backdrops: Sequence[KeptBackdrop],
+    shadows: ShadowMap,
+    key: NDArray[np.float32],
+) -> None:
+    """Darken the table in images (h, w, 3) where moving objects stand in the key light.
 
     Args:
         images: The images, of all cameras.
         backdrops: The room as these cameras see it.
         shadows: The shadows.
+        key: Share (3,) of its colour that the key light gives.
     """
-    if shadows.is_empty or not images:
-        return
-    spots = [backdrop.spots(shadows.view) for backdrop in backdrops]
-    near = [shadows.is_near.take(each.texel).nonzero()[0] for each in spots]
-    share = shadows.lit(joined_spots([each.at(pixels) for each, pixels in zip(spots, near, strict=True)]))
-    ends = np.cumsum([0, *(len(pixels) for pixels in near)])
-    shaded = (share < 1.0).nonzero()[0]
-    parts = np.searchsorted(shaded, ends)
-    chosen = [pixels.take(shaded[a:b] - end) for pixels, a, b, end in zip(near, parts, parts[1:], ends)]
-    colors = np.concatenate([backdrop.dark(pixels) for backdrop, pixels in zip(backdrops, chosen, strict=True)])
-    share = share.take(shaded)
-    between = (share > 0.0).nonzero()[0]
-    high = np.concatenate([image.reshape(-1).view(PIXEL).take(pixels) for image, pixels in zip(images, chosen, strict=True)])
-    colors[between] = _mixed(colors.take(between), high.take(between), share.take(between)).reshape(-1).view(PIXEL)
-    for image, pixels, a, b in zip(images, chosen, parts, parts[1:]):
-        image.reshape(-1).view(PIXEL)[pixels] = colors[a:b]
-
-
-def darken_feet(image: NDArray[np.uint8], backdrop: KeptBackdrop, shadows: ShadowMap) -> None:
-    """Darken the table in an image (h, w, 3) around the feet of what stands on it."""
     if shadows.is_empty:
         return
-    spots = backdrop.spots(shadows.view)
-    pixels = shadows.is_dim.take(spots.texel).nonzero()[0]
-    colors = image.reshape(-1, 3).take(pixels, axis=0).T * shadows.open(spots.at(pixels))
-    put_pixels(image, pixels, as_bytes(colors))
+    tables = [backdrop.table(shadows.view) for backdrop in backdrops]
+    found = [shadows.at(spots) for spots in tables]
+    pixels = [spots.pixels.take(chosen) for spots, (chosen, _) in zip(tables, found, strict=True)]
+    missing = np.concatenate([each for _, each in found])
+    own = np.concatenate([image.reshape(-1).view(PIXEL).take(each) for image, each in zip(images, pixels, strict=True)])
+    shaded = own.view(np.uint8).reshape(-1, 3)
+    for channel, part in enumerate(key.tolist()):
+        values = missing * np.float32(-part)
+        values += np.float32(1.0)
+        np.maximum(values, np.float32(0.0), out=values)
+        values *= shaded[:, channel]
+        values += np.float32(0.5)
+        shaded[:, channel] = values
+    ends = np.cumsum([0, *(len(each) for each in pixels)])
+    for image, each, a, b in zip(images, pixels, ends, ends[1:]):
+        put_pixels(image, each, shaded[a:b])
 
 
 def put_pixels(image: NDArray[np.uint8], pixels: NDArray[np.int64], colors: NDArray[np.uint8]) -> None:
@@ -107,14 +100,105 @@ def put_pixels(image: NDArray[np.uint8], pixels: NDArray[np.int64], colors: NDAr
     image.reshape(-1).view(PIXEL)[pixels] = np.ascontiguousarray(colors).reshape(-1).view(PIXEL)
 
 
-def as_bytes(colors: NDArray[np.float32]) -> NDArray[np.uint8]:
-    """Colours (n, 3) of those in 0..255, (3, n), rounded; overwrites them."""
-    colors += np.float32(0.5)
-    np.minimum(colors, np.float32(255.0), out=colors)
-    result = np.empty((colors.shape[1], 3), dtype=np.uint8)
-    for channel, values in enumerate(colors):
-        result[:, channel] = values.astype(np.uint8)
-    return result
+def toned_pixels(colors: NDArray[np.float32]) -> NDArray[np.uint8]:
+    """Colours (n, 3) of those in 0..255 and above, (3, n), along the tone curve; overwrites them."""
+    return np.ascontiguousarray(toned(colors).T)
+
+
+def put_shot(image: NDArray[np.uint8], shot: Shot, colors: NDArray[np.uint8]) -> None:
+    """Write the colours (n, 3) of what a camera sees to its image (h, w, 3): over what is there, which glass lets through."""
+    if len(shot.glass):
+        under = image.reshape(-1, 3).take(shot.pixels.take(shot.glass), axis=0).astype(np.float32)
+        own = colors.take(shot.glass, axis=0)
+        under += (own - under) * shot.opacity[:, None]
+        colors[shot.glass] = np.rint(under).astype(np.uint8)
+    put_pixels(image, shot.pixels, colors)
+
+
+def put_pools(image: NDArray[np.uint8], backdrop: KeptBackdrop, table: TableSpots, lamps: Sequence[Lamp]) -> None:
+    """Brighten the table in an image (h, w, 3) around lamps that shine."""
+    view = backdrop.view
+    depth = backdrop.image.depth.ravel().take(table.pixels)[:, None]
+    points = view.rays.take(table.pixels, axis=0) * depth + view.pose[:3].astype(np.float32)
+    for lamp in lamps:
+        apart = points - np.array(lamp.position, dtype=np.float32)
+        share = _pool((apart * apart).sum(axis=1), lamp)
+        chosen = (share > np.float32(0.01)).nonzero()[0]
+        pixels = table.pixels.take(chosen)
+        colors = image.reshape(-1, 3).take(pixels, axis=0).astype(np.float32)
+        light = share.take(chosen)[:, None] * (np.array(lamp.color, dtype=np.float32) * _WARM)
+        colors += (np.float32(255.0) - colors) * light
+        put_pixels(image, pixels, colors.astype(np.uint8))
+
+
+def _pool(squared: NDArray[np.float32], lamp: Lamp) -> NDArray[np.float32]:
+    """How bright the light of a lamp is at points, by the squares of their distances (n,) [m^2]."""
+    return _LAMP * np.exp(squared * np.float32(-1.0 / lamp.reach**2))
+
+
+def smoothed(images: NDArray[np.uint8], surfaces: NDArray[np.uint8]) -> None:
+    """Smooth the edges in images (c, h, w, 3) between pixels that see different surfaces (c, h, w).
+
+    Of a row of pixels along such an edge, one line goes from where it steps to one side to where it steps to the next; each pixel
+    takes from the other side what lies there of it. A. Reshetov, Morphological Antialiasing, 2009.
+    """
+    found = [_crossings(surfaces), _crossings(np.ascontiguousarray(surfaces.transpose(0, 2, 1)))]
+    count, height, width = surfaces.shape
+    flat = images.reshape(-1, 3)
+    for (first, second, share), is_turned in zip(found, (False, True)):
+        if is_turned:
+            first, second = (_turned_back(pixels, height, width) for pixels in (first, second))
+        for own, other, sign in ((first, second, 1.0), (second, first, -1.0)):
+            chosen = (share * np.float32(sign) > np.float32(0.02)).nonzero()[0]
+            weight = np.abs(share.take(chosen))[:, None]
+            pixels = own.take(chosen)
+            colors = flat.take(pixels, axis=0).astype(np.float32)
+            colors += (flat.take(other.take(chosen), axis=0) - colors) * weight
+            colors += np.float32(0.5)
+            put_pixels(images, pixels, colors.astype(np.uint8))
+
+
+def _turned_back(pixels: NDArray[np.int64], height: int, width: int) -> NDArray[np.int64]:
+    """Flat indices (n,) in images (c, h, w) of those in images (c, w, h)."""
+    column = pixels // height
+    image = column // width
+    return image * (height * width) + (pixels - column * height) * width + (column - image * width)
+
+
+def _crossings(surfaces: NDArray[np.uint8]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float32]]:
+    """Pixels (n,) of images (c, h, w) that see another surface than those below them, these, and how far the edge lies above
+    their border as a share of a pixel (n,), negative where it lies below.
+    """
+    _, height, width = surfaces.shape
+    flat = surfaces.ravel()
+    differs = surfaces[:, :-1] != surfaces[:, 1:]
+    place = differs.ravel().nonzero()[0]
+    image = place // ((height - 1) * width)
+    upper = place + image * width
+    lower = upper + width
+    above, below = flat.take(upper), flat.take(lower)
+    begins = np.ones(len(upper) + 1, dtype=np.bool_)
+    inner = begins[1:-1]
+    np.not_equal(upper[1:] - upper[:-1], 1, out=inner)
+    inner |= above[1:] != above[:-1]
+    inner |= below[1:] != below[:-1]
+    column = upper % width
+    inner |= column[1:] == 0
+    ends = begins.nonzero()[0]
+    first, length = ends[:-1], np.diff(ends)
+    last = ends[1:] - 1
+    bends = []
+    for end, step, is_border in ((first, -1, column.take(first) == 0), (last, 1, column.take(last) == width - 1)):
+        beside = np.where(is_border, upper.take(end), upper.take(end) + step)
+        up = flat.take(beside) == below.take(end)
+        down = flat.take(beside + width) == above.take(end)
+        bends.append((up.astype(np.float32) - down.astype(np.float32)) * (np.float32(0.5) * ~is_border))
+    run = np.repeat(np.arange(len(first)), length)
+    place = (np.arange(len(upper)) - first.take(run) + np.float32(0.5)) / length.take(run)
+    left, right = (bend.take(run) for bend in bends)
+    way = (np.float32(1.0) - np.float32(2.0) * place).astype(np.float32)
+    share = np.where(way > 0.0, left * way, right * -way)
+    return upper, lower, share
 
 
 def halved(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
@@ -128,18 +212,6 @@ def halved(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
     return pairs.astype(np.uint8)
 
 
-def _mixed(low: NDArray[np.void], high: NDArray[np.void], share: NDArray[np.float32]) -> NDArray[np.uint8]:
-    """Colours (n, 3) between those of two arrays (n,) of type `PIXEL`."""
-    colors = np.empty((3, len(share)), dtype=np.float32)
-    first, last = low.view(np.uint8).reshape(-1, 3), high.view(np.uint8).reshape(-1, 3)
-    for channel, values in enumerate(colors):
-        start = first[:, channel].astype(np.float32)
-        np.subtract(last[:, channel], start, out=values)
-        values *= share
-        values += start
-    return as_bytes(colors)
-
-
 _HEIGHTS = np.array([-1.0, -0.25, 0.0, 0.15, 0.55, 0.8, 1.0], dtype=np.float32)
 """z of directions in which glossy objects look."""
 _ROOM = np.array([0.30, 0.40, 0.15, 0.50, 0.65, 0.95, 1.05], dtype=np.float32)
@@ -149,6 +221,12 @@ _SHARPNESS, _HIGHLIGHT = 6, np.float32(4.0)
 _WINDOWS = np.float32(0.35)
 """How much brighter four of eight directions around are, which draw streaks along round walls."""
 _OTHERS = np.array([[1, 2], [0, 2], [0, 1]])
+_SKY = np.float32(0.06)
+"""By how much more of the ambient light what looks upwards gets, and by how much less what looks downwards."""
+_BRIGHT = np.float32(1.25)
+"""Light on what shines by itself."""
+_LAMP, _WARM = np.float32(0.75), np.array([1.0, 0.86, 0.58], dtype=np.float32)
+"""How bright a lamp is, and its colour."""
 LinkFrame = Callable[[int, int], NDArray[np.float32]]
 """Returns the placement (4, 4) of a link in the world, by body and link."""
 
@@ -173,6 +251,7 @@ class Surfaces:
     normals: NDArray[np.float32]
     """Unit normals (3, n) in the world."""
 
+    @cached_property
     def points(self) -> NDArray[np.float32]:
         """Where they are (3, n), in the frame of the camera [m]."""
         k, depth = self.backdrop.view.intrinsics().astype(np.float32), self.shot.depth
@@ -183,14 +262,16 @@ class Surfaces:
         points[2] = depth
         return points
 
+    def in_world(self) -> NDArray[np.float32]:
+        """Where they are (3, n), in the world [m]."""
+        pose = self.backdrop.view.extrinsics().astype(np.float32)
+        return pose[:3, :3] @ self.points + pose[:3, 3:]
+
     def rays(self) -> NDArray[np.float32]:
         """Unit directions (3, k) in the world in which the camera sees what is glossy."""
-        view = self.backdrop.view
-        k = view.intrinsics().astype(np.float32)
-        row, column = _places(self.shot.pixels.take(self.shot.glossy), view.size[0])
-        rays = np.stack([(column - k[0, 2]) / k[0, 0], (row - k[1, 2]) / k[1, 1], np.ones_like(row)])
-        rays /= np.sqrt((rays * rays).sum(axis=0))
-        return view.extrinsics()[:3, :3].astype(np.float32) @ rays
+        points = self.points.take(self.shot.glossy, axis=1)
+        points /= np.sqrt((points * points).sum(axis=0))
+        return self.backdrop.view.extrinsics()[:3, :3].astype(np.float32) @ points
 
 
 def surfaces_of(backdrop: KeptBackdrop, shot: Shot) -> Surfaces:
@@ -198,17 +279,25 @@ def surfaces_of(backdrop: KeptBackdrop, shot: Shot) -> Surfaces:
     return Surfaces(backdrop, shot, _normals_of_depth(backdrop, shot) if shot.normals is None else shot.normals)
 
 
-def colors_in_light(surfaces: Sequence[Surfaces], lighting: Lighting, shadows: ShadowMap | None) -> list[NDArray[np.float32]]:
+def colors_in_light(
+    surfaces: Sequence[Surfaces], lighting: Lighting, shadows: ShadowMap | None, lamps: Sequence[Lamp]
+) -> list[NDArray[np.float32]]:
     """Return the colours (3, n) in 0..255 of what each of some cameras sees.
 
     Args:
         surfaces: What they see; all from the same renderer.
         lighting: The lights.
         shadows: The shadows. Without them fills are part of the ambient light.
+        lamps: Lamps that shine; without shadows they light nothing.
     """
     colors = np.concatenate([each.shot.colors for each in surfaces], axis=1)
     normals = np.concatenate([each.normals for each in surfaces], axis=1)
     share = None
+    ends = np.cumsum([0, *(len(each.shot.pixels) for each in surfaces)])
+
+    def joined(name: str) -> NDArray[np.int64]:
+        return np.concatenate([getattr(each.shot, name) + end for each, end in zip(surfaces, ends)])
+
     is_lit = any(each.shot.normals is None for each in surfaces)
     if not is_lit or shadows is not None:
         cosine = _on(normals, lighting.key)
@@ -217,9 +306,11 @@ def colors_in_light(surfaces: Sequence[Surfaces], lighting: Lighting, shadows: S
         light = _light(normals, cosine, share, lighting, shadows is not None)
         if is_lit:
             light /= np.float32(lighting.ambient) + cosine * np.float32(lighting.key.intensity)
+        if shadows is not None and lamps:
+            light = light + _lamp_light(np.concatenate([each.in_world() for each in surfaces], axis=1), normals, lamps)
+        light[..., joined("shining")] = _BRIGHT
         colors *= light
-    ends = np.cumsum([0, *(len(each.shot.pixels) for each in surfaces)])
-    glossy = np.concatenate([each.shot.glossy + end for each, end in zip(surfaces, ends)])
+    glossy = joined("glossy")
     if shadows is not None and len(glossy):
         lit = np.float32(1.0) if share is None else share.take(glossy)
         rays = np.concatenate([each.rays() for each in surfaces], axis=1)
@@ -227,6 +318,18 @@ def colors_in_light(surfaces: Sequence[Surfaces], lighting: Lighting, shadows: S
         own = colors.take(glossy, axis=1)
         colors[:, glossy] = _mirrored(own, gloss, rays, normals.take(glossy, axis=1), lit, lighting)
     return [colors[:, a:b] for a, b in zip(ends, ends[1:])]
+
+
+def _lamp_light(points: NDArray[np.float32], normals: NDArray[np.float32], lamps: Sequence[Lamp]) -> NDArray[np.float32]:
+    """Light (3, n) of lamps on points (3, n) in the world with unit normals (3, n)."""
+    total = np.zeros_like(points)
+    for lamp in lamps:
+        towards = np.array(lamp.position, dtype=np.float32)[:, None] - points
+        squared = (towards * towards).sum(axis=0)
+        facing = (towards * normals).sum(axis=0) / np.sqrt(np.maximum(squared, np.float32(1e-6)))
+        share = _pool(squared, lamp) * np.maximum(np.float32(0.3) + np.float32(0.7) * facing, np.float32(0.0))
+        total += (np.array(lamp.color, dtype=np.float32) * _WARM)[:, None] * share
+    return total
 
 
 def _mirrored(
@@ -296,13 +399,15 @@ def _light(
         key *= share
     if not has_fills:
         return key + np.float32(lighting.ambient + lighting.mean_fill)
+    ambient = normals[2] * _SKY
+    ambient += np.float32(lighting.ambient)
     if lighting.is_white:
-        key += np.float32(lighting.ambient)
+        key += ambient
         for fill in lighting.fills:
             key += _on(normals, fill) * np.float32(fill.intensity)
         return key
     tint = np.array(key_light.color, dtype=np.float32)
-    mixed = np.float32(lighting.ambient) * (tint * np.float32(0.5) + np.float32(0.5))[:, None] + key * tint[:, None]
+    mixed = ambient * (tint * np.float32(0.5) + np.float32(0.5))[:, None] + key * tint[:, None]
     for fill in lighting.fills:
         mixed += _on(normals, fill) * np.array(fill.color, dtype=np.float32)[:, None] * np.float32(fill.intensity)
     return mixed
@@ -318,7 +423,7 @@ def _on(normals: NDArray[np.float32], light: Light) -> NDArray[np.float32]:
 
 
 def _spots(surfaces: Surfaces, shadows: ShadowMap) -> LightSpots:
-    return spots_of(shadows.view, surfaces.backdrop.view, surfaces.points())
+    return spots_of(shadows.view, surfaces.backdrop.view, surfaces.points)
 
 
 def _bias(cosine: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -341,7 +446,7 @@ def put_textures(
         frame: Says where a link is.
     """
     shot, focal = surfaces.shot, np.float32(-surfaces.backdrop.view.intrinsics()[0, 0])
-    pose, local = surfaces.backdrop.view.extrinsics().astype(np.float32), surfaces.points()
+    pose, local = surfaces.backdrop.view.extrinsics().astype(np.float32), surfaces.points
     segments = shot.segments.take(shot.segment)
     for (body, link), texture in textures.items():
         chosen = np.flatnonzero(segments == segment_of(body, link))

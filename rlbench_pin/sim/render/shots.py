@@ -14,8 +14,8 @@ from rlbench_pin.sim.output import captured_output
 from rlbench_pin.sim.render.camera import CameraView, projection_matrix
 from rlbench_pin.sim.render.lighting import SPECULAR, Lighting
 from rlbench_pin.sim.render.masks import bodies_of
-from rlbench_pin.sim.render.raster.drawing import TOUCHING, Drawn, Sight, draw
-from rlbench_pin.sim.render.raster.stage import Appearance, Parts, Stage
+from rlbench_pin.sim.render.raster.drawing import TOUCHING, Blocked, Drawn, Sight, draw
+from rlbench_pin.sim.render.raster.stage import Appearance, Lamp, Materials, Parts, Stage
 
 _HARDWARE_NEAR = 0.03  # its depth has so few bits that a nearer plane would cost millimetres [m]
 
@@ -41,12 +41,34 @@ class Shot:
     colors: NDArray[np.float32]
     """Colours (3, n) in 0..255; none when no colours were wanted."""
     normals: NDArray[np.float32] | None
-    """Unit normals (3, n) in the world. None when the renderer does not report them; then the colours are those in the
-    ambient and key light without shadows, otherwise those of the objects themselves."""
+    """Unit normals (3, n) in the world. None when the renderer does not tell; then the colours are those in the ambient and key
+    light without shadows, otherwise those of the objects themselves."""
+    surface: NDArray[np.int64]
+    """Number of the visual that each pixel sees, or of its link where the renderer does not tell (n,)."""
     glossy: NDArray[np.int64] = field(default_factory=lambda: _NONE)
     """Which of the pixels see something glossy (k,)."""
     gloss: NDArray[np.float32] = field(default_factory=lambda: _DULL)
     """Share of red, green, blue that it throws back like a mirror (3, k)."""
+    shining: NDArray[np.int64] = field(default_factory=lambda: _NONE)
+    """Which of the pixels see something that shines (s,)."""
+    glass: NDArray[np.int64] = field(default_factory=lambda: _NONE)
+    """Which of the pixels see glass (g,)."""
+    opacity: NDArray[np.float32] = field(default_factory=lambda: _DULL[0])
+    """How much of what is behind it the glass hides (g,), 0..1."""
+    behind: Shot | None = None
+    """What is seen through the glass, where it is no part of the room."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shooting:
+    """What the cameras of an instant see of moving objects."""
+
+    shots: list[Shot]
+    """One for each camera."""
+    blocked: Blocked | None
+    """What stands in the light; None where that was not asked for."""
+    lamps: list[Lamp]
+    """Lamps that shine."""
 
 
 class NumpyRasterizer:
@@ -61,28 +83,38 @@ class NumpyRasterizer:
     def __init__(self, client: PhysicsClient, room: frozenset[int], appearance: Appearance) -> None:
         self._stage, self._other = Stage(client, room, appearance), BulletRasterizer(client, room)
 
-    def shoot(self, sights: Sequence[Sight], lighting: Lighting) -> list[Shot]:
-        """Return one shot for each camera."""
+    def shoot(self, sights: Sequence[Sight], lighting: Lighting, light: CameraView | None) -> Shooting:
+        """Look through some cameras, and through `light`, the camera of a light."""
         placed = self._stage.update()
         if placed is None:
-            return self._other.shoot(sights, lighting)
-        colors, shape = self._stage.colors, placed.parts.shape
-        drawn = draw(placed, self._stage.layers, (colors[:, 3] > 0.0).take(shape), sights)
-        paint = np.ascontiguousarray((colors[:, :3] * np.float32(255.0)).T)
-        gloss = np.ascontiguousarray(self._stage.gloss.T)
-        return [_shot(image, placed.parts, paint, gloss, sight.is_lit) for image, sight in zip(drawn, sights, strict=True)]
+            return self._other.shoot(sights, lighting, light)
+        materials = self._stage.materials
+        drawn, blocked = draw(placed, self._stage.layers, materials.opacity.take(placed.parts.shape), sights, light)
+        shots = [_shot(image, placed.parts, materials, sight.is_lit) for image, sight in zip(drawn, sights, strict=True)]
+        return Shooting(shots, blocked, self._stage.lamps())
 
 
-def _shot(drawn: Drawn, parts: Parts, paint: NDArray[np.float32], gloss: NDArray[np.float32], is_lit: bool) -> Shot:
-    """What a camera sees, in the colours (3, v) of the visuals in 0..255, and what of it is glossy (3, v)."""
+def _shot(drawn: Drawn, parts: Parts, materials: Materials, is_lit: bool) -> Shot:
+    """What a camera sees."""
     triangles = drawn.triangles
-    shot = Shot(drawn.pixels, drawn.inverse, drawn.depth, parts.segments, parts.link.take(triangles), _DULL, drawn.normals)
+    shape = parts.shape.take(triangles)
+    shot = Shot(drawn.pixels, drawn.inverse, drawn.depth, parts.segments, parts.link.take(triangles), _DULL, drawn.normals, shape)
     if not is_lit:
         return shot
-    shape = parts.shape.take(triangles)
-    is_glossy = gloss.any(axis=0)
-    glossy = is_glossy.take(shape).nonzero()[0] if is_glossy.any() else _NONE
-    return replace(shot, colors=paint.take(shape, axis=1), glossy=glossy, gloss=gloss.take(shape.take(glossy), axis=1))
+    glossy = materials.is_glossy.take(shape).nonzero()[0] if materials.is_glossy.any() else _NONE
+    shot = replace(
+        shot,
+        colors=materials.colors.take(shape, axis=1),
+        glossy=glossy,
+        gloss=materials.gloss.take(shape.take(glossy), axis=1),
+        shining=materials.shines.take(shape).nonzero()[0] if materials.shines.any() else _NONE,
+    )
+    opacity = materials.opacity
+    if opacity.min() == 1.0:
+        return shot
+    glass = (opacity.take(shape) < 1.0).nonzero()[0]
+    behind = None if drawn.behind is None else _shot(drawn.behind, parts, materials, is_lit)
+    return replace(shot, glass=glass, opacity=opacity.take(shape.take(glass)), behind=behind)
 
 
 class BulletRasterizer:
@@ -97,9 +129,16 @@ class BulletRasterizer:
         self._client, self._hardware = client, client.hardware
         self._room = np.array(sorted(room), dtype=np.int32)
 
-    def shoot(self, sights: Sequence[Sight], lighting: Lighting) -> list[Shot]:
-        """Return one shot for each camera."""
-        return [self._shot(sight, lighting) for sight in sights]
+    def shoot(self, sights: Sequence[Sight], lighting: Lighting, light: CameraView | None) -> Shooting:
+        """Look through some cameras, and through `light`, the camera of a light."""
+        shots = [self._shot(sight, lighting) for sight in sights]
+        return Shooting(shots, None if light is None else self._blocked(light, lighting), [])
+
+    def _blocked(self, light: CameraView, lighting: Lighting) -> Blocked:
+        shot = self._shot(Sight(light, None), lighting)
+        depth = np.full(light.size[0] * light.size[1], np.inf, dtype=np.float32)
+        depth[shot.pixels] = shot.depth
+        return Blocked(0, 0, depth.reshape(light.size[::-1]))
 
     def _shot(self, sight: Sight, lighting: Lighting) -> Shot:
         view = sight.view
@@ -117,7 +156,8 @@ class BulletRasterizer:
         seen = depth < (view.far if sight.limit is None else sight.limit[pixels] + TOUCHING)
         pixels, inverse, depth = pixels[seen], precise[seen].astype(np.float32), depth[seen]
         rgb = np.reshape(colors, (-1, 4))[pixels, :3].T.astype(np.float32)
-        return Shot(pixels, inverse, depth, segments[pixels], np.arange(len(pixels)), rgb, None)
+        segments = segments[pixels]
+        return Shot(pixels, inverse, depth, segments, np.arange(len(pixels)), rgb, None, segments.astype(np.int64))
 
     def _camera_image(self, view: CameraView, sight: Sight, lighting: Lighting) -> tuple[NDArray, NDArray, NDArray]:
         """Colours, depth buffer and segments; OpenGL prints a line at every change of size."""

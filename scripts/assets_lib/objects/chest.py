@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from assets_lib.mesh import Mesh, box, merge, rod
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal
+from itertools import pairwise
+
+from assets_lib.cabinets import bevelled, bevelled_box, cabinet
+from assets_lib.mesh import Mesh, box, cylinder, merge, rod
+from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic
 
 DEPTH, WIDTH, HEIGHT, LEG = 0.26, 0.34, 0.36, 0.045
 SIDE, PANEL, BACK = 0.018, 0.012, 0.008
@@ -15,6 +18,7 @@ BAR_RADIUS, BAR_LENGTH = 0.006, 0.10
 HANDLE = (-0.045, 0.0, 0.015)
 """Centre of the handle bar in the drawer frame [m]."""
 OAK, DARK_OAK, PALE, STEEL = (0.62, 0.42, 0.24), (0.46, 0.29, 0.15), (0.84, 0.69, 0.48), metal((0.30, 0.30, 0.32))
+TOP = plastic((0.66, 0.46, 0.27))
 DRAWERS = ("drawer_bottom", "drawer_middle", "drawer_top")
 HALF_PI = 1.5707963267948966
 
@@ -31,6 +35,15 @@ def _carcass() -> tuple[Box, ...]:
     for i in (1, 2):
         boxes.append(((0.03, inner, 0.003), (-DEPTH / 2.0 + 0.03, 0.0, LEG + PANEL + i * PITCH)))
     return tuple(boxes)
+
+
+def _shell() -> Mesh:
+    """Return what is seen of the fixed part: a case that is open to the front, one opening for each drawer."""
+    inner = WIDTH / 2.0 - SIDE
+    edges = [LEG + PANEL + i * PITCH for i in range(4)]
+    hollows = tuple((low + 0.0015, high - 0.0015) for low, high in pairwise(edges))
+    spans = ((-DEPTH / 2.0, DEPTH / 2.0), (-WIDTH / 2.0, WIDTH / 2.0), (LEG, HEIGHT - 0.006))
+    return cabinet(*spans, (-inner, inner), hollows, DEPTH - BACK)
 
 
 def _legs() -> tuple[Box, ...]:
@@ -67,6 +80,12 @@ def _handle_mesh() -> Mesh:
     return merge([bar, *posts])
 
 
+def _rosettes() -> Mesh:
+    """Return the round plates under the posts of the handle."""
+    turn = (0.0, HALF_PI, 0.0)
+    return merge(cylinder(0.011, 0.003, 8).moved((-0.0005, y, HANDLE[2]), turn) for y in (-0.042, 0.042))
+
+
 def _handle_shapes() -> tuple[Shape, ...]:
     x, _, z = HANDLE
     bar = cylinder_shape(BAR_RADIUS, BAR_LENGTH, HANDLE, (HALF_PI, 0.0, 0.0))
@@ -79,7 +98,8 @@ def _merged(boxes: tuple[Box, ...]) -> Mesh:
 
 def _drawer(name: str) -> Link:
     visuals = (
-        Visual(mesh_shape("front", _merged((_front(),))), PALE),
+        Visual(mesh_shape("front", bevelled((_front(),), 0.003)), PALE),
+        Visual(mesh_shape("rosettes", _rosettes()), STEEL),
         Visual(mesh_shape("tray", _merged(_tray())), (0.90, 0.82, 0.68)),
         Visual(mesh_shape("handle", _handle_mesh()), STEEL),
     )
@@ -99,8 +119,9 @@ def models() -> tuple[Model, ...]:
     """Return the models of this family."""
     fixed = (*_carcass(), *_legs())
     visuals = (
-        Visual(mesh_shape("carcass", _merged(_carcass())), OAK),
-        Visual(mesh_shape("legs", _merged(_legs())), DARK_OAK),
+        Visual(mesh_shape("carcass", _shell()), OAK),
+        Visual(mesh_shape("top", bevelled_box((DEPTH, WIDTH, 0.014), (0.0, 0.0, HEIGHT - 0.007), 0.004)), TOP),
+        Visual(mesh_shape("legs", bevelled(_legs())), DARK_OAK),
         Visual(mesh_shape("back_board", _merged(_back_board())), PALE),
     )
     chest = Link("chest", 6.0, visuals, tuple(box_shape(size, center) for size, center in fixed))

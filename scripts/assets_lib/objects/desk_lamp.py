@@ -7,7 +7,20 @@ from itertools import pairwise
 import numpy as np
 
 from assets_lib.mesh import Mesh, hull_of, lathe, merge, rod
-from assets_lib.urdf import Joint, Link, Model, Shape, Vec3, Visual, cylinder_shape, mesh_shape, metal, plastic, sphere_shape
+from assets_lib.urdf import (
+    Joint,
+    Link,
+    Model,
+    Shape,
+    Vec3,
+    Visual,
+    cylinder_shape,
+    mesh_shape,
+    metal,
+    plastic,
+    shining,
+    sphere_shape,
+)
 
 FOOT_RADIUS, FOOT_HEIGHT, STEM_RADIUS = 0.055, 0.018, 0.008
 SOCKET_RADIUS, SOCKET_LOW, SOCKET_TOP = 0.015, 0.118, 0.150
@@ -88,10 +101,24 @@ def models() -> tuple[Model, ...]:
         cylinder_shape(STEM_RADIUS, SOCKET_LOW - FOOT_HEIGHT, (0.0, 0.0, (SOCKET_LOW + FOOT_HEIGHT) / 2.0)),
         cylinder_shape(SOCKET_RADIUS, SOCKET_TOP - SOCKET_LOW, (0.0, 0.0, (SOCKET_TOP + SOCKET_LOW) / 2.0)),
     )
+    shade = Visual(mesh_shape("shade", _shade()), shining(CLOTH, emission=(1.0, 0.91, 0.5)))
+    bulb = Visual(mesh_shape("bulb", _bulb()), shining(WHITE, reach=0.28), crease=1.2)
     links = (
         Link("stand", 1.2, visuals, solid, friction=0.5),
-        Link("shade", 0.08, (Visual(mesh_shape("shade", _shade()), CLOTH),), _shade_shapes(), friction=0.5),
-        Link("bulb", 0.03, (Visual(mesh_shape("bulb", _bulb()), WHITE, crease=1.2),), (_ball_shape(),), friction=0.5),
+        Link(
+            "shade",
+            0.08,
+            (shade,),
+            _shade_shapes(),
+            friction=0.5,
+        ),
+        Link(
+            "bulb",
+            0.03,
+            (bulb,),
+            (_ball_shape(),),
+            friction=0.5,
+        ),
     )
     joints = tuple(Joint(f"{child}_holder", "fixed", "stand", child, (0.0, 0.0, 0.0)) for child in ("shade", "bulb"))
     notes = (

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from assets_lib.cabinets import bevelled, cabinet, rectangle_at
 from assets_lib.mesh import Mesh, box, cylinder, icosphere, merge, rod
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic
+from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic, shining
 
 DEPTH, WIDTH, HEIGHT, FOOT, WALL = 0.30, 0.36, 0.60, 0.012, 0.015
 THICK, GAP = 0.03, 0.002
@@ -24,8 +25,9 @@ HANDLE = (-THICK - 0.056, -0.312)
 BAR_RADIUS = 0.007
 BARS = {"upper": (-0.09, 0.20), "lower": (0.02, 0.10)}
 """Middle height in the frame of the door, and length of the handle bar [m]."""
-MINT, WHITE, INSIDE = plastic((0.36, 0.66, 0.64)), (0.95, 0.96, 0.96), (0.88, 0.92, 0.94)
-DARK, CHROME = (0.14, 0.14, 0.15), metal((0.84, 0.85, 0.88))
+MINT, WHITE, INSIDE = plastic((0.42, 0.70, 0.68)), (0.95, 0.96, 0.96), (0.88, 0.92, 0.94)
+DARK, CHROME, SEAL = (0.14, 0.14, 0.15), metal((0.84, 0.85, 0.88)), (0.30, 0.32, 0.33)
+HALF_PI = 1.57079633
 
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]
 
@@ -48,6 +50,13 @@ def _walls() -> tuple[Box, ...]:
         _between((BACK, DEPTH / 2.0), (-half + WALL, half - WALL), level),
         _between((FRONT, BACK), (-half + WALL, half - WALL), (FLOORS[1] - WALL, FLOORS[1])),
     )
+
+
+def _shell() -> Mesh:
+    """Return the shell around both compartments."""
+    half, hollows = WIDTH / 2.0, ((FLOORS[0], FLOORS[1] - WALL), (FLOORS[1], HEIGHT - WALL))
+    inner = (-half + WALL, half - WALL)
+    return cabinet((FRONT, DEPTH / 2.0), (-half, half), (FOOT, HEIGHT), inner, hollows, BACK - FRONT)
 
 
 def _shelves() -> tuple[Box, ...]:
@@ -85,8 +94,8 @@ def _lining() -> Mesh:
 def _coil() -> Mesh:
     """Return the pipes on the back, seen by the front camera."""
     x = DEPTH / 2.0 + 0.006
-    runs = [box((0.006, 0.28, 0.007), (x, 0.0, 0.20 + 0.035 * i)) for i in range(10)]
-    bends = [box((0.006, 0.007, 0.035), (x, (0.14 if i % 2 else -0.14), 0.2175 + 0.035 * i)) for i in range(9)]
+    runs = [box((0.006, 0.28, 0.007), (x, 0.0, 0.20 + 0.045 * i)) for i in range(8)]
+    bends = [box((0.006, 0.007, 0.045), (x, (0.14 if i % 2 else -0.14), 0.2225 + 0.045 * i)) for i in range(7)]
     return merge([*runs, *bends, *(box((0.008, 0.006, 0.36), (x - 0.002, y, 0.36)) for y in (-0.09, 0.09))])
 
 
@@ -101,7 +110,7 @@ def _merged(boxes: tuple[Box, ...]) -> Mesh:
 def _body_link() -> Link:
     food = _food()
     visuals = (
-        Visual(mesh_shape("shell", _merged(_walls())), MINT),
+        Visual(mesh_shape("shell", _shell()), MINT),
         Visual(mesh_shape("lining", _lining()), INSIDE),
         Visual(mesh_shape("shelves", _merged(_shelves())), (0.62, 0.74, 0.80)),
         Visual(mesh_shape("feet", _merged(_feet())), DARK),
@@ -125,6 +134,20 @@ def _handle(z: float, length: float) -> tuple[Mesh, tuple[Shape, ...]]:
     return merge([bar, *posts]), (cylinder_shape(BAR_RADIUS, length, (x, y, z)), *stays)
 
 
+def _bolted_plates(z: float, length: float) -> Mesh:
+    """Return the plates by which a handle is fixed to its door."""
+    ends = (z + side * (length / 2.0 - 0.012) for side in (-1, 1))
+    return merge(box((0.004, 0.026, 0.028), (-THICK - 0.001, HANDLE[1], end)) for end in ends)
+
+
+def _seal(tall: float) -> Mesh:
+    """Return the rubber around the inner side of a door, seen when it is open."""
+    y, z, wide = (-WIDTH + 0.006, -0.006), (-tall / 2.0 + 0.006, tall / 2.0 - 0.006), 0.016
+    strips = [((y[0], y[0] + wide), z), ((y[1] - wide, y[1]), z), (y, (z[0], z[0] + wide)), (y, (z[1] - wide, z[1]))]
+    # a rectangle is seen from -x, turned about z from +x
+    return merge(rectangle_at(-0.0012, (-own[1], -own[0]), high) for own, high in strips).moved(rpy=(0.0, 0.0, 2.0 * HALF_PI))
+
+
 def _racks(tall: float) -> tuple[Box, ...]:
     """Return the racks on the inner side of the upper door: floor and front board of each."""
     racks: list[Box] = []
@@ -141,9 +164,10 @@ def _door_link(name: str, bounds: tuple[float, float], mass: float) -> Link:
     pad: Box = ((0.002, WIDTH - 0.05, tall - 0.05), (0.001, -WIDTH / 2.0, 0.0))
     handle, shapes = _handle(*BARS[name])
     visuals = [
-        Visual(mesh_shape(f"{name}_door", _merged((slab,))), MINT),
+        Visual(mesh_shape(f"{name}_door", bevelled((slab,), 0.004)), MINT),
         Visual(mesh_shape(f"{name}_pad", _merged((pad,))), WHITE),
-        Visual(mesh_shape(f"{name}_handle", handle), CHROME),
+        Visual(mesh_shape(f"{name}_seal", _seal(tall)), SEAL),
+        Visual(mesh_shape(f"{name}_handle", merge([handle, _bolted_plates(*BARS[name])])), CHROME),
     ]
     solid: list[Box] = [slab]
     if name == "upper":
@@ -151,12 +175,14 @@ def _door_link(name: str, bounds: tuple[float, float], mass: float) -> Link:
         solid += racks
         bottles = [cylinder(0.016, 0.09, 8).moved((0.02, y, -tall / 2.0 + 0.081)) for y in (-0.09, -0.15)]
         eggs = [icosphere(0.014, 0).moved((0.02, -0.08 - 0.035 * i, 0.051)) for i in range(6)]
-        badge = box((0.002, 0.12, 0.024), (-THICK - 0.001, -0.14, 0.13))
+        badge = box((0.002, 0.10, 0.018), (-THICK - 0.001, -0.13, 0.15))
+        display = box((0.002, 0.05, 0.012), (-THICK - 0.001, -0.24, 0.15))
         visuals += [
             Visual(mesh_shape("racks", _merged(racks)), (0.62, 0.74, 0.80)),
             Visual(mesh_shape("juice", merge(bottles)), (0.95, 0.50, 0.12)),
             Visual(mesh_shape("eggs", merge(eggs)), (0.90, 0.72, 0.55)),
-            Visual(mesh_shape("badge", badge), WHITE),
+            Visual(mesh_shape("badge", badge), CHROME),
+            Visual(mesh_shape("display", display), shining((0.35, 0.80, 0.95))),
         ]
     return Link(
         f"{name}_link", mass, tuple(visuals), (*(box_shape(size, center) for size, center in solid), *shapes), friction=1.0

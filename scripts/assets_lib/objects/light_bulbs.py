@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -121,7 +122,9 @@ def _thread_mesh() -> Mesh:
 
 
 def _bulb() -> Model:
-    pear = Visual(mesh_shape("glass", lathe(_glass_outline(), 20)), glass(WHITE), crease=1.2)
+    pear = Visual(
+        mesh_shape("glass", lathe(_glass_outline(), 20)), replace(glass(WHITE), emission=(1.0, 1.0, 0.0), reach=0.25), crease=1.2
+    )
     top = THREAD_TOP + COLLAR
     neck = cylinder_shape(NECK_RADIUS, -0.016 - top, (0.0, 0.0, (top - 0.016) / 2.0))
     ball = Link("glass", 0.03, (pear,), (sphere_shape(GLASS), neck), friction=1.0)

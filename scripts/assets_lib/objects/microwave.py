@@ -2,8 +2,22 @@
 
 from __future__ import annotations
 
+from assets_lib.cabinets import bevelled, cabinet
 from assets_lib.mesh import Mesh, box, cylinder, merge, rod
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, glass, mesh_shape, metal, plastic
+from assets_lib.urdf import (
+    Joint,
+    Link,
+    Model,
+    Shape,
+    Visual,
+    box_shape,
+    cylinder_shape,
+    mesh_shape,
+    metal,
+    pane,
+    plastic,
+    shining,
+)
 
 DEPTH, WIDTH, HEIGHT, FOOT = 0.28, 0.38, 0.24, 0.01
 DOOR = (0.018, 0.28, 0.22)
@@ -16,7 +30,7 @@ HINGE = (FRONT - GAP, WIDTH / 2.0, (FOOT + HEIGHT) / 2.0)
 HANDLE = (-0.018 - 0.042, -0.255, 0.0)
 """Centre of the handle bar in the door frame [m]."""
 BAR_RADIUS, BAR_LENGTH = 0.006, 0.15
-SHELL, BLACK, GLASS = plastic((0.80, 0.81, 0.82)), (0.10, 0.10, 0.11), glass((0.20, 0.26, 0.30))
+SHELL, BLACK, GLASS = plastic((0.80, 0.81, 0.82)), (0.10, 0.10, 0.11), pane((0.12, 0.15, 0.17), 0.55)
 
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]
 
@@ -33,6 +47,28 @@ def _body() -> tuple[Box, ...]:
         ((WALL, left - WALL - right, tall - 2 * WALL), (DEPTH / 2.0 - WALL / 2.0, (left - WALL + right) / 2.0, z)),
         ((depth, PANEL_WIDTH, tall - 2 * WALL), (mid, right - PANEL_WIDTH / 2.0, z)),
     )
+
+
+def _shell() -> Mesh:
+    """Return the shell around the hollow."""
+    hollow = (FOOT + WALL, HEIGHT - WALL)
+    opening = (-WIDTH / 2.0 + PANEL_WIDTH, WIDTH / 2.0 - WALL)
+    spans = ((FRONT, DEPTH / 2.0), (-WIDTH / 2.0, WIDTH / 2.0), (FOOT, HEIGHT))
+    return cabinet(*spans, opening, (hollow,), DEPTH / 2.0 - WALL - FRONT)
+
+
+def _dial() -> Mesh:
+    """Return the knob for the time below the keys."""
+    place = (-DEPTH / 2.0 - 0.005, -WIDTH / 2.0 + PANEL_WIDTH / 2.0, 0.038)
+    return cylinder(0.016, 0.010, 20, bevel=0.002).moved(place, (0.0, 1.57079633, 0.0))
+
+
+def _rim() -> Mesh:
+    """Return the bright line around the window."""
+    _, w, h = DOOR
+    x, y, z = -DOOR[0] - 0.0006, (-w + 0.058, -0.038), (-h / 2.0 + 0.038, h / 2.0 - 0.038)
+    bars = [box((0.0012, y[1] - y[0], 0.002), (x, (y[0] + y[1]) / 2.0, at)) for at in z]
+    return merge([*bars, *(box((0.0012, 0.002, z[1] - z[0]), (x, at, 0.0)) for at in y)])
 
 
 def _control_panel() -> Box:
@@ -104,10 +140,12 @@ def _body_link() -> Link:
     y = -WIDTH / 2.0 + PANEL_WIDTH / 2.0
     display = box((0.003, 0.068, 0.03), (-DEPTH / 2.0 - 0.0015, y, 0.19))
     visuals = (
-        Visual(mesh_shape("shell", _merged(_body())), SHELL),
-        Visual(mesh_shape("control_panel", _merged((_control_panel(),))), BLACK),
+        Visual(mesh_shape("shell", _shell()), SHELL),
+        Visual(mesh_shape("control_panel", bevelled((_control_panel(),))), BLACK),
+        Visual(mesh_shape("dial", _dial()), metal((0.85, 0.86, 0.88))),
+        Visual(mesh_shape("badge", box((0.001, 0.05, 0.008), (-DEPTH / 2.0 - 0.0005, y, 0.163))), (0.70, 0.71, 0.73)),
         Visual(mesh_shape("keys", _keys()), (0.75, 0.76, 0.78)),
-        Visual(mesh_shape("display", display), (0.15, 0.85, 0.45)),
+        Visual(mesh_shape("display", display), shining((0.15, 0.85, 0.45))),
         Visual(mesh_shape("feet", _feet()), BLACK),
         Visual(mesh_shape("vents", _vents()), (0.30, 0.31, 0.33)),
         Visual(mesh_shape("turntable", _turntable()), (0.62, 0.72, 0.76)),
@@ -122,6 +160,7 @@ def models() -> tuple[Model, ...]:
     """Return the models of this family."""
     visuals = (
         Visual(mesh_shape("door_frame", _merged(_frame())), BLACK),
+        Visual(mesh_shape("mesh_rim", _rim()), (0.32, 0.33, 0.35)),
         Visual(mesh_shape("window", _merged((_window(),))), GLASS),
         Visual(mesh_shape("handle", _handle_mesh()), metal((0.85, 0.86, 0.88))),
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from assets_lib.cabinets import bevelled_box, cabinet, rectangle_at
 from assets_lib.mesh import Mesh, box, cylinder, merge, rod
 from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, glass, mesh_shape, metal
 
@@ -19,6 +20,7 @@ GRID = 0.16
 """Height of the upper side of the grid [m]."""
 KNOB_Z, KNOB_STEP = 0.387, 0.068
 STEEL, DARK, GLASS, SILVER = metal((0.72, 0.73, 0.75)), (0.12, 0.12, 0.13), glass((0.30, 0.22, 0.16)), metal((0.88, 0.89, 0.91))
+BRUSHED = metal((0.78, 0.79, 0.81))
 HALF_PI = 1.57079633
 
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]
@@ -35,6 +37,13 @@ def _body() -> tuple[Box, ...]:
         ((DEPTH, WALL, inner), (0.0, -side, middle)),
         ((WALL, WIDTH - 2 * WALL, inner), ((DEPTH - WALL) / 2.0, 0.0, middle)),
     )
+
+
+def _shell() -> Mesh:
+    """Return the shell around the hollow."""
+    half = WIDTH / 2.0
+    spans = ((-DEPTH / 2.0, DEPTH / 2.0), (-half, half), (0.01, HEIGHT))
+    return cabinet(*spans, (-half + WALL, half - WALL), ((FLOOR, CEILING),), DEPTH - WALL)
 
 
 def _feet() -> tuple[Box, ...]:
@@ -67,7 +76,7 @@ def _lining() -> Mesh:
 def _plates() -> Mesh:
     """Return the four cooking plates."""
     places = ((-0.085, 0.105, 0.07), (0.085, 0.105, 0.055), (-0.085, -0.105, 0.055), (0.085, -0.105, 0.07))
-    return merge(cylinder(r, 0.006, 14).moved((x, y, HEIGHT + 0.003)) for x, y, r in places)
+    return merge(cylinder(r, 0.006, 11).moved((x, y, HEIGHT + 0.003)) for x, y, r in places)
 
 
 def _knob_mesh() -> Mesh:
@@ -98,7 +107,7 @@ def _body_link() -> Link:
     places = _knob_places()
     knobs = merge(_knob_mesh().moved((front - 0.002, y, KNOB_Z)) for y in places)
     visuals = (
-        Visual(mesh_shape("shell", _merged(_body())), STEEL),
+        Visual(mesh_shape("shell", _shell()), STEEL),
         Visual(mesh_shape("lining", _lining()), (0.20, 0.19, 0.19)),
         Visual(mesh_shape("panel", panel), DARK),
         Visual(mesh_shape("ticks", ticks), (1.0, 1.0, 1.0)),
@@ -114,13 +123,22 @@ def _body_link() -> Link:
     return Link("oven", 15.0, visuals, (*shapes, *fixed))
 
 
+def _rim() -> Mesh:
+    """Return the dark edge of the window on both sides of the door."""
+    t, w, h = DOOR
+    y, low, high = w / 2.0 - 0.042, h / 2.0 - 0.015 - (h - 0.104) / 2.0, h / 2.0 - 0.015 + (h - 0.104) / 2.0
+    outside = rectangle_at(-t - 0.0005, (-y, y), (low, high))
+    return merge([outside, rectangle_at(-0.0005, (-y, y), (low, high)).moved(rpy=(0.0, 0.0, 2.0 * HALF_PI))])
+
+
 def _door_link() -> Link:
     t, w, h = DOOR
     x, y, z = HANDLE
     posts = tuple(rod((x, side * 0.11, z), (-t, side * 0.11, z), 0.005, 4) for side in (-1, 1))
     bar = rod((x, -BAR_LENGTH / 2.0, z), (x, BAR_LENGTH / 2.0, z), BAR_RADIUS, 10)
     visuals = (
-        Visual(mesh_shape("door", box(DOOR, (-t / 2.0, 0.0, h / 2.0))), (0.80, 0.81, 0.83)),
+        Visual(mesh_shape("door", bevelled_box(DOOR, (-t / 2.0, 0.0, h / 2.0), 0.004)), BRUSHED),
+        Visual(mesh_shape("window_rim", _rim()), DARK),
         Visual(mesh_shape("window", box((t + 0.002, w - 0.10, h - 0.12), (-t / 2.0, 0.0, h / 2.0 - 0.015))), GLASS),
         Visual(mesh_shape("handle", merge([bar, *posts])), SILVER),
     )

@@ -8,12 +8,12 @@ from __future__ import annotations
 import numpy as np
 
 from assets_lib.mesh import Mesh, box, merge
+from assets_lib.textures import ROOM_X, ROOM_Y, TABLE_X, TABLE_Y
 from assets_lib.urdf import Link, Model, Visual, box_shape, mesh_shape
 from rlbench_pin.spatial import TABLE_HEIGHT
 
-TABLE_X, TABLE_Y = (-0.65, 0.95), (-0.75, 0.75)
-ROOM_X, ROOM_Y, ROOM_Z = (-1.75, 2.25), (-2.0, 2.0), 2.8
-"""No wall is farther from the work than the cameras see."""
+ROOM_Z = 2.8
+"""Height of the ceiling [m]."""
 
 
 def quad(corners: list[tuple[float, float, float]], repeat: tuple[float, float]) -> Mesh:
@@ -25,14 +25,14 @@ def quad(corners: list[tuple[float, float, float]], repeat: tuple[float, float])
 def _table() -> Model:
     (x0, x1), (y0, y1) = TABLE_X, TABLE_Y
     size, center = (x1 - x0, y1 - y0, 0.04), ((x0 + x1) / 2.0, (y0 + y1) / 2.0, TABLE_HEIGHT - 0.02)
-    top = quad([(x0, y0, TABLE_HEIGHT), (x1, y0, TABLE_HEIGHT), (x1, y1, TABLE_HEIGHT), (x0, y1, TABLE_HEIGHT)], (2.0, 2.0))
+    top = quad([(x0, y0, TABLE_HEIGHT), (x1, y0, TABLE_HEIGHT), (x1, y1, TABLE_HEIGHT), (x0, y1, TABLE_HEIGHT)], (1.0, 1.0))
     apron = _without_top(box((size[0], size[1], 0.0398), (center[0], center[1], TABLE_HEIGHT - 0.0201)))
     feet = [(x, y) for x in (x0 + 0.06, x1 - 0.06) for y in (y0 + 0.06, y1 - 0.06)]
     legs = merge(_without_top(box((0.06, 0.06, TABLE_HEIGHT - 0.04), (x, y, (TABLE_HEIGHT - 0.04) / 2.0))) for x, y in feet)
     visuals = (
         Visual(mesh_shape("table_top", top), (1.0, 1.0, 1.0), texture="wood"),
-        Visual(mesh_shape("table_edge", apron), (0.60, 0.57, 0.53)),
-        Visual(mesh_shape("table_legs", legs), (0.36, 0.36, 0.37)),
+        Visual(mesh_shape("table_edge", apron), (0.60, 0.475, 0.35)),
+        Visual(mesh_shape("table_legs", legs), (0.56, 0.45, 0.335)),
     )
     link = Link("table", 40.0, visuals, (box_shape(size, center),), friction=0.8)
     notes = (f"top at z = {TABLE_HEIGHT}, spans x {x0}..{x1}, y {y0}..{y1}; the legs are only seen",)
@@ -47,15 +47,14 @@ def _without_top(mesh: Mesh) -> Mesh:
 
 def _floor() -> Model:
     (x0, x1), (y0, y1) = ROOM_X, ROOM_Y
-    mesh = quad([(x0, y0, 0.0), (x1, y0, 0.0), (x1, y1, 0.0), (x0, y1, 0.0)], (2.0, 2.0))
+    mesh = quad([(x0, y0, 0.0), (x1, y0, 0.0), (x1, y1, 0.0), (x0, y1, 0.0)], (1.0, 1.0))
     shape = box_shape((x1 - x0, y1 - y0, 0.1), ((x0 + x1) / 2.0, (y0 + y1) / 2.0, -0.05))
-    link = Link("floor", 100.0, (Visual(mesh_shape("floor", mesh), (1.0, 1.0, 1.0), texture="tiles"),), (shape,), friction=0.8)
+    link = Link("floor", 100.0, (Visual(mesh_shape("floor", mesh), (1.0, 1.0, 1.0), texture="floor"),), (shape,), friction=0.8)
     return Model("floor", "room", "world", (link,), notes=("upper side at z = 0",))
 
 
 def _wall(name: str, corners: list[tuple[float, float, float]], tint: float) -> Model:
-    width = float(np.linalg.norm(np.array(corners[1]) - np.array(corners[0])))
-    mesh = quad(corners, (round(width / 2.0), 1.0))
+    mesh = quad(corners, (1.0, 1.0))
     link = Link(name, 100.0, (Visual(mesh_shape(name, mesh), (tint, tint, tint), texture="wall"),))
     return Model(name, "room", "world", (link,), notes=("only seen",))
 

@@ -11,7 +11,7 @@ import numpy as np
 from assets_lib.mesh import FloatArray, Mesh, box, hull_of, lathe, merge, rod
 from assets_lib.objects.wall_socket import BLACK, FOOT, THICKNESS, TRIM, WALL, WHITE, WIDTH, YELLOW
 from assets_lib.prisms import mark, regular_polygon
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, mesh_shape
+from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, mesh_shape, shining
 
 HEIGHT, SWITCH_HEIGHT = 0.18, 0.13
 """Height of the wall and of the axle [m]; the hand passes over the wall."""
@@ -63,7 +63,7 @@ def _back() -> tuple[Visual, ...]:
 def _lamp() -> Link:
     """Return the lamp on the back, which a task paints dark or bright as the switch asks for."""
     bulb = mark(regular_polygon(0.026, 16) + (-0.055, 0.095), THICKNESS + 0.0012, "x")
-    return Link("lamp", 0.001, (Visual(mesh_shape("back_lamp", bulb), YELLOW),), ())
+    return Link("lamp", 0.001, (Visual(mesh_shape("back_lamp", bulb), shining(YELLOW, emission=(1.0, 0.85, 0.2))),), ())
 
 
 def _half(sign: float) -> FloatArray:

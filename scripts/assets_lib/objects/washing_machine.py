@@ -5,7 +5,20 @@ from __future__ import annotations
 import numpy as np
 
 from assets_lib.mesh import Mesh, box, cylinder, icosphere, lathe, merge, rod
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, glass, mesh_shape, metal, plastic
+from assets_lib.urdf import (
+    Joint,
+    Link,
+    Model,
+    Shape,
+    Visual,
+    box_shape,
+    cylinder_shape,
+    mesh_shape,
+    metal,
+    pane,
+    plastic,
+    shining,
+)
 
 DEPTH, WIDTH, HEIGHT, FOOT, WALL = 0.34, 0.38, 0.46, 0.012, 0.015
 FRONT = -DEPTH / 2.0
@@ -23,7 +36,12 @@ GRIP = (-THICK - 0.044, CENTER - 0.095, 0.0)
 """Middle of the bar of the grip in the door's frame [m]."""
 BAR_RADIUS, BAR_LENGTH = 0.007, 0.09
 HALF_PI = 1.57079633
-WHITE, DARK, CHROME, GLASS = plastic((0.93, 0.94, 0.96)), (0.16, 0.17, 0.20), metal((0.72, 0.74, 0.78)), glass((0.30, 0.44, 0.58))
+WHITE, DARK, CHROME, GLASS = (
+    plastic((0.93, 0.94, 0.96)),
+    (0.16, 0.17, 0.20),
+    metal((0.72, 0.74, 0.78)),
+    pane((0.30, 0.44, 0.58), 0.40),
+)
 
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]
 
@@ -106,7 +124,7 @@ def _body_link() -> Link:
         Visual(mesh_shape("soap_drawer", soap), WHITE),
         Visual(mesh_shape("dial", _dial()), CHROME),
         Visual(mesh_shape("keys", keys), WHITE),
-        Visual(mesh_shape("display", box((0.006, 0.09, 0.024), (FRONT - 0.003, -0.02, 0.415))), (0.15, 0.85, 0.55)),
+        Visual(mesh_shape("display", box((0.006, 0.09, 0.024), (FRONT - 0.003, -0.02, 0.415))), shining((0.15, 0.85, 0.55))),
         Visual(mesh_shape("top", _merged((top,))), (0.20, 0.32, 0.58)),
         Visual(mesh_shape("back", merge([*back, *hoses])), (0.48, 0.50, 0.53)),
         Visual(mesh_shape("feet", _merged(_feet())), DARK),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from assets_lib.mesh import Mesh, box, cylinder, merge, rod
-from assets_lib.urdf import Joint, Link, Model, Visual, box_shape, cylinder_shape, glass, mesh_shape, metal
+from assets_lib.urdf import Joint, Link, Model, Visual, box_shape, cylinder_shape, mesh_shape, metal, pane
 
 FRAME = (0.03, 0.50, 0.45)
 BORDER = 0.018
@@ -19,7 +19,7 @@ PIVOT = (-WING[0] / 2.0, -WING[1] + STILE / 2.0, 0.0)
 LENGTH, WIDTH, STANDOFF = 0.10, 0.02, 0.045
 """Length and width of the handle, distance of its middle from the middle of the wing's inner side [m]."""
 WHITE, GREEN, RED = (0.93, 0.94, 0.93), (0.10, 0.42, 0.30), (0.80, 0.14, 0.10)
-PANE, STEEL = glass((0.62, 0.82, 0.92)), metal((0.55, 0.57, 0.6))
+PANE, STEEL = pane((0.62, 0.82, 0.92), 0.30), metal((0.55, 0.57, 0.6))
 
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]
 

@@ -9,9 +9,10 @@ import pytest
 pytest.importorskip("small_gicp")
 
 from rlbench_pin.baselines.classical.skills import DOWN, Driver, Gripper, placed, pointing
-from rlbench_pin.baselines.perception import Cloud, as_world, filled_boxes, near
+from rlbench_pin.baselines.perception import TABLE, Cloud, near
 from rlbench_pin.observation import Observation
 from rlbench_pin.robot import RobotModel, robot_description
+from rlbench_pin.scene import WorldSnapshot
 from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray
 
 PERIOD = 0.05
@@ -33,22 +34,11 @@ def _seen(q: FloatArray) -> Observation:
     return Observation(joint_positions=q, gripper_joint_positions=FINGERS)
 
 
-def test_boxes_cover_all_points_and_no_more() -> None:
-    """A solid L of 3 cubes by 1 and 1 by 2 becomes two boxes, one point of dust none."""
-    points = np.concatenate([_solid((0, 0, 0), (0.15, 0.05, 0.05)).points, _solid((0, 0.05, 0), (0.05, 0.15, 0.05)).points])
-    boxes = filled_boxes(np.concatenate([points, [[0.3, 0.3, 0.3]]]), side=0.05)
-    assert len(boxes) == 2
-    inside = ((points[:, None] >= boxes[:, 0]) & (points[:, None] <= boxes[:, 1])).all(axis=2)
-    assert inside.any(axis=1).all()
-    np.testing.assert_allclose(np.prod(boxes[:, 1] - boxes[:, 0], axis=1).sum(), 5 * 0.05**3)
-
-
-def test_nothing_seen_leaves_the_table() -> None:
-    """Boxes near a point are named, the table never is."""
-    empty = as_world(Cloud(np.zeros((0, 3)), np.zeros((0, 3))), np.zeros(7), FINGERS)
-    assert [body.name for body in empty.bodies] == ["table"]
-    world = as_world(_solid((0.3, 0.0, 0.8), (0.35, 0.05, 0.85)), np.zeros(7), FINGERS)
-    assert near(world, np.array([0.3, 0.0, 0.75]), 0.06) == ["seen 0"]
+def test_boxes_near_a_point_are_named_but_the_table() -> None:
+    """Those of the point cloud; the table is solid for every motion."""
+    points = _solid((0.3, 0.0, 0.8), (0.35, 0.05, 0.85)).points
+    world = WorldSnapshot.from_point_cloud(points, np.zeros(7), FINGERS, boxes={"table": TABLE})
+    assert near(world, np.array([0.3, 0.0, 0.75]), 0.06) == ["points 0"]
     assert near(world, np.array([0.3, 0.0, 0.7]), 0.06) == []
 
 

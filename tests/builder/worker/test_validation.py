@@ -6,6 +6,7 @@ import pytest
 
 from rlbench_pin.builder.worker.validation import items_of, validation_lines
 from rlbench_pin.checking import TaskReport, Trial, summarise
+from rlbench_pin.checking.plan import CheckPlan
 from rlbench_pin.checking.reach import Reach
 from rlbench_pin.checking.records import (
     DemoTrial,
@@ -18,7 +19,6 @@ from rlbench_pin.checking.records import (
     SolvedDemo,
     WordsTrial,
 )
-from rlbench_pin.checking.trials import CheckPlan
 from rlbench_pin.checking.validate import NoopEpisode
 
 _WHO = {"task": "pick", "seed": 3, "variation": 1}

@@ -9,6 +9,8 @@ import pytest
 
 from rlbench_pin.environment import CameraConfig, ObservationConfig, TaskEnvironment, clear_view, make_environment
 from rlbench_pin.environment.observations.observe import camera_view
+from rlbench_pin.environment.presets import low_dim_config
+from rlbench_pin.robot.description import DEFAULT_ROBOT, robot_description
 
 # name -> field of view [deg], near [m], far [m], position [m]; the wrist camera rides on the hand
 KNOWN = {
@@ -60,3 +62,14 @@ def test_the_clear_view_shows_hand_and_table_top(task_env: TaskEnvironment) -> N
     assert hand.sum() > 60 and not hand[0].any()
     assert share("clear_overhead", "panda") < 0.6 * share("overhead", "panda")
     assert share("clear_overhead", "table") > share("overhead", "table")
+
+
+def test_the_view_from_behind_the_robot_sees_the_fronts_of_appliances() -> None:
+    """Of a closed microwave `clear_robot_side` sees the door, which `clear_front` does not."""
+    with make_environment(low_dim_config()) as environment:
+        task = environment.get_task("open_microwave")
+        task.reset(seed=0, variation=0)
+        world, robot = task.world, robot_description(DEFAULT_ROBOT)
+        door = next(i for i, name in world.masks.items() if name.endswith("door_link"))
+        seen = {name: (world.render(extra.view(world, robot)).mask == door).sum() for name, extra in clear_view().items()}
+    assert seen["clear_robot_side"] > 150 > 3 * seen["clear_front"]

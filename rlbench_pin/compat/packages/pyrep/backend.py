@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import sys
-
 from pyrep.errors import UnsupportedCall
+from rlbench_pin.compat import add_aliases
 
-sim = sys.modules[f"{__name__}.sim"] = sys.modules[__name__]
+add_aliases(__name__, ["sim"])
 
 
 def __getattr__(name: str) -> object:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 import zlib
 from dataclasses import dataclass
 
-texture = sys.modules[f"{__name__}.texture"] = sys.modules[__name__]
+from rlbench_pin.compat import add_aliases
+
+add_aliases(__name__, ["texture"])
 
 
 @dataclass(frozen=True)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import gymnasium
 
+import rlbench_pin.observation as demo
 from rlbench.action_modes.action_mode import ActionMode
 from rlbench.action_modes.arm_action_modes import ArmActionMode
 from rlbench.action_modes.gripper_action_modes import GripperActionMode
@@ -17,6 +19,8 @@ from rlbench.utils import name_to_task_class as name_to_task_class
 from rlbench_pin import __version__ as __version__
 from rlbench_pin.compat.known_tasks import KNOWN_TASKS, PERACT_TASKS
 from rlbench_pin.gym.ids import MODES
+
+sys.modules[f"{__name__}.demo"] = demo
 
 TASKS = sorted(file.name for file in Path(TASKS_PATH).glob("*.py") if not file.name.startswith("_"))
 """Names of the task files."""

@@ -18,10 +18,10 @@ from pathlib import Path
 import numpy as np
 
 from rlbench.backend.const import VARIATION_NUMBER, VARIATIONS_ALL_FOLDER
-from rlbench.demo import Demo
 from rlbench_pin.datasets.formats.rlbench import Layout, export_rlbench, write_frames
 from rlbench_pin.datasets.formats.rlbench_pickle import dump
 from rlbench_pin.errors import DatasetConflict, RlbenchPinError, nearest_name
+from rlbench_pin.observation import Demo
 from rlbench_pin.processes import ProcessEngine, SerialEngine
 from rlbench_pin.recording.config import ImageConfig, RecordConfig
 from rlbench_pin.recording.record import RECORDING, RecordReport, read_recording, record

@@ -14,7 +14,6 @@ from rlbench.backend.robot import Robot
 from rlbench.backend.scene import Scene
 from rlbench.backend.task import Task
 from rlbench.const import SUPPORTED_ROBOTS
-from rlbench.demo import Demo
 from rlbench.observation_config import ObservationConfig
 from rlbench.sim2real import (
     DomainRandomizationScene,
@@ -31,6 +30,7 @@ from rlbench_pin.environment.environment import Environment as NativeEnvironment
 from rlbench_pin.environment.randomization.config import check_randomization
 from rlbench_pin.environment.stored import read_stored_descriptions
 from rlbench_pin.errors import DatasetError, TaskEnvironmentError
+from rlbench_pin.observation import Demo
 from rlbench_pin.planning.planner import PlannerConfig
 from rlbench_pin.robot.description import UnknownRobot
 

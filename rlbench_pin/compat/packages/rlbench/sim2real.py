@@ -5,7 +5,6 @@ Programs import `domain_randomization` and `domain_randomization_scene` of this 
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -17,6 +16,7 @@ from rlbench.backend.robot import Robot
 from rlbench.backend.scene import Scene
 from rlbench.backend.task import Task
 from rlbench.observation_config import ObservationConfig
+from rlbench_pin.compat import add_aliases
 from rlbench_pin.compat.objects.elements import ROOM_NAMES
 from rlbench_pin.environment.randomization import DynamicsRandomizationConfig, RandomizeEvery
 from rlbench_pin.environment.randomization import VisualRandomizationConfig as NativeVisualRandomizationConfig
@@ -160,6 +160,4 @@ class DomainRandomizationScene(Scene):
             self._randomizer.begin_episode(variation, rng)
 
 
-_MODULES = ("domain_randomization", "domain_randomization_scene")
-globals().update(dict.fromkeys(_MODULES, sys.modules[__name__]))
-sys.modules.update({f"{__name__}.{name}": sys.modules[__name__] for name in _MODULES})
+add_aliases(__name__, ("domain_randomization", "domain_randomization_scene"))

@@ -11,19 +11,25 @@ import numpy as np
 from pyrep.const import ObjectType
 from pyrep.pyrep import PyRep
 from rlbench.action_modes.action_mode import ActionMode
-from rlbench.backend.exceptions import BoundaryError, TaskEnvironmentError, WaypointError
-from rlbench.backend.observation import Observation
 from rlbench.backend.robot import Robot
 from rlbench.backend.scene import Scene
 from rlbench.backend.task import Task
-from rlbench.demo import Demo
 from rlbench.observation_config import ObservationConfig
 from rlbench.utils import get_stored_demos
 from rlbench_pin.compat.simulator import SceneRuntime, runtime_of
 from rlbench_pin.environment.actions.modes import attaches_grasped
 from rlbench_pin.environment.reset import MAX_RESET_ATTEMPTS
 from rlbench_pin.environment.task_environment import MAX_DEMO_ATTEMPTS
-from rlbench_pin.errors import DatasetError, DemoError, NotReset, RlbenchPinError
+from rlbench_pin.errors import (
+    BoundaryError,
+    DatasetError,
+    DemoError,
+    NotReset,
+    RlbenchPinError,
+    TaskEnvironmentError,
+    WaypointError,
+)
+from rlbench_pin.observation import Demo, Observation
 
 _DT = 0.05
 _MAX_RESET_ATTEMPTS = MAX_RESET_ATTEMPTS

@@ -6,10 +6,10 @@ finds a file. A task that the library does not have yet raises an error when it 
 
 from __future__ import annotations
 
-import sys
 from typing import Any
 
 from rlbench.backend.task import TASKS_PATH, Task
+from rlbench_pin.compat import add_aliases
 from rlbench_pin.compat.known_tasks import KNOWN_TASKS, PERACT_TASKS, TASK_SETS, all_tasks
 from rlbench_pin.errors import nearest_name
 from rlbench_pin.tasks import camel_case
@@ -25,8 +25,7 @@ _CLASSES = {name: _task_class(name) for name in all_tasks()}
 _SETS = {name: {part: [_CLASSES[task] for task in tasks] for part, tasks in parts.items()} for name, parts in TASK_SETS.items()}
 
 globals().update({cls.__name__: cls for cls in _CLASSES.values()}, **_SETS)
-globals().update(dict.fromkeys(_CLASSES, sys.modules[__name__]))
-sys.modules.update({f"{__name__}.{name}": sys.modules[__name__] for name in _CLASSES})
+add_aliases(__name__, _CLASSES)
 
 __path__ = [TASKS_PATH]  # what `pkgutil.iter_modules` lists
 __all__ = sorted([*(cls.__name__ for cls in _CLASSES.values()), *_SETS])

@@ -7,11 +7,11 @@ import importlib
 import numpy as np
 
 from rlbench.backend.task import Task
-from rlbench.demo import Demo
 from rlbench_pin.compat.known_tasks import KNOWN_TASKS
 from rlbench_pin.environment import ObservationConfig
 from rlbench_pin.environment.stored import StoredSelection, read_stored_demos
 from rlbench_pin.errors import UnknownName
+from rlbench_pin.observation import Demo
 from rlbench_pin.tasks.registry import camel_case
 
 

@@ -9,17 +9,21 @@ right. What rests before a camera at rest is drawn once: keys of pixels, which m
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rlbench_pin.sim.render.camera import CameraView
-from rlbench_pin.sim.render.raster.spans import Projection, Spans, outlines_of, parts_of_keys
+from rlbench_pin.sim.render.raster.spans import Projection, Spans, inverses_of_keys, outlines_of, parts_of_keys
 from rlbench_pin.sim.render.raster.stage import Layers, Placed
 
 TOUCHING = np.float32(1e-5)
 """So far behind the room objects are still seen [m]."""
+
+
+_SOLID = np.float32(0.999)
+"""From this opacity on nothing is seen through a thing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,37 +53,81 @@ class Drawn:
     """(n,) [m]."""
     normals: NDArray[np.float32]
     """Unit normals (3, n) in the world, between those of the corners; none where no colours are wanted."""
+    behind: Drawn | None = None
+    """What is seen through glass; None where there is none, or no colours are wanted."""
 
 
-def draw(placed: Placed, layers: Layers, shown: NDArray[np.bool_], sights: Sequence[Sight]) -> list[Drawn]:
+@dataclass(frozen=True, eq=False)
+class Blocked:
+    """Where moving objects stand in a light, in a part of the image that it takes."""
+
+    row: int
+    """First row of the part."""
+    column: int
+    """Its first column."""
+    depth: NDArray[np.float32]
+    """Distance along the light to the first object, infinite where there is none, (h, w) [m]."""
+
+
+def draw(
+    placed: Placed, layers: Layers, opacity: NDArray[np.float32], sights: Sequence[Sight], light: CameraView | None
+) -> tuple[list[Drawn], Blocked | None]:
     """Draw all triangles as some cameras see them; an image is the same whatever other cameras look, and was drawn before.
 
     Args:
         placed: The triangles.
         layers: What was drawn before.
-        shown: Whether each is seen (m,).
+        opacity: Of each (m,): 0 is not seen, 1 hides all, what lies between is glass, which casts no shadow.
         sights: The cameras.
+        light: Camera of a light.
+
+    Returns:
+        What each camera sees, and what stands in the light; None where that is not asked for.
     """
-    views = [sight.view for sight in sights]
+    views = [*(sight.view for sight in sights), *([] if light is None else [light])]
     projection = Projection(placed, views)
     starts = np.cumsum([0, *(view.size[0] * view.size[1] for view in views)])
+    solid, glass = opacity >= _SOLID, (opacity > 0.0) & (opacity < _SOLID)
     nearest = np.zeros(int(starts[-1]), dtype=np.int64)
-    _draw_into(nearest, starts, projection, shown & _from_layers(nearest, starts, projection, placed, layers, shown))
-    pixels = (nearest > 0).nonzero()[0]
-    triangles, inverse = parts_of_keys(nearest.take(pixels))
+    _draw_into(nearest, starts, projection, solid & _from_layers(nearest, starts, projection, placed, layers, solid))
+    blocked = None if light is None else _blocked(nearest[starts[len(sights)] :], projection)
+    keys = nearest[: starts[len(sights)]]
+    if not glass.any():
+        return _with_normals(_seen(keys, sights, starts), sights, projection), blocked
+    front = keys.copy()
+    is_camera = np.arange(len(views)) < len(sights)
+    _draw_into(front, starts, projection, glass & is_camera[:, None])
+    seen = _with_normals(_seen(front, sights, starts), sights, projection)
+    behind = _with_normals(_seen(np.where(front != keys, keys, 0), sights, starts), sights, projection)
+    return [replace(own, behind=far) if len(far.pixels) else own for own, far in zip(seen, behind, strict=True)], blocked
+
+
+def _seen(keys: NDArray[np.int64], sights: Sequence[Sight], starts: NDArray[np.int64]) -> list[tuple[NDArray, ...]]:
+    """Of each camera pixels, triangles, inverse depths and depths (n,) of keys that are not 0, before what hides them."""
+    pixels = (keys > 0).nonzero()[0]
+    triangles, inverse = parts_of_keys(keys.take(pixels))
     depth: NDArray[np.float32] = np.float32(1.0) / inverse
     ends = np.searchsorted(pixels, starts)
-    drawn = []
+    drawn: list[tuple[NDArray, ...]] = []
     for number, sight in enumerate(sights):
         part = slice(ends[number], ends[number + 1])
         flat = pixels[part] - starts[number]
-        quantities = flat, triangles[part], inverse[part], depth[part]
+        quantities: tuple[NDArray, ...] = (flat, triangles[part], inverse[part], depth[part])
         if sight.limit is not None:
             seen = quantities[3] < sight.limit.take(flat) + TOUCHING
             if not seen.all():
                 quantities = tuple(values[seen] for values in quantities)
         drawn.append(quantities)
-    return _with_normals(drawn, sights, projection)
+    return drawn
+
+
+def _blocked(nearest: NDArray[np.int64], projection: Projection) -> Blocked:
+    """What stands in the light, which is the last camera, from the keys (n,) of its pixels."""
+    width, height = projection.views[-1].size
+    (first, begin), (last, end) = projection.bounds(len(projection.views) - 1)
+    part = nearest.reshape(height, width)[begin : end + 1, first : last + 1]
+    with np.errstate(divide="ignore"):
+        return Blocked(begin, first, np.float32(1.0) / inverses_of_keys(part))
 
 
 def _from_layers(

@@ -61,6 +61,15 @@ class Projection:
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             self._pixels = (points[:, :2] / points[:, 2:]).ravel()
 
+    def bounds(self, camera: int) -> tuple[tuple[int, int], tuple[int, int]]:
+        """First and last column, and first and last row, of the part of an image that holds all points that are in it."""
+        pixels = self._pixels[2 * camera * self._count : 2 * (camera + 1) * self._count].reshape(2, -1)
+        last = np.array(self.views[camera].size) - 1
+        with np.errstate(invalid="ignore"):
+            low, high = np.floor(np.fmin.reduce(pixels, axis=1)), np.ceil(np.fmax.reduce(pixels, axis=1))
+        first, end = (np.clip(np.nan_to_num(values), 0, last).astype(int).tolist() for values in (low, high))
+        return (first[0], first[1]), (end[0], end[1])
+
     def image(self, camera: NDArray[np.int64], triangle: NDArray[np.int64]) -> tuple[NDArray[np.float32], ...]:
         """Columns and rows [px] and depth [m] of the corners of triangles, each (3, k); infinite or nan behind a camera."""
         points = self.corner_points.take(triangle, axis=1)
@@ -239,7 +248,13 @@ class Spans:
 
 def parts_of_keys(keys: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
     """Triangle and inverse depth [1/m] of keys (n,) above 0."""
-    return keys & ((1 << _BITS) - 1), (keys >> _BITS).astype(np.int32).view(np.float32)
+    return keys & ((1 << _BITS) - 1), inverses_of_keys(keys)
+
+
+def inverses_of_keys(keys: NDArray[np.int64]) -> NDArray[np.float32]:
+    """Inverse depth [1/m] of keys (...); 0 where they are 0."""
+    inverse: NDArray[np.float32] = np.right_shift(keys, _BITS).astype(np.int32).view(np.float32)
+    return inverse
 
 
 def _runs(counts: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

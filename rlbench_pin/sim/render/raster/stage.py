@@ -14,6 +14,7 @@ from rlbench_pin.sim.client import PhysicsClient, bullet
 from rlbench_pin.sim.render.camera import CameraView
 from rlbench_pin.sim.render.masks import segment_of
 from rlbench_pin.sim.render.raster.meshes import Triangles, flat_normals, triangles_of
+from rlbench_pin.urdf import DULL, Finish
 
 _MIN_REST, _MAX_REST = 2, 64
 """After so many instants without motion a link is still, at first and at most."""
@@ -219,6 +220,10 @@ _GRAIN = 2.0**-18
 """Step of positions [m] and quaternions: 4 um."""
 Visuals = dict[tuple[int, int], tuple[tuple[float, ...], ...]]
 """Something of each visual of some links, by body and link number, in file order."""
+Finishes = dict[tuple[int, int], tuple[Finish, ...]]
+"""Finishes of each visual of some links, by body and link number, in file order."""
+_SAME_COLOR = 0.02
+"""Colours that differ by less are the same."""
 
 
 @dataclass(frozen=True)
@@ -228,8 +233,38 @@ class Appearance:
     mixed_colors: Callable[[], Visuals] = dict
     """Returns rgba of links whose visuals differ and show it. Once such a link was painted and is no more, PyBullet tells the
     colour of its last visual for all."""
-    gloss: Callable[[], Visuals] = dict
-    """Returns the share of red, green, blue that visuals throw back like mirrors, of links that have such."""
+    finishes: Callable[[], Finishes] = dict
+    """Returns the finishes of visuals, of links that have some."""
+
+
+@dataclass(frozen=True)
+class Lamp:
+    """A light that shines now."""
+
+    position: tuple[float, float, float]
+    """Its middle in the world [m]."""
+    color: tuple[float, float, float]
+    """rgb in 0..1."""
+    reach: float
+    """How far its light reaches [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Materials:
+    """How visuals look, in PyBullet's order."""
+
+    colors: NDArray[np.float32]
+    """Colours (3, v) in 0..255."""
+    opacity: NDArray[np.float32]
+    """(v,) in 0..1: 0 is not seen, glass lies between."""
+    gloss: NDArray[np.float32]
+    """Share of red, green, blue that each throws back like a mirror (3, v)."""
+    is_glossy: NDArray[np.bool_]
+    """Whether it throws back any (v,)."""
+    shines: NDArray[np.bool_]
+    """Whether it shines by itself (v,)."""
+    reach: NDArray[np.float32]
+    """How far the light reaches of those that shine (v,) [m]."""
 
 
 class Stage:
@@ -242,6 +277,7 @@ class Stage:
 
     Attributes:
         layers: What was drawn of these shapes and stands still.
+        materials: How they look.
     """
 
     def __init__(self, client: PhysicsClient, room: frozenset[int], appearance: Appearance) -> None:
@@ -253,8 +289,7 @@ class Stage:
         self.layers = Layers()
         self._bodies: dict[int, int] = {}
         self._from_com: dict[int, NDArray] = {}
-        self._colors: NDArray[np.float32] = np.zeros((0, 4), dtype=np.float32)
-        self._gloss: NDArray[np.float32] = np.zeros((0, 3), dtype=np.float32)
+        self.materials = _materials([], {}, {})
 
     def update(self) -> Placed | None:
         """Take shapes, colours and places of this instant; None when there is a shape that cannot be drawn here."""
@@ -266,7 +301,7 @@ class Stage:
         mixed = self._appearance.mixed_colors()
         if entries != self._entries or mixed != self._mixed:
             self._entries, self._mixed = entries, mixed
-            self._colors, self._gloss = _colors_of(entries, mixed), _gloss_of(entries, self._appearance.gloss())
+            self.materials = _materials(entries, mixed, self._appearance.finishes())
             visuals = tuple(_visual(entry) for entry in entries)
             if visuals != self._visuals:
                 parts = _parts(visuals)
@@ -278,15 +313,18 @@ class Stage:
             self._placed.place(self._placements())
         return self._placed
 
-    @property
-    def colors(self) -> NDArray[np.float32]:
-        """Colour rgba in 0..1 of each visual (n, 4)."""
-        return self._colors
-
-    @property
-    def gloss(self) -> NDArray[np.float32]:
-        """Share of red, green, blue that each visual throws back like a mirror (n, 3)."""
-        return self._gloss
+    def lamps(self) -> list[Lamp]:
+        """Return the lamps that shine now."""
+        materials, placed = self.materials, self._placed
+        if placed is None or not materials.reach.any():
+            return []
+        found = []
+        for number in materials.reach.nonzero()[0].tolist():
+            link = placed.parts.links.index((self._visuals[number].body, self._visuals[number].link))
+            x, y, z, _ = placed.middles[:, link].tolist()
+            red, green, blue = (materials.colors[:, number] / np.float32(255.0)).tolist()
+            found.append(Lamp((x, y, z), (red, green, blue), float(materials.reach[number])))
+        return found
 
     def _placements(self) -> dict[tuple[int, int], NDArray[np.float64]]:
         """Matrix (4, 4) of the frame of every link now, by body and link."""
@@ -331,10 +369,27 @@ def _colors_of(entries: list[tuple], mixed: Visuals) -> NDArray[np.float32]:
     return colors.astype(np.float32)
 
 
-def _gloss_of(entries: list[tuple], known: Visuals) -> NDArray[np.float32]:
-    left = {link: list(gloss) for link, gloss in known.items()}
-    own = [left[entry[:2]].pop(0) if left.get(entry[:2]) else (0.0, 0.0, 0.0) for entry in entries]
-    return np.array(own, dtype=np.float32).reshape(-1, 3)
+def _materials(entries: list[tuple], mixed: Visuals, known: Finishes) -> Materials:
+    colors = _colors_of(entries, mixed)
+    left = {link: list(finishes) for link, finishes in known.items()}
+    finishes = [left[entry[:2]].pop(0) if left.get(entry[:2]) else DULL for entry in entries]
+    gloss = np.array([finish.gloss for finish in finishes], dtype=np.float32).reshape(-1, 3)
+    shines = np.array(
+        [
+            finish.emission is not None and float(np.abs(own - finish.emission).max()) < _SAME_COLOR
+            for own, finish in zip(colors[:, :3], finishes, strict=True)
+        ],
+        dtype=np.bool_,
+    )
+    reach = np.array([finish.reach for finish in finishes], dtype=np.float32) * shines
+    return Materials(
+        colors=np.ascontiguousarray((colors[:, :3] * np.float32(255.0)).T),
+        opacity=np.ascontiguousarray(colors[:, 3]),
+        gloss=np.ascontiguousarray(gloss.T),
+        is_glossy=np.asarray(gloss.any(axis=1)),
+        shines=shines,
+        reach=reach,
+    )
 
 
 def _visual(entry: tuple) -> Visual:

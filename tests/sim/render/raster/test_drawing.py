@@ -30,9 +30,12 @@ def view_from(eye: tuple[float, float, float], size: tuple[int, int] = (128, 96)
 def shots(world: World, views: list[CameraView]) -> tuple[list[Shot], list[Shot]]:
     """What both see without the room."""
     room = frozenset(body.model.uid for body in world.room.values())
-    sights = [Sight(v, np.full(v.size[0] * v.size[1], v.far, dtype=np.float32), True, 0.5 + Lighting().mean_fill) for v in views]
+    sights = [
+        Sight(v, np.full(v.size[0] * v.size[1], v.far, dtype=np.float32), True, Lighting().ambient + Lighting().mean_fill)
+        for v in views
+    ]
     ours, theirs = (
-        rasterizer.shoot(sights, Lighting())
+        rasterizer.shoot(sights, Lighting(), None).shots
         for rasterizer in (NumpyRasterizer(world.client, room, Appearance()), BulletRasterizer(world.client, room))
     )
     return ours, [_nearer(shot, view) for shot, view in zip(theirs, views, strict=True)]
@@ -54,7 +57,7 @@ def lit(shot: Shot, view: CameraView) -> np.ndarray:
     """Colours (3, n) of our shot in the ambient and key light without shadows."""
     assert shot.normals is not None
     room = Painter([PANEL], Lighting()).draw(view)
-    return np.minimum(colors_in_light([surfaces_of(KeptBackdrop(view, room), shot)], Lighting(), None)[0], 255.0)
+    return np.minimum(colors_in_light([surfaces_of(KeptBackdrop(view, room), shot)], Lighting(), None, ())[0], 255.0)
 
 
 @pytest.fixture(scope="module")
@@ -164,8 +167,8 @@ def test_what_was_drawn_before_changes_no_byte() -> None:
         ]
         for change in changes:
             change()
-            fresh = NumpyRasterizer(world.client, room, Appearance()).shoot(sights, Lighting())
-            for ours, expected in zip(old.shoot(sights, Lighting()), fresh, strict=True):
+            fresh = NumpyRasterizer(world.client, room, Appearance()).shoot(sights, Lighting(), None).shots
+            for ours, expected in zip(old.shoot(sights, Lighting(), None).shots, fresh, strict=True):
                 for name in PRODUCTS:
                     np.testing.assert_array_equal(getattr(ours, name), getattr(expected, name))
 

@@ -6,7 +6,6 @@ a module per class; the names of these modules are aliases of this one.
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -19,6 +18,7 @@ from pyrep.objects.joint import Joint
 from pyrep.objects.object import Object, point_part
 from pyrep.objects.shape import Shape, body_of
 from pyrep.objects.vision_sensor import VisionSensor
+from rlbench_pin.compat import add_aliases
 from rlbench_pin.compat.objects import Element, Placed
 from rlbench_pin.compat.objects import ObjectType as TypeName
 from rlbench_pin.compat.simulator import Simulator
@@ -179,6 +179,4 @@ class Octree(Object):
         )
 
 
-_MODULES = ("camera", "dummy", "force_sensor", "light", "octree", "proximity_sensor")
-globals().update(dict.fromkeys(_MODULES, sys.modules[__name__]))
-sys.modules.update({f"{__name__}.{name}": sys.modules[__name__] for name in _MODULES})
+add_aliases(__name__, ("camera", "dummy", "force_sensor", "light", "octree", "proximity_sensor"))

@@ -5,7 +5,6 @@ Programs import `RobotComponent` from `pyrep.robots.robot_component`; that name 
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 
 import numpy as np
@@ -15,6 +14,7 @@ from pyrep.errors import UnsupportedCall
 from pyrep.objects.joint import Joint
 from pyrep.objects.object import Numbers, Object
 from pyrep.objects.shape import Shape
+from rlbench_pin.compat import add_aliases
 from rlbench_pin.compat.joints import Motors
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.robot import SUPPORTED_ROBOTS
@@ -179,4 +179,4 @@ def require_only_one(count: int, name: str) -> None:
         raise UnsupportedCall(f"robot '{name}' with count={count}", "a world has one robot.", "Use count=0.")
 
 
-robot_component = sys.modules[f"{__name__}.robot_component"] = sys.modules[__name__]
+add_aliases(__name__, ["robot_component"])

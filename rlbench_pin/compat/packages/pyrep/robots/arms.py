@@ -6,7 +6,6 @@ per arm; all these names are aliases of this module.
 
 from __future__ import annotations
 
-import sys
 from typing import ClassVar
 
 import numpy as np
@@ -16,7 +15,7 @@ from pyrep.errors import ConfigurationError, ConfigurationPathError, IKError, Un
 from pyrep.objects import CartesianPath, Dummy, Object
 from pyrep.robots import Numbers, RobotComponent
 from pyrep.robots.configuration_paths import ArmConfigurationPath
-from rlbench_pin.compat import arm_planning
+from rlbench_pin.compat import add_aliases, arm_planning
 from rlbench_pin.compat.arm_planning import Pace
 from rlbench_pin.compat.joints import ArmMotors
 from rlbench_pin.compat.objects import Element
@@ -332,6 +331,7 @@ UR3 = _known_arm("UR3", "UR3", 6)
 UR5 = _known_arm("UR5", "UR5", 6)
 UR10 = _known_arm("UR10", "UR10", 6)
 
-_MODULES = (*("arm", "baxter", "jaco", "lbr_iiwa_14_r820", "lbr_iiwa_7_r800", "mico", "panda", "sawyer", "ur10", "ur3", "ur5"),)
-globals().update(dict.fromkeys(_MODULES, sys.modules[__name__]))
-sys.modules.update({f"{__name__}.{name}": sys.modules[__name__] for name in _MODULES})
+add_aliases(
+    __name__,
+    ("arm", "baxter", "jaco", "lbr_iiwa_14_r820", "lbr_iiwa_7_r800", "mico", "panda", "sawyer", "ur10", "ur3", "ur5"),
+)

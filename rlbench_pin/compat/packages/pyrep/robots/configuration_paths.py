@@ -5,14 +5,13 @@ Programs import `configuration_path` and `arm_configuration_path` of this name; 
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pyrep.errors import ConfigurationPathError
 from pyrep.robots import Numbers
-from rlbench_pin.compat import arm_planning
+from rlbench_pin.compat import add_aliases, arm_planning
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.control.following import TrajectoryTracker
 from rlbench_pin.errors import RetimingError
@@ -154,6 +153,4 @@ class ArmConfigurationPath(ConfigurationPath):
         return bool(np.abs(lag).max() < ARRIVED)
 
 
-_MODULES = ("configuration_path", "arm_configuration_path")
-globals().update(dict.fromkeys(_MODULES, sys.modules[__name__]))
-sys.modules.update({f"{__name__}.{name}": sys.modules[__name__] for name in _MODULES})
+add_aliases(__name__, ("configuration_path", "arm_configuration_path"))

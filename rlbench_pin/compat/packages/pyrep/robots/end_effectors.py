@@ -6,7 +6,6 @@ names are aliases of this module.
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
@@ -15,6 +14,7 @@ import numpy as np
 
 from pyrep.objects import Object, ProximitySensor, Shape
 from pyrep.robots import RobotComponent
+from rlbench_pin.compat import add_aliases
 from rlbench_pin.compat.joints import FingerMotors
 from rlbench_pin.compat.objects import Element
 from rlbench_pin.compat.simulator import Simulator
@@ -164,6 +164,6 @@ JacoGripper = _known_gripper("JacoGripper", "JacoGripper")
 MicoGripper = _known_gripper("MicoGripper", "MicoGripper")
 Robotiq85Gripper = _known_gripper("Robotiq85Gripper", "Robotiq85Gripper")
 
-_MODULES = ("barrett_hand", "baxter_gripper", "gripper", "jaco_gripper", "mico_gripper", "panda_gripper", "robotiq85_gripper")
-globals().update(dict.fromkeys(_MODULES, sys.modules[__name__]))
-sys.modules.update({f"{__name__}.{name}": sys.modules[__name__] for name in _MODULES})
+add_aliases(
+    __name__, ("barrett_hand", "baxter_gripper", "gripper", "jaco_gripper", "mico_gripper", "panda_gripper", "robotiq85_gripper")
+)

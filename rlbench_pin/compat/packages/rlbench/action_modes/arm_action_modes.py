@@ -12,7 +12,6 @@ from pyrep.const import ConfigurationPathAlgorithms as Algos
 from pyrep.const import ObjectType
 from pyrep.errors import ConfigurationPathError, IKError
 from pyrep.objects.object import Object
-from rlbench.backend.exceptions import InvalidActionError
 from rlbench.backend.robot import Robot
 from rlbench.backend.scene import Scene
 from rlbench.const import SUPPORTED_ROBOTS
@@ -31,6 +30,7 @@ from rlbench_pin.compat.actions import (
 from rlbench_pin.compat.simulator import SceneLike, runtime_of
 from rlbench_pin.environment.actions import modes, pose
 from rlbench_pin.environment.actions.modes import FrameChoice, as_frame, assert_unit_quaternion
+from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.observation import Observation
 from rlbench_pin.spatial import FloatArray, compose
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from rlbench.backend.exceptions import InvalidActionError
 from rlbench_pin.compat.actions import OneStepPart, UserMode, assert_action_shape, setting
 from rlbench_pin.compat.simulator import SceneLike, runtime_of
 from rlbench_pin.environment.actions import modes as native
 from rlbench_pin.environment.runtime import Runtime, hold_or_release
+from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.spatial import FloatArray
 
 __all__ = ["Discrete", "GripperActionMode", "GripperJointPosition", "InvalidActionError", "assert_action_shape"]

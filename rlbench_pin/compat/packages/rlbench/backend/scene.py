@@ -11,12 +11,9 @@ import numpy as np
 from pyrep.const import ObjectType
 from pyrep.objects import Dummy, Shape, VisionSensor
 from pyrep.pyrep import PyRep
-from rlbench.backend.exceptions import BoundaryError, DemoError, NoWaypointsError, WaypointError
-from rlbench.backend.observation import Observation
 from rlbench.backend.robot import Robot
 from rlbench.backend.spawn_boundary import Workspace
 from rlbench.backend.task import Task
-from rlbench.demo import Demo
 from rlbench.observation_config import ObservationConfig
 from rlbench_pin.compat.objects.elements import CAMERA_NAMES, MASK_SUFFIX
 from rlbench_pin.compat.simulator import SceneRuntime, Simulator
@@ -24,7 +21,16 @@ from rlbench_pin.environment import demos
 from rlbench_pin.environment.episode import EpisodeOrigin, EpisodeRandom
 from rlbench_pin.environment.reset import SETTLE_TICKS, start_episode
 from rlbench_pin.environment.runtime import TIP_WORKSPACE, EmptyTable
-from rlbench_pin.errors import NotReset, ResetError, TaskEnvironmentError
+from rlbench_pin.errors import (
+    BoundaryError,
+    DemoError,
+    NotReset,
+    NoWaypointsError,
+    ResetError,
+    TaskEnvironmentError,
+    WaypointError,
+)
+from rlbench_pin.observation import Demo, Observation
 from rlbench_pin.tasks import Task as NativeTask
 
 STEPS_BEFORE_EPISODE_START = SETTLE_TICKS

@@ -1,7 +1,0 @@
-"""One demonstration."""
-
-from __future__ import annotations
-
-from rlbench_pin.observation import Demo
-
-__all__ = ["Demo"]
