@@ -89,6 +89,8 @@ class ValidationLine:
     """The measured value."""
     failures: tuple[tuple[int, int, str], ...] = ()
     """Seed, variation and cause of each failure."""
+    meaning: str = ""
+    """What is measured, and when the line passes."""
 
 
 @dataclass(frozen=True, eq=False)

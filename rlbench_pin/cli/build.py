@@ -37,7 +37,7 @@ class Build:
     browser: bool = True
     """Open the page where there is a browser on a screen; its address is printed in any case."""
     trust: bool = False
-    """Run the Python of the task from the start. Otherwise the page asks first."""
+    """Run the Python of the task from the start. Otherwise the page asks first, unless the builder itself wrote it."""
 
     def run(self) -> int:
         """Serve until Ctrl-C."""

@@ -90,7 +90,7 @@ class ShowResults:
         for other, label in zip(results[1:], labels[1:]):
             comparison = compare(
                 results[0], other, np.random.default_rng(0),
-                measure="lasts" if self.stable else "success", common=self.common, any_limits=self.any_limits,
+                measure="stable" if self.stable else "success", common=self.common, any_limits=self.any_limits,
             )  # fmt: skip
             found.append(replace(comparison, first=labels[0], second=label))
         return found
@@ -107,8 +107,8 @@ class ShowResults:
 
 
 def _summary(summary: Summary) -> dict[str, Any]:
-    tasks = [{**asdict(task), "success": task.success.as_dict(), "held": task.held.as_dict()} for task in summary.tasks]
-    mean = {"success": summary.success.as_dict(), "held": summary.held.as_dict()}
+    tasks = [{**asdict(task), "success": task.success.as_dict(), "stable": task.stable.as_dict()} for task in summary.tasks]
+    mean = {"success": summary.success.as_dict(), "stable": summary.stable.as_dict()}
     faults = [
         {"fault": e.fault, "task": e.task, "variation": e.variation, "seed": e.seed, "detail": e.fault_detail}
         for e in summary.first_faults

@@ -342,7 +342,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         return {
             "success": success,
             "is_success": success,
-            "held": success and self._task.success_is_stable(),
+            "stable_success": success and self._task.success_is_stable(),
             "text_descriptions": self._task.get_task_descriptions(),
             "variation": self._task.runtime.variation,
         }

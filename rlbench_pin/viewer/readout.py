@@ -37,17 +37,15 @@ def framed(content: str) -> str:
 
 
 def conditions_html(texts: Sequence[str], met: Sequence[bool], history: Sequence[Sequence[bool]]) -> str:
-    """Return each condition with a mark for the instant shown, and a bar of the time during which it holds.
+    """Return each condition with a mark for the instant shown, and a bar of the time during which it holds; empty for none.
 
     Args:
         texts: The conditions as text.
         met: Whether each holds at the instant shown.
         history: Whether each holds, frame by frame.
     """
-    if not texts:
-        return framed("The task registers no success condition.")
     columns = list(zip(*history, strict=True)) if history else [()] * len(texts)
-    return framed("".join(_condition(*parts) for parts in zip(texts, met, columns, strict=True)))
+    return framed("".join(_condition(*parts) for parts in zip(texts, met, columns, strict=True))) if texts else ""
 
 
 def _condition(text: str, holds: bool, history: Sequence[bool]) -> str:

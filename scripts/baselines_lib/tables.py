@@ -51,7 +51,7 @@ def _row(name: str, results: Results, summary: Summary) -> tuple[str, ...]:
     refused = sum(sum(task.refused.values()) for task in summary.tasks) / max(1, summary.episodes)
     faults = sum(sum(task.faults.values()) for task in summary.tasks)
     counts = (str(len(summary.tasks)), str(summary.episodes))
-    rates = (_percent(summary.success.value), _interval(summary.success), _percent(summary.held.value))
+    rates = (_percent(summary.success.value), _interval(summary.success), _percent(summary.stable.value))
     return f"`{name}`", *counts, *rates, f"{refused:.2f}", str(faults), f"`{results.commit[:7]}`"
 
 

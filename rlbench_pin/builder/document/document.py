@@ -119,6 +119,7 @@ class TaskDocument:
         self._pair, self._history, self._saved = pair, History(texts), saved
         self._reading = _Reading(pair, texts)
         self._left: tuple[str, ...] = ()
+        self._own_python = {texts[1]} if saved == (None, None) else set[str]()
         if unfinished is not None:
             self.take("unfinished save", unfinished)
 
@@ -211,6 +212,11 @@ class TaskDocument:
     def behaviour(self) -> Behaviour:
         """The parts of the Python that forms can edit."""
         return self._reading.behaviour
+
+    @property
+    def wrote_python(self) -> bool:
+        """Whether this document wrote all of the Python itself: that of a new task, changed by forms alone."""
+        return self.python_text in self._own_python
 
     @property
     def step(self) -> int:
@@ -314,8 +320,10 @@ class TaskDocument:
         Raises:
             EditRefused: The Python is not of a form that can be edited so.
         """
-        text = self.behaviour.written(field, value)
+        is_own, text = self.wrote_python, self.behaviour.written(field, value)
         self.take(f"change {field.replace('_', ' ')}", (self.scene_text, text), merge)
+        if is_own:
+            self._own_python.add(text)
 
     def take(self, name: str, texts: Texts, merge: str = "") -> None:
         """Replace both texts, as one edit of that name."""
@@ -340,6 +348,8 @@ class TaskDocument:
         reading = _Reading(self._pair, edited.texts, self._reading)
         if reading.error is not None and self._reading.error is None:
             raise reading.error
+        if self.wrote_python:
+            self._own_python.add(edited.texts[1])
         self._history.add(label, edited.texts, merge)
         self._reading, self._left = reading, edited.left
         return edited

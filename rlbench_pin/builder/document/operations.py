@@ -162,9 +162,7 @@ def waypoint_moved(scene: SceneText, python: str, name: str, index: int) -> Edit
     old = _number(name)
     if index == old:
         return Edited((scene.text, python), name)
-    if lines := computed_waypoints(_source(python, edit)):
-        problem = f"the Python computes which waypoint it means, in line {', in line '.join(lines)}."
-        raise EditRefused(edit, problem, "Write names or numbers out there, or renumber both files in *Files*.")
+    _refuse_computed(python, edit)
     first, end = min(old, index), max(old, index)
     for k in range(first, end + 1):
         scene = detached(scene, f"waypoint{k}")
@@ -206,6 +204,8 @@ def _inserted(scene: SceneText, python: str, index: int, keys: Mapping[str, Any]
     scene.refuse_inline("add a waypoint", "waypoint")
     if as_whole(index, "index", least=0) > count:
         raise InvalidValue("index", index, f"has to be 0 to {count}, the number of waypoints")
+    if index < count:
+        _refuse_computed(python, f"add a waypoint before waypoint{index}")
     shift = {f"waypoint{k}": f"waypoint{k + 1}" for k in range(index, count)}
     moved, python, left = _renumbered(scene, python, shift)
     parent = keys.get("parent")
@@ -221,6 +221,13 @@ def _renumbered(scene: SceneText, python: str, shift: Mapping[str, str]) -> tupl
         return scene, python, ()
     python, left = renamed_in_python(_source(python, "renumber the waypoints"), shift)
     return renamed(scene, shift), python, left
+
+
+def _refuse_computed(python: str, edit: str) -> None:
+    """Refuse an edit that gives waypoints other numbers where the Python computes them."""
+    if lines := computed_waypoints(_source(python, edit)):
+        problem = f"the Python computes which waypoint it means, in line {', in line '.join(lines)}."
+        raise EditRefused(edit, problem, "Write names or numbers out there, or renumber both files in *Files*.")
 
 
 def _number(waypoint: str) -> int:

@@ -1,9 +1,10 @@
-"""The tab *Add*: waypoints, objects of the catalogue, primitives, uploaded files, frames, regions, sensors."""
+"""The tab *Add*: waypoints, frames, regions, sensors, objects of the catalogue, primitives, uploaded files."""
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
+from functools import partial
 
 from rlbench_pin.assets import asset_path
 from rlbench_pin.builder.custom_assets.conversion import Conversion, Job
@@ -11,18 +12,22 @@ from rlbench_pin.builder.custom_assets.folder import Folder
 from rlbench_pin.builder.custom_assets.mesh_asset import CustomAsset
 from rlbench_pin.builder.custom_assets.uploads import UploadRefused, check_size, upload_stem
 from rlbench_pin.builder.custom_assets.urdf_file import MAX_TEXT_SIZE, checked_model
-from rlbench_pin.builder.view.catalogue import PRIMITIVES, SIZES, Asset, catalogue, primitive_urdf, search, thumbnail
-from rlbench_pin.builder.view.placing import free_place, in_frame
+from rlbench_pin.builder.document import EditRefused
+from rlbench_pin.builder.view.catalogue import PRIMITIVES, SIZES, Asset, catalogue, model_size, primitive_urdf, search, thumbnail
+from rlbench_pin.builder.view.placing import free_place, in_frame, own_points, top_grasp
 from rlbench_pin.builder.view.session import Session
 from rlbench_pin.builder.view.widgets import Panel
 from rlbench_pin.errors import RlbenchPinError, StorageError
+from rlbench_pin.robot import DEFAULT_ROBOT, robot_description
 from rlbench_pin.scene import BodySpec
 from rlbench_pin.scene.spec import ROOT
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import COLORS
 
-_PAGE_SIZE = 6
+_PAGE_SIZE = 8
 _MAX_FILES = 40
+_OPENING = 2.0 * robot_description(DEFAULT_ROBOT).gripper_open
+"""Distance between the open fingers [m]."""
 _SENSOR: dict[str, object] = {"shape": "sphere", "size": (0.06,)}
 
 
@@ -47,7 +52,11 @@ class Adding:
     def show(self, panel: Panel) -> None:
         """Show the controls."""
         with panel.folder("Waypoint") as folder:
-            folder.button("Add waypoint at the tip", self._add_waypoint)
+            self._show_waypoint(folder)
+        with panel.folder("Frame, region, sensor") as folder:
+            folder.button("Add frame", lambda: self._add_on_selected("frame", {}))
+            folder.button("Add region", lambda: self._add("region", {"size": (0.2, 0.2, 0.0)}))
+            folder.button("Add sensor", lambda: self._add_on_selected("sensor", _SENSOR))
         with panel.folder("Objects") as folder:
             self._show_catalogue(folder)
         with panel.folder("Box, cylinder, sphere", is_open=False) as folder:
@@ -56,10 +65,6 @@ class Adding:
             self._show_mesh_upload(folder)
         with panel.folder("Custom URDF", is_open=False) as folder:
             self._show_urdf_upload(folder)
-        with panel.folder("Frame, region, sensor", is_open=False) as folder:
-            folder.button("Add frame", lambda: self._add_on_selected("frame", {}))
-            folder.button("Add region", lambda: self._add("region", {"size": (0.2, 0.2, 0.0)}))
-            folder.button("Add sensor", lambda: self._add_on_selected("sensor", _SENSOR))
 
     def close(self) -> None:
         """Stop a running conversion."""
@@ -73,6 +78,44 @@ class Adding:
         """Add an element, attached to the selected one if there is one."""
         selected = self._session.selected
         self._add(table, {"parent": selected, **values} if self._session.element(selected) else values)
+
+    def _show_waypoint(self, panel: Panel) -> None:
+        body = self._selected_body()
+        name = "the selected object" if body is None else body.name
+        hint = "The gripper points down. Select a body, or an element on one."
+        panel.button("Add waypoint at the tip", self._add_waypoint)
+        for word, closes in (("Above", False), ("Grasp", True)):
+            press = partial(self._add_on_body, closes)
+            panel.button(f"{word} {name}", press, hint=hint, disabled=body is None, key=word)
+
+    def _selected_body(self) -> BodySpec | None:
+        """Return the selected body, or the one to which the selected element is attached."""
+        session = self._session
+        names = [body.name for body in session.spec.body]
+        element = session.element(session.selected)
+        for _ in session.spec.posed():
+            if element is None or element.name in names:
+                break
+            element = session.element(element.parent.partition("/")[0])
+        return element if isinstance(element, BodySpec) else None
+
+    def _add_on_body(self, closes: bool) -> None:
+        """Add a waypoint above the selected body, or one that grasps it."""
+        session, body = self._session, self._selected_body()
+        frame = None if body is None else session.places.of(body.name)
+        if body is None or frame is None:
+            return
+        edit = f"add a {'grasp of' if closes else 'waypoint above'} '{body.name}'"
+        points = own_points(session.spec, body)
+        if len(points) == 0:
+            raise EditRefused(edit, "its model has no shape.", "Add a waypoint at the tip.")
+        grasp = top_grasp(frame, points)
+        values: dict[str, object] = {"ignore_collisions": True, "gripper": "close"} if closes else {}
+        if closes and grasp.width > _OPENING:
+            problem = f"it is {100.0 * grasp.width:.1f} cm wide, and the gripper opens {100.0 * _OPENING:.0f} cm."
+            raise EditRefused(edit, problem, "Add a waypoint at the tip, and move it to a narrower part.")
+        pose = in_frame(grasp.pose if closes else grasp.above(), frame)
+        self._add("waypoint", {"parent": body.name, "pose": tuple(pose.tolist()), "symmetry": grasp.symmetry, **values})
 
     def _add_waypoint(self) -> None:
         session, selected = self._session, self._session.selected
@@ -103,9 +146,17 @@ class Adding:
         pages = max(1, -(-len(hits) // _PAGE_SIZE))
         self._page = min(self._page, pages - 1)
         panel.text("Search", self._words, set_words)
-        for asset in hits[self._page * _PAGE_SIZE : (self._page + 1) * _PAGE_SIZE]:
-            panel.image(asset.name, thumbnail(asset_path(asset.path)))
-            panel.button(f"Add {asset.name}", lambda asset=asset: add(asset), hint=asset.words[:300])  # type: ignore[misc]
+        shown = hits[self._page * _PAGE_SIZE : (self._page + 1) * _PAGE_SIZE]
+        with panel.grid("Found") as grid:
+            for row in (shown[first : first + 2] for first in range(0, len(shown), 2)):
+                for asset in row:
+                    file = asset_path(asset.path)
+                    size = " x ".join(f"{100.0 * side:.3g}" for side in model_size(file))
+                    grid.image(f"{asset.name}, {size} cm", thumbnail(file))
+                if len(row) == 1:
+                    grid.html("")
+                for asset in row:
+                    grid.button(f"Add {asset.name}", lambda asset=asset: add(asset), hint=asset.words[:300])  # type: ignore[misc]
         panel.note(f"{len(hits)} objects, page {self._page + 1} of {pages}")
         panel.button("Next page", lambda: turn(1), disabled=self._page + 1 >= pages)
         panel.button("Page before", lambda: turn(-1), disabled=self._page == 0)

@@ -49,6 +49,8 @@ def show_behaviour(panel: Panel, session: Session) -> None:
         _show_variations(folder, behaviour, put)
     with panel.folder("May be grasped") as folder:
         _show_graspable(folder, session, behaviour.graspable, put("graspable"))
+    with panel.folder("Kinds of conditions", is_open=False) as folder:
+        folder.note("\n".join(f"- **{kind.name}**: {kind.text}" for kind in condition_kinds()))
     with panel.folder("Success: all at the same instant") as folder:
         _show_conditions(folder, vocabulary, behaviour.success, put("success"))
     with panel.folder("Failure", is_open=False) as folder:

@@ -95,6 +95,17 @@ def thumbnail(urdf: Path) -> NDArray[np.uint8]:
     return np.asarray(Image.fromarray(image).resize((SIZE, SIZE), Image.Resampling.LANCZOS))
 
 
+@lru_cache(maxsize=512)
+def model_size(urdf: Path) -> Vector3:
+    """Return the size of a model along x, y, z [m]; zeros for an unreadable file."""
+    try:
+        points = _triangles(urdf)[0].reshape(-1, 3)
+    except RlbenchPinError:
+        return 0.0, 0.0, 0.0
+    x, y, z = np.ptp(points, axis=0).tolist() if len(points) else (0.0, 0.0, 0.0)
+    return x, y, z
+
+
 def _triangles(urdf: Path) -> tuple[FloatArray, FloatArray]:
     """Return triangles (m, 3, 3) and colours (m, 3) of the visuals of a model."""
     model = read_urdf(urdf)

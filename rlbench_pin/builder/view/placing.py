@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from itertools import product
 from typing import Literal
 
@@ -26,6 +27,8 @@ GRID = 0.01
 _YAW_STEP = np.radians(15.0)
 _LENGTH_DECIMALS, _ANGLE_DECIMALS = 4, 2
 _STEP, _GAP = 0.05, 0.01
+_DEPTH, _ABOVE, _SAME_WIDTH = 0.03, 0.1, 0.002
+"""Depth of a grasp below the top at most, height of the pose above it, and difference of widths that counts as none [m]."""
 _MARGIN_BESIDE, _MARGIN_BELOW = 0.02, 0.03
 """Tolerances beside a body and below its top for a drop onto it [m]."""
 
@@ -154,6 +157,46 @@ def own_points(spec: SceneSpec, body: BodySpec) -> FloatArray:
     alone = SceneSpec(format=2, body=(body.model_copy(update={"parent": ROOT}),), joint=joints, file=spec.file)
     links = places_at_rest(alone, {body.name: IDENTITY.copy()}).links
     return body_triangles(alone, body, links).reshape(-1, 3)
+
+
+# Grasps --------------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class TopGrasp:
+    """A grasp from above, across the narrowest side of an object."""
+
+    pose: FloatArray
+    """Pose (7,) of the tip in the world, z down: at the middle of the object, at most 3 cm below its top."""
+    width: float
+    """Size of the object along the opening of the fingers [m]."""
+    symmetry: int
+    """12, 4 or 2: that many rotations about z grasp the object as well."""
+
+    def above(self) -> FloatArray:
+        """Return the pose (7,) of the tip 10 cm above the grasp."""
+        return compose(self.pose, pose_at((0.0, 0.0, -_ABOVE)))
+
+
+def top_grasp(pose: FloatArray, points: FloatArray) -> TopGrasp:
+    """Return the grasp from above of an object.
+
+    Args:
+        pose: Pose (7,) of the object in the world.
+        points: Its vertices (n, 3) in its own frame, at least one.
+    """
+    matrix = pose_to_matrix(pose)
+    corners = points @ matrix[:3, :3].T + matrix[:3, 3]
+    first = math.atan2(matrix[1, 0], matrix[0, 0])
+    yaws = first + np.arange(12) * _YAW_STEP
+    spans = [np.ptp(corners[:, :2] @ (math.sin(yaw), -math.cos(yaw))) for yaw in yaws]  # along y of the tip
+    best = int(np.argmin(np.round(spans, 4)))
+    width = float(spans[best])
+    alike = [abs(span - width) < _SAME_WIDTH for span in spans]
+    symmetry = 12 if all(alike) else 4 if alike[best - 6] else 2
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    x, y, z = (low + high) / 2.0
+    return TopGrasp(pose_at((x, y, max(z, high[2] - _DEPTH)), math.pi, 0.0, float(yaws[best])), width, symmetry)
 
 
 # Free places and drop targets ----------------------------------------------------------------------------------------

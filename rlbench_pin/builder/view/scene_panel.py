@@ -1,4 +1,4 @@
-"""The tab *Scene*: drafts, undo, redo and save, problems, and the tree of all elements."""
+"""Undo, redo and save above the tabs; in the tab *Scene* problems, drafts, and the tree of all elements."""
 
 from __future__ import annotations
 
@@ -14,6 +14,12 @@ from rlbench_pin.scene import SceneSpec
 from rlbench_pin.scene.spec import ROOT, WORLD, PosedSpec
 
 _MARKS = {"BodySpec": "■", "FrameSpec": "✛", "RegionSpec": "▭", "SensorSpec": "◎", "WaypointSpec": "◆"}
+
+_LEFT_ALIGNED = (
+    '<div class="element-tree"></div>'
+    "<style>div:has(> .element-tree) ~ div > button .mantine-Button-inner { justify-content: flex-start }</style>"
+)
+"""Viser centres the labels of buttons, so that an indentation would move them by half of it."""
 
 
 class Drafts:
@@ -76,14 +82,19 @@ def _changed_lines(old: str, new: str) -> int:
     return sum(max(b - a, d - c) for word, a, b, c, d in blocks if word != "equal") or int(old != new)
 
 
-def show_header(panel: Panel, session: Session) -> None:
-    """Show undo, redo, save and problems."""
+def show_edits(panel: Panel, session: Session) -> None:
+    """Show undo, redo and save."""
     document = session.document
     undo, redo = document.undoable, document.redoable
     panel.note(f"**{document.name}**{' ·  not saved' if document.unsaved else ''}")
     panel.button(f"Undo: {undo}" if undo else "Undo", lambda: session.do(lambda d: d.undo()), disabled=not undo, key="undo")
     panel.button(f"Redo: {redo}" if redo else "Redo", lambda: session.do(lambda d: d.redo()), disabled=not redo, key="redo")
     panel.button("Save", session.save, "blue" if document.unsaved else "gray", key="save")
+
+
+def show_header(panel: Panel, session: Session) -> None:
+    """Show typed text that is not applied, and problems."""
+    document = session.document
     if session.typed:
         panel.note(f"Typed in {' and '.join(sorted(session.typed))}, not applied: see *Files*.")
     if problems := document.problems:
@@ -105,6 +116,7 @@ def show_tree(panel: Panel, session: Session) -> None:
         hint = "" if verdict is None else verdict.cause
         panel.button("\u2003" * depth + label, lambda: session.select(name), color, hint, key=f"{depth} {name}")
 
+    panel.html(_LEFT_ALIGNED)
     show(ROOT, "⌂ root", 0)
     for element, depth in branches(session.spec):
         show(element.name, f"{_MARKS[type(element).__name__]} {element.name}", depth)

@@ -25,6 +25,8 @@ class WorldStatus:
 
     opened: OpenedTask | None = None
     """Description of the task; None before it was built."""
+    ran_code: bool = False
+    """Whether the task's own module was run for that description; otherwise it has no conditions."""
     verdicts: Mapping[str, WaypointVerdict] = field(default_factory=dict)
     """Reachability by waypoint."""
     paths: tuple[PlannedPath, ...] = ()

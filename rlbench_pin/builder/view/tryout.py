@@ -67,6 +67,8 @@ class Tryout:
             panel.html("")
         if status.fault:
             panel.sign("bad", status.fault)
+        elif status.ran_code and status.opened is not None and not (status.opened.conditions or status.opened.problems):
+            panel.sign("doubtful", "The task registers no success condition: see Behaviour.")
         else:
             panel.html("")
         with panel.folder("Cameras", is_open=False) as folder:

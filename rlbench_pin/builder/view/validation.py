@@ -76,6 +76,9 @@ class Validation:
             panel.sign("doubtful", f"{why} Validate again.")
         for line in self.lines.values():
             self._show_line(panel, line)
+        if legend := "\n".join(f"- **{line.name}**: {line.meaning}" for line in self.lines.values() if line.meaning):
+            with panel.folder("What the lines mean", is_open=False) as folder:
+                folder.note(legend)
         if not (self.lines or self.work or self._fault):
             panel.note("*Validate* runs `rlbench-pin check`; 10 demonstrations show most mistakes in some minutes.")
         with panel.folder("Ready to contribute") as folder:

@@ -85,7 +85,7 @@ def show_overview(panel: Panel, session: Session) -> None:
             if verdict is not None and verdict.standing != "free":
                 folder.sign(_SIGNS[verdict.standing], verdict.cause)
         if not session.spec.waypoint:
-            folder.note("None yet. *Add* creates one at the tip; they are visited in the order of their numbers.")
+            folder.note("None yet: see *Add*. They are visited in the order of their numbers.")
 
 
 def _summary(waypoint: WaypointSpec) -> str:

@@ -25,6 +25,13 @@ _SIGN_COLORS: dict[Sign, str] = {
     "good": "#2b9348", "doubtful": "#e08a00", "bad": "#d6302b", "busy": "#2a6fdb", "unknown": "#9aa0a6",
 }  # fmt: skip
 
+_GRID = """<div class="two-columns"></div><style>
+div:has(> div > .two-columns) { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); align-items: end }
+div:has(> .two-columns) { display: none }
+div:has(> div > .two-columns) .mantine-Button-root { padding: 0 4px; font-size: 12px }
+</style>"""
+"""Viser puts the elements of a panel below one another."""
+
 
 class Container(Protocol):
     """A folder, tab or panel of viser."""
@@ -366,6 +373,13 @@ class Panel:
             control.children = Panel(self._gui, control.handle, self._post)
         with control.children.update() as children:
             yield children
+
+    @contextlib.contextmanager
+    def grid(self, label: str) -> Iterator[Panel]:
+        """Show a folder whose controls are in two columns, and describe them."""
+        with self.folder(label) as folder:
+            folder.html(_GRID)
+            yield folder
 
 
 class _Entry:

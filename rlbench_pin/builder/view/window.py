@@ -12,12 +12,12 @@ from rlbench_pin.builder.view.behaviour import show_behaviour
 from rlbench_pin.builder.view.dragging import Dragging, DropMark
 from rlbench_pin.builder.view.files import show_files
 from rlbench_pin.builder.view.properties import show_properties
-from rlbench_pin.builder.view.scene_panel import Drafts, show_header, show_tree
+from rlbench_pin.builder.view.scene_panel import Drafts, show_edits, show_header, show_tree
 from rlbench_pin.builder.view.scene_view import GRIPPERS, Phase, SceneView
 from rlbench_pin.builder.view.session import Session
 from rlbench_pin.builder.view.tryout import Tryout
 from rlbench_pin.builder.view.validation import Validation
-from rlbench_pin.builder.view.widgets import Panel, delay_presses
+from rlbench_pin.builder.view.widgets import Container, Panel, delay_presses
 from rlbench_pin.builder.view.world_sync import WorldSync
 from rlbench_pin.builder.worker import WorkerClient
 from rlbench_pin.spatial import FloatArray
@@ -83,14 +83,18 @@ class Window:
         gui.main_panel.dock_right()
         gui.main_panel.set_width(_RIGHT)
         delay_presses(gui)
+        edits = gui.add_folder(None)
         tabs = gui.add_tab_group()
-        containers = {name: tabs.add_tab(name) for name in ("Selected", "Behaviour", "Files", "Try", "Validate")}
+        containers: dict[str, Container] = {
+            name: tabs.add_tab(name) for name in ("Selected", "Behaviour", "Files", "Try", "Validate")
+        }
         with containers["Try"]:
             tryout = gui.add_folder(None)
             self.player = Player(gui, self.view.figures, self._show_frame, self._viser.atomic)
         self.tryout = Tryout(self.session, self.world, self.player, self.view.show_added)
         self.validation = Validation(self.session, self.world, self.tryout.open_at, self.view.show_reach)
-        return {name: Panel(gui, tryout if name == "Try" else tab, post) for name, tab in containers.items()}
+        containers = {"Edits": edits, **containers, "Try": tryout}
+        return {name: Panel(gui, container, post) for name, container in containers.items()}
 
     def _add_keys(self) -> None:
         session, gui = self.session, self._viser.gui
@@ -153,9 +157,11 @@ class Window:
                 self.tryout.set_frame(None)
             self.view.point_out(session.selected, session.status.verdicts, session.status.paths)
         self._viser.flush()
+        with self.panels["Edits"].update() as panel:
+            show_edits(panel, session)
         with self.panels["Header"].update() as panel:
             show_header(panel, session)
-            self.drafts.show(panel)  # last, so that undo, redo and save keep their handles when it goes
+            self.drafts.show(panel)
         with self.panels["Tree"].update() as panel:
             show_tree(panel, session)
             panel.dropdown("Grippers at waypoints", self.view.grippers, GRIPPERS, self._set_grippers)

@@ -25,19 +25,21 @@ class WorldSync:
         session: The edited task.
         worker: The worker process.
         on_arm: Called with the joint positions (n,) of an arm that follows a dragged waypoint.
-
-    Attributes:
-        run_task: Whether the user has allowed the task's own module to run.
     """
 
     def __init__(self, session: Session, worker: WorkerClient, on_arm: Callable[[FloatArray], None]) -> None:
         self.session, self.worker, self._on_arm = session, worker, on_arm
-        self.run_task = False
+        self._allowed = False
         self._requested: tuple[TaskText, bool] | None = None
         self._built: tuple[str, bool] | None = None
         self._followed = np.array(robot_description(DEFAULT_ROBOT).home)
         self._requests = JobThread("requests", self._failed)
         session.listen(self.refresh)
+
+    @property
+    def run_task(self) -> bool:
+        """Whether the task's own module may run: the user has allowed it, or the builder itself wrote it."""
+        return self._allowed or self.session.document.wrote_python
 
     def refresh(self) -> None:
         """Send changed texts, in the thread of edits."""
@@ -49,8 +51,8 @@ class WorldSync:
         self.work("checking the scene", lambda: self._inspect(*requested), kind="inspect")
 
     def allow_code(self) -> None:
-        """Let the task's own module run from now on, in the thread of edits."""
-        self.run_task = True
+        """Let the task's own module run from now on, whoever wrote it, in the thread of edits."""
+        self._allowed = True
         self.session.changed()
 
     def _inspect(self, text: TaskText, run_task: bool) -> None:
@@ -61,7 +63,8 @@ class WorldSync:
 
         def show() -> None:
             status = self.session.status
-            self.session.status = WorldStatus(opened, {v.waypoint: v for v in verdicts}, status.paths, status.work)
+            found = {verdict.waypoint: verdict for verdict in verdicts}
+            self.session.status = WorldStatus(opened, run_task, found, status.paths, status.work)
             self.session.changed()
 
         self.session.post(show, "inspected")

@@ -10,8 +10,9 @@ from rlbench_pin.builder.contracts import ValidationLine
 from rlbench_pin.checking import Item, Part, TaskReport, Trial, summarise
 from rlbench_pin.checking.plan import CheckPlan
 from rlbench_pin.checking.records import DemoTrial, NoopTrial, ReachTrial, SolvedDemo
+from rlbench_pin.checking.report import FIRST_TRY_FLOOR, KEY_FRAMES_FLOOR, REPLAY_FLOOR
 from rlbench_pin.checking.trials import work
-from rlbench_pin.checking.validate import MAX_DRIFT, MAX_PENETRATION
+from rlbench_pin.checking.validate import MAX_DRIFT, MAX_PENETRATION, NOOP_TIME
 from rlbench_pin.rates import Rate
 from rlbench_pin.tasks import find_task
 
@@ -84,9 +85,11 @@ def validation_lines(report: TaskReport, trials: Sequence[Trial], left: set[Part
     for line in _LINES:
         if line.part in begun:
             found = tuple((t.seed, t.variation, cause) for t in trials if t.part == line.part for cause in line.failures(t))
-            yield ValidationLine(line.name, None if line.part in left else report.passes(line.name), line.amount(report), found)
+            passed = None if line.part in left else report.passes(line.name)
+            yield ValidationLine(line.name, passed, line.amount(report), found, MEANINGS[line.name])
     errors = tuple((trial.seed, trial.variation, trial.error) for trial in trials if trial.error)
-    yield ValidationLine("errors", None if left and not errors else not errors, f"{len(errors)} trials", errors)
+    passed = None if left and not errors else not errors
+    yield ValidationLine("errors", passed, f"{len(errors)} trials", errors, MEANINGS["errors"])
 
 
 def _rate(rate: Rate) -> str:
@@ -95,6 +98,26 @@ def _rate(rate: Rate) -> str:
 
 def _millimetres(length: float) -> str:
     return f"{1000 * length:.2f} mm"
+
+
+MEANINGS = {
+    "instructions": "Every variation has instructions of its own, and none twice.",
+    "noop": "Episodes that reach the goal while the arm rests. Passes with none.",
+    "drift": f"Largest motion of an object by itself in {NOOP_TIME:g} s after a reset. Passes up to {_millimetres(MAX_DRIFT)}.",
+    "overlap": f"Deepest overlap of objects at a reset. Passes up to {_millimetres(MAX_PENETRATION)}.",
+    "held": "Objects that the gripper holds at a reset. Passes with none.",
+    "first try": f"Seeds whose first demonstration succeeds. Passes from {FIRST_TRY_FLOOR:.0%}.",
+    "in tries": f"Seeds of which one of {CheckPlan.max_attempts} demonstrations succeeds. Passes with all.",
+    "stable": "Demonstrations whose success still holds 1 s later with the arm at rest. Never fails.",
+    "replay": f"Demonstrations whose recorded actions reach the goal again. Passes from {REPLAY_FLOOR:.0%}.",
+    "left over": "What an episode changes for the next one. Passes with nothing.",
+    "reach": "Layouts in which the arm reaches all waypoints. Never fails.",
+    "repeat": "Seeds whose reset and demonstration repeat exactly. Passes with all.",
+    "random": "Episodes that reach the goal by random actions. Passes with none, or where Solved by chance is on.",
+    "key frames": f"Demonstrations whose key frames, planned one by one, reach the goal. Passes from {KEY_FRAMES_FLOOR:.0%}.",
+    "errors": "Trials that raise an error. Passes with none.",
+}
+"""Of each line: what is measured, and when it passes."""
 
 
 def _first_attempts(trial: Trial) -> Iterator[str]:

@@ -13,8 +13,9 @@ from rlbench_pin.evaluation.results.records import EpisodeRecord, Results
 from rlbench_pin.evaluation.results.statistics import DRAWS, LEVEL, SIGNIFICANT, Estimate, PValues, holm, mcnemar
 from rlbench_pin.values import as_choice, as_flag, as_record
 
-Measure = Literal["success", "lasts"]
+Measure = Literal["success", "stable"]
 """Measure: success, or stable success."""
+_FIELDS: dict[Measure, str] = {"success": "success", "stable": "lasts"}  # of an episode, by measure
 IMPLIED = ("episodes", "seed", "variations", "time_limit")
 """Limits that may differ: the episodes themselves say the first three, and the last is of a clock on the wall."""
 _SHOWN = 3
@@ -103,7 +104,7 @@ def compare(
         first: Results of the one.
         second: Results of the other, of the same episodes: tasks, variations, seeds.
         rng: Draws the bootstrap.
-        measure: `success`, or `lasts` for stable success.
+        measure: `success`, or `stable` for success that still holds 1 s later.
         common: Compare the episodes that both have, where they do not have the same.
         any_limits: Compare although episodes ended at different limits.
 
@@ -112,7 +113,7 @@ def compare(
     """
     one, other = (as_record(results, Results, "results") for results in (first, second))
     as_record(rng, np.random.Generator, "rng")
-    as_choice(measure, "measure", ("success", "lasts"))
+    as_choice(measure, "measure", _FIELDS)
     common, any_limits = as_flag(common, "common"), as_flag(any_limits, "any_limits")
     before, after = _by_key(one), _by_key(other)
     _check_episodes(one, other, before, after, common)
@@ -132,7 +133,7 @@ def _counted(one: Results, after: _Episodes, measure: Measure) -> dict[str, Pair
     found: dict[str, list[tuple[bool, bool]]] = {task: [] for task in one.tasks}
     for episode in one.episodes:
         if episode.key in after:
-            found[episode.task].append((getattr(episode, measure), getattr(after[episode.key], measure)))
+            found[episode.task].append((getattr(episode, _FIELDS[measure]), getattr(after[episode.key], _FIELDS[measure])))
     return {task: _pairs(outcomes) for task, outcomes in found.items() if outcomes}
 
 

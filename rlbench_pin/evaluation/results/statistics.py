@@ -42,7 +42,7 @@ class TaskSummary:
 
     task: str
     success: Rate
-    held: Rate
+    stable: Rate
     """Stable successes."""
     steps: float | None
     """Median of the actions of successful episodes; None without any."""
@@ -72,7 +72,7 @@ class Summary:
     tasks: tuple[TaskSummary, ...]
     success: Estimate
     """Mean over tasks, each with the same weight."""
-    held: Estimate
+    stable: Estimate
     """The same of stable success."""
     episodes: int
     """Of all tasks together."""
@@ -93,12 +93,12 @@ def summarise(results: Results, rng: np.random.Generator) -> Summary:
     for episode in results.episodes:
         by_task[episode.task].append(episode)
     tasks = tuple(_task_summary(task, episodes) for task, episodes in by_task.items())
-    success, held = (mean_rate([getattr(task, name) for task in tasks], rng) for name in ("success", "held"))
+    success, stable = (mean_rate([getattr(task, name) for task in tasks], rng) for name in ("success", "stable"))
     first_faults: dict[str, EpisodeRecord] = {}
     for episode in results.episodes:
         if episode.fault:
             first_faults.setdefault(episode.fault, episode)
-    return Summary(results.policy, tasks, success, held, len(results.episodes), tuple(first_faults.values()))
+    return Summary(results.policy, tasks, success, stable, len(results.episodes), tuple(first_faults.values()))
 
 
 def _task_summary(task: str, episodes: Sequence[EpisodeRecord]) -> TaskSummary:
@@ -106,7 +106,7 @@ def _task_summary(task: str, episodes: Sequence[EpisodeRecord]) -> TaskSummary:
     return TaskSummary(
         task=task,
         success=Rate(len(solved), count),
-        held=Rate(sum(e.lasts for e in episodes), count),
+        stable=Rate(sum(e.lasts for e in episodes), count),
         steps=statistics.median(e.steps for e in solved) if solved else None,
         seconds=statistics.median(e.seconds for e in solved) if solved else None,
         refused=added_counts(e.refused for e in episodes),

@@ -61,10 +61,22 @@ def _line(cells: Sequence[str], widths: Sequence[int], markdown: bool) -> str:
 def task_table(summary: Summary) -> Table:
     """Return what came of an evaluation, a row per task and one for the mean."""
     as_record(summary, Summary, "summary")
-    head = ("task", "episodes", "success", "95 %", "held", "steps", "refused", "collisions", "force [N]", "violations", "faults")
+    head = (
+        "task",
+        "episodes",
+        "success",
+        "95 %",
+        "stable",
+        "steps",
+        "refused",
+        "collisions",
+        "force [N]",
+        "violations",
+        "faults",
+    )
     rows = [_task_row(task) for task in summary.tasks]
     if len(summary.tasks) > 1:
-        success = (_percent(summary.success.value), _span(summary.success), _percent(summary.held.value))
+        success = (_percent(summary.success.value), _span(summary.success), _percent(summary.stable.value))
         rows.append((MEAN, str(summary.episodes), *success, "", *_counts(summary.tasks, summary.episodes)))
     return Table(summary.policy, head, tuple(rows), tuple(_notes(summary)))
 
@@ -104,7 +116,7 @@ def comparison_table(comparison: Comparison) -> Table:
 def _task_row(task: TaskSummary) -> tuple[str, ...]:
     steps = "" if task.steps is None else f"{task.steps:.0f}"
     low, high = task.success.interval
-    rates = (_percent(task.success.value), _span(Estimate(task.success.value, low, high)), _percent(task.held.value))
+    rates = (_percent(task.success.value), _span(Estimate(task.success.value, low, high)), _percent(task.stable.value))
     return task.task, str(task.success.of), *rates, steps, *_counts([task], task.success.of)
 
 
@@ -138,8 +150,8 @@ def fault_notes(summary: Summary) -> list[str]:
 
 
 _LEGEND = (
-    "Held: stable success. Steps: median of successes. Refused actions and collisions: per episode. Force: the largest. "
-    "Violations: control ticks in all."
+    "Stable: success holds after 1 s. Steps: median of successes. Refused actions and collisions: per episode. "
+    "Force: the largest. Violations: control ticks in all."
 )
 _COUNTED = (("Refused actions", "refused"), ("Ticks beyond limits", "violations"), ("Episodes that ended with a fault", "faults"))
 

@@ -251,21 +251,25 @@ class ShadowMap:
         result[self._rows.start + 9 : self._rows.stop - 9, self._columns.start + 9 : self._columns.stop - 9] = fine
         return result.ravel()
 
-    def at(self, spots: TableSpots) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
-        """Return which of some points of the table are darker (k,), and how much of the key light these miss (k,)."""
+    def at(self, spots: Sequence[TableSpots]) -> tuple[list[NDArray[np.int64]], NDArray[np.float32]]:
+        """Return which points of the table are darker, of each of some cameras, and how much of the key light these miss (k,)."""
         values = self.on_table
-        found = values.take(spots.texel)
-        chosen = (found > np.float32(0.004)).nonzero()[0]
-        texel, missing = spots.texel.take(chosen), found.take(chosen)
-        for place, step in ((spots.right, 1), (spots.down, _SIZE)):
-            if place is None:
-                continue
-            slope = values.take(texel + step)
-            slope -= values.take(texel - step)
-            slope *= place.take(chosen)
-            slope *= np.float32(0.5)
-            missing += slope
-        return chosen, missing
+        found = [values.take(each.texel) for each in spots]
+        chosen = [(each > np.float32(0.004)).nonzero()[0] for each in found]
+        missing = [each.take(points) for each, points in zip(found, chosen, strict=True)]
+        fine = [n for n, each in enumerate(spots) if each.right is not None]
+        if fine:
+            texel = np.concatenate([spots[n].texel.take(chosen[n]) for n in fine])
+            total = np.concatenate([missing[n] for n in fine])
+            for name, step in (("right", 1), ("down", _SIZE)):
+                slope = values.take(texel + step)
+                slope -= values.take(texel - step)
+                slope *= np.concatenate([getattr(spots[n], name).take(chosen[n]) for n in fine])
+                slope *= np.float32(0.5)
+                total += slope
+            for n, part in zip(fine, np.split(total, np.cumsum([len(missing[n]) for n in fine])[:-1]), strict=True):
+                missing[n] = part
+        return chosen, np.concatenate(missing)
 
 
 @lru_cache(maxsize=4)

@@ -258,10 +258,9 @@ class Renderer:
                 sizes.setdefault(request.view.size, []).append(n)
         for (width, height), chosen in sizes.items():
             together = np.stack([image for n in chosen if (image := images[n]) is not None])
-            # as bytes: of 256 surfaces apart two look like one, and their edge stays as it is
             surfaces = np.empty((len(chosen), height, width), dtype=np.uint8)
             for own, n in zip(surfaces, chosen, strict=True):
-                np.subtract(255, backdrops[n].image.owner, out=own, casting="unsafe")
+                own[:] = backdrops[n].surfaces
                 own.ravel()[shots[n].pixels] = shots[n].surface
             smoothed(together, surfaces)
             for image, n in zip(together, chosen, strict=True):

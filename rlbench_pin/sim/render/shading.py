@@ -54,6 +54,11 @@ class KeptBackdrop:
         np.divide(np.float32(1.0), self.image.depth, out=padded[1:-1, 1:-1])
         return padded.ravel()
 
+    @cached_property
+    def surfaces(self) -> NDArray[np.uint8]:
+        """Which surface each pixel sees, counted down from 255, (h, w); of 256 surfaces apart two look like one."""
+        return (255 - self.image.owner).astype(np.uint8)
+
     def table(self, light: CameraView) -> TableSpots:
         """Where its pixels that see the table lie in the image that the key light takes."""
         if self._spots is None or self._spots[0] is not light:
@@ -78,16 +83,17 @@ def shade_tables(
     if shadows.is_empty:
         return
     tables = [backdrop.table(shadows.view) for backdrop in backdrops]
-    found = [shadows.at(spots) for spots in tables]
-    pixels = [spots.pixels.take(chosen) for spots, (chosen, _) in zip(tables, found, strict=True)]
-    missing = np.concatenate([each for _, each in found])
+    darker, missing = shadows.at(tables)
+    pixels = [spots.pixels.take(chosen) for spots, chosen in zip(tables, darker, strict=True)]
     own = np.concatenate([image.reshape(-1).view(PIXEL).take(each) for image, each in zip(images, pixels, strict=True)])
     shaded = own.view(np.uint8).reshape(-1, 3)
+    left: dict[float, NDArray[np.float32]] = {}
     for channel, part in enumerate(key.tolist()):
-        values = missing * np.float32(-part)
-        values += np.float32(1.0)
-        np.maximum(values, np.float32(0.0), out=values)
-        values *= shaded[:, channel]
+        if part not in left:
+            values = missing * np.float32(-part)
+            values += np.float32(1.0)
+            left[part] = np.maximum(values, np.float32(0.0), out=values)
+        values = left[part] * shaded[:, channel]
         values += np.float32(0.5)
         shaded[:, channel] = values
     ends = np.cumsum([0, *(len(each) for each in pixels)])
@@ -193,7 +199,8 @@ def _crossings(surfaces: NDArray[np.uint8]) -> tuple[NDArray[np.int64], NDArray[
         up = flat.take(beside) == below.take(end)
         down = flat.take(beside + width) == above.take(end)
         bends.append((up.astype(np.float32) - down.astype(np.float32)) * (np.float32(0.5) * ~is_border))
-    run = np.repeat(np.arange(len(first)), length)
+    run = np.cumsum(begins[:-1], dtype=np.int64)
+    run -= 1
     place = (np.arange(len(upper)) - first.take(run) + np.float32(0.5)) / length.take(run)
     left, right = (bend.take(run) for bend in bends)
     way = (np.float32(1.0) - np.float32(2.0) * place).astype(np.float32)

@@ -97,7 +97,6 @@ def _rename(page: Page, name: str) -> None:
 def _add_sensor(desk: Desk) -> None:
     page, document = desk.page, desk.document
     page.tab("Add")
-    page.fold("Frame, region, sensor")
     page.press("Add sensor")
     until(lambda: "[[sensor]]" in document.scene_text, "the sensor")
     _rename(page, "goal")
@@ -175,7 +174,6 @@ def _say_what_is_asked(desk: Desk) -> None:
 def _try(desk: Desk) -> None:
     page, session = desk.page, desk.session
     page.tab("Try")
-    page.press("Run the code of set_cube_on_square.py")
     until(lambda: session.status.opened is not None and len(session.status.opened.conditions) == 2, "the task runs")
     page.press("Demonstration")
     until(lambda: desk.window.player.recording.frames and desk.window.player.recording.frames[-1].success, "success", 180.0)

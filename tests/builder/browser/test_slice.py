@@ -53,3 +53,64 @@ def test_the_tree_selects_and_numbers_move(sit: Sit, copied: Callable[[str], Tas
     desk.page.press("Save")
     until(lambda: not document.unsaved, "saved")
     assert (document.folder / "pick_and_lift.toml").read_text() == document.scene_text
+
+
+def test_every_tab_has_undo_redo_and_save(sit: Sit, copied: Callable[[str], TaskDocument]) -> None:
+    """Whatever is open on the left and on the right, an edit is undone, repeated and saved there."""
+    document = copied("pick_and_lift")
+    desk = sit(document)
+    page, before = desk.page, document.text
+    page.quiet()
+    desk.session.post(lambda: desk.session.do(lambda d: d.set("block", "fixed", True)))
+    desk.settle()
+    name = document.undoable
+    for tab in ("Scene", "Add", "Selected", "Behaviour", "Files", "Try", "Validate"):
+        page.tab(tab)
+        page.press(f"Undo: {name}")
+        until(lambda: document.text == before, "undone")
+        page.press(f"Redo: {name}")
+        until(lambda: document.text != before, "repeated")
+    page.press("Save")
+    until(lambda: not document.unsaved, "saved")
+
+
+_MARK_PLACES = """
+return Object.fromEntries([...document.querySelectorAll('button')].map(button => {
+  const text = document.createTreeWalker(button, NodeFilter.SHOW_TEXT).nextNode();
+  if (!text) return ['', 0];
+  const label = text.textContent.trim(), range = document.createRange();
+  range.setStart(text, text.textContent.indexOf(label)); range.setEnd(text, text.textContent.indexOf(label) + 1);
+  return [label, range.getBoundingClientRect().left];
+}));
+"""
+
+
+def test_the_tree_is_indented(sit: Sit, copied: Callable[[str], TaskDocument]) -> None:
+    """Elements of one parent begin at one place, to the right of their parent."""
+    desk = sit(copied("pick_and_lift"))
+    desk.settle()
+
+    def places() -> dict[str, float]:
+        return dict(desk.page.browser.execute_script(_MARK_PLACES))
+
+    until(lambda: "◎ goal" in places(), "the tree")
+    at = places()
+    columns = [("⌂ root",), ("■ block", "■ marker", "▭ boundary"), ("◆ waypoint1", "◎ goal"), ("◆ waypoint0", "◆ waypoint2")]
+    lefts = [[at[name] for name in names] for names in columns]
+    for row in lefts:
+        assert np.ptp(row) < 0.5
+    assert np.diff([row[0] for row in lefts]).min() > 8.0
+
+
+def test_the_catalogue_is_a_grid_with_sizes(sit: Sit, copied: Callable[[str], TaskDocument]) -> None:
+    """Two objects beside one another, each with its image and size above its button."""
+    desk = sit(copied("pick_and_lift"))
+    page = desk.page
+    page.tab("Add")
+    page.type("Search", "cube_")
+    page.shows("cube_45, 4.5 x 4.5 x 4.5 cm")
+    first, second = ([b for b in page.browser.find_elements("css selector", "button") if b.text.startswith("Add cube_")])[:2]
+    assert first.rect["y"] == second.rect["y"] and first.rect["x"] + first.rect["width"] <= second.rect["x"]
+    image = page.browser.find_element("css selector", "img[alt*='cube_'], img[src^='blob:'], img[src^='data:image/jpeg']")
+    assert image.rect["y"] < first.rect["y"]
+    page.screenshot("grid")

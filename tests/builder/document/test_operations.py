@@ -70,12 +70,24 @@ def test_waypoints_are_renumbered_wherever_they_are_named(opened: Opener) -> Non
     assert document.spec == before and "start(3, self._rise" in document.python_text
 
 
-def test_texts_that_make_names_of_waypoints_are_told(opened: Opener) -> None:
-    """An f-string may name any of them."""
+def test_a_waypoint_between_others_keeps_the_order(opened: Opener) -> None:
+    """A copy is visited right after its original; where the Python computes numbers, only a copy of the last one is made."""
     document = opened("stack_blocks")
+    before = document.spec
+    assert before is not None
+    for number, waypoint in enumerate(before.waypoint):
+        assert document.duplicate(waypoint.name) == f"waypoint{number + 1}"
+        assert document.spec is not None
+        places = [*range(number + 1), *range(number, len(before.waypoint))]
+        assert [w.pose for w in document.spec.waypoint] == [before.waypoint[k].pose for k in places]
+        document.undo()
     document.set_python_text(document.python_text + '\n\ndef name_of(i: int) -> str:\n    return f"waypoint{i}"\n')
-    document.insert_waypoint(0, {})
-    assert [line.partition(": ")[2] for line in document.left] == ['return f"waypoint{i}"']
+    texts, last = document.text, len(before.waypoint) - 1
+    for edit in (lambda: document.duplicate("waypoint0"), lambda: document.insert_waypoint(0, {})):
+        with pytest.raises(EditRefused, match="computes which waypoint"):
+            edit()
+        assert document.text == texts
+    assert document.duplicate(f"waypoint{last}") == f"waypoint{last + 1}"
 
 
 @pytest.mark.parametrize(("old", "new"), [(0, 3), (3, 0), (1, 2), (2, 1), (2, 0)])

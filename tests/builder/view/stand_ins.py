@@ -26,6 +26,7 @@ class WorkerStandIn(WorkerClient):
     fault: str = ""
     recording: Recording = field(default_factory=lambda: Recording((), ()))
     lines: tuple[ValidationLine, ...] = ()
+    conditions: tuple[str, ...] = ("a condition",)
 
     def _ask(self, name: str) -> None:
         self.asked.append(name)
@@ -36,7 +37,7 @@ class WorkerStandIn(WorkerClient):
         """Take a task."""
         self._ask(f"open {run_task}")
         self.texts.append(text.scene)
-        return OpenedTask(2, ("a condition",), (), self.waypoints)
+        return OpenedTask(2, self.conditions, (), self.waypoints)
 
     def reset(self, seed: int, variation: int = 0) -> Recording:
         """Return the recording."""
@@ -47,7 +48,7 @@ class WorkerStandIn(WorkerClient):
         """Take a scene."""
         self._ask("place")
         self.texts.append(scene)
-        return OpenedTask(2, ("a condition",), (), self.waypoints)
+        return OpenedTask(2, self.conditions, (), self.waypoints)
 
     def reach(self) -> Sequence[WaypointVerdict]:
         """Return the same verdict on all."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 
 import numpy as np
@@ -10,7 +11,8 @@ from viser import FrameHandle
 
 from rlbench_pin.builder.document import TaskDocument
 from rlbench_pin.builder.view import Window
-from rlbench_pin.spatial import compose
+from rlbench_pin.builder.view.placing import top_grasp
+from rlbench_pin.spatial import IDENTITY, compose, pose_at, pose_to_matrix
 from tests.builder.view.conftest import Show, call, control, controls, press, settle, text
 from tests.builder.view.stand_ins import WorkerStandIn
 
@@ -181,3 +183,56 @@ def test_a_bad_name_is_refused(copied: Copied, show: Show, new: str) -> None:
     _select(window, "block")
     call(window, control(window, "Selected", "entry", "Name"), new)
     assert document.text == texts and window.session.selected == "block" and len(told) == 1 and told[0]
+
+
+def test_waypoints_are_added_above_the_selected_object_and_as_its_grasp(copied: Copied, show: Show) -> None:
+    """The gripper points down: 10 cm above the middle, and at the middle with fingers that close; the body stays the object."""
+    document = copied("pick_and_lift")
+    window = show(document, WorkerStandIn())
+    disabled = [c.values[2] for c in controls(window.panels["Add"]) if "the selected object" in str(c.values[:1])]
+    assert disabled == [True, True]
+    _select(window, "block")
+    for label in ("Above block", "Grasp block", "Above block"):
+        press(window, "Add", label)
+    spec, block = document.spec, window.session.places.of("block")
+    assert spec is not None and block is not None and window.session.selected == "waypoint6"
+    above, grasp, again = spec.waypoint[4:]
+    assert {w.parent for w in (above, grasp, again)} == {"block"} and above.pose == again.pose
+    assert (above.gripper, grasp.gripper, grasp.ignore_collisions, grasp.symmetry) == (None, "close", True, 4)
+    tip = window.session.places.of("waypoint5")
+    assert tip is not None
+    np.testing.assert_allclose(tip[:3], block[:3], atol=1e-4)
+    np.testing.assert_allclose(pose_to_matrix(tip)[:3, 2], (0.0, 0.0, -1.0), atol=1e-6)
+    np.testing.assert_allclose(np.array(above.pose[:3]) - grasp.pose[:3], (0.0, 0.0, 0.1), atol=1e-4)
+
+
+def test_a_grasp_is_across_the_narrowest_side(copied: Copied, show: Show) -> None:
+    """However the object is turned, and near the top of a high one; what is too wide for the gripper is refused."""
+    box = np.array(list(itertools.product((-0.02, 0.02), (-0.06, 0.06), (-0.1, 0.1))))
+    for yaw in (0.0, 0.4, 2.0):
+        grasp = top_grasp(pose_at((0.3, 0.1, 0.9), yaw=yaw), box)
+        opening = pose_to_matrix(grasp.pose)[:3, 1]
+        assert abs(opening @ (np.cos(yaw), np.sin(yaw), 0.0)) == pytest.approx(1.0)
+        assert (grasp.width, grasp.symmetry) == (pytest.approx(0.04), 2)
+        np.testing.assert_allclose(grasp.pose[:3], (0.3, 0.1, 0.97), atol=1e-9)
+    circle = np.linspace(0.0, 2.0 * np.pi, 72, endpoint=False)
+    assert top_grasp(IDENTITY, 0.03 * np.stack([np.cos(circle), np.sin(circle), circle * 0.1], axis=1)).symmetry == 12
+    document = copied("pick_and_lift")
+    window, told = show(document, WorkerStandIn()), []
+    window.session._notify = lambda title, text, bad: told.append(text)
+    window.session.post(lambda: window.session.do(lambda d: d.set("block", "scale", 2.0)))
+    _select(window, "block")
+    before = document.text
+    press(window, "Add", "Grasp block")
+    assert document.text == before and "9.0 cm wide, and the gripper opens 8 cm" in told[0]
+
+
+def test_frames_regions_and_sensors_are_above_the_catalogue(copied: Copied, show: Show) -> None:
+    """They need no scrolling past the objects, and a sensor is attached to what is selected."""
+    document = copied("pick_and_lift")
+    window = show(document, WorkerStandIn())
+    labels = [c.label for c in controls(window.panels["Add"])]
+    assert max(labels.index(f"Add {kind}") for kind in ("frame", "region", "sensor")) < labels.index("Search")
+    _select(window, "block")
+    press(window, "Add", "Add sensor")
+    assert window.session.element("sensor").parent == "block"  # type: ignore[union-attr]

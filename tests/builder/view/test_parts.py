@@ -11,7 +11,7 @@ import trimesh
 from rlbench_pin.assets import asset_path
 from rlbench_pin.builder.custom_assets.mesh_asset import mesh_asset
 from rlbench_pin.builder.custom_assets.uploads import UploadedMesh, UploadRefused
-from rlbench_pin.builder.view.catalogue import catalogue, draw_triangles, primitive_urdf, search, thumbnail
+from rlbench_pin.builder.view.catalogue import catalogue, draw_triangles, model_size, primitive_urdf, search, thumbnail
 from rlbench_pin.builder.view.placing import free_place
 from rlbench_pin.errors import InvalidValue
 from rlbench_pin.scene import BodySpec, SceneSpec
@@ -78,6 +78,7 @@ def test_assets_are_found_by_their_words() -> None:
     image = thumbnail(asset_path("objects/cup/cup.urdf"))
     assert image.shape == (128, 128, 3)
     assert float(np.ptp(image)) > 50.0
+    assert model_size(asset_path("objects/cube_45/cube_45.urdf")) == pytest.approx((0.045, 0.045, 0.045))
 
 
 def test_what_is_nearer_hides_what_is_behind() -> None:

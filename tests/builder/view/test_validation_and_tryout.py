@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 from rlbench_pin.builder.contracts import ValidationLine
-from rlbench_pin.builder.document import TaskDocument
+from rlbench_pin.builder.document import TaskDocument, condition_kinds
 from rlbench_pin.builder.view import Window
 from tests.builder.view.conftest import Show, call, control, press, settle, text
 from tests.builder.view.stand_ins import WorkerStandIn
@@ -91,3 +92,55 @@ def test_seeds_are_walked_through(copied: Copied, show: Show) -> None:
     assert [pressed("Before"), pressed("Before")] == ["reset 0 0", "reset 0 0"]
     assert pressed("Random") != "reset 0 0"
     assert [pressed("0.05 s"), pressed("2 s")] == ["simulate 0.05", "simulate 2.0"]
+
+
+NONE = "registers no success condition"
+
+
+def test_missing_conditions_are_named_once_the_code_was_run(copied: Copied, show: Show) -> None:
+    """Before, the scene stands alone: nothing is known about its conditions."""
+    worker = WorkerStandIn(conditions=())
+    window = show(copied("pick_and_lift"), worker)
+    press(window, "Try", "Reset")
+    assert NONE not in text(window, "Try") and NONE not in window.player._conditions.content
+    press(window, "Try", "Run the code of pick_and_lift.py")
+    assert NONE in text(window, "Try")
+    worker.conditions = ("a condition",)
+    window.session.post(lambda: window.session.do(lambda d: d.set_python_text(d.python_text + "\n")))
+    settle(window)
+    assert NONE not in text(window, "Try")
+
+
+def test_the_page_does_not_ask_about_python_that_the_builder_wrote(show: Show, tmp_path: Path) -> None:
+    """It runs from the start, also after edits by forms; it is asked about what was typed, and not again once that is undone."""
+    document, worker = TaskDocument.new(tmp_path, "reach_it"), WorkerStandIn()
+    window = show(document, worker)
+
+    def do(edit: Callable[[TaskDocument], object]) -> str:
+        window.session.post(lambda: window.session.do(edit))
+        settle(window)
+        return text(window, "Try")
+
+    assert "Read it first" not in text(window, "Try")
+    assert "Read it first" not in do(lambda d: d.set_behaviour("title", "Reach it."))
+    assert "Read it first" not in do(lambda d: d.add("frame", {}))
+    assert "Read it first" not in do(lambda d: d.save())
+    assert {asked for asked in worker.asked if asked.startswith("open")} == {"open True"}
+    typed = document.python_text + "\nprint(1)\n"
+    assert "Read it first" in do(lambda d: d.set_python_text(typed))
+    assert "Read it first" in do(lambda d: d.set_behaviour("title", "Touch it."))
+    assert worker.asked[-1] == "open False"
+    do(lambda d: d.undo())
+    assert "Read it first" not in do(lambda d: d.undo())
+    assert worker.asked[-1] == "open True"
+    (tmp_path / "reach_it.py").write_text(typed)
+    assert "Read it first" in do(lambda d: d.reload())
+    assert "Read it first" in text(show(TaskDocument.open(tmp_path / "reach_it.py"), WorkerStandIn()), "Try")
+
+
+def test_words_of_the_validator_and_kinds_of_conditions_have_legends(copied: Copied, show: Show) -> None:
+    """Each line that is there, and each kind that a button adds."""
+    window = _validated(copied, show, ValidationLine("replay", True, "9/10", meaning="Recorded actions reach the goal again."))
+    assert "- **replay**: Recorded actions reach the goal again." in text(window, "Validate")
+    said = text(window, "Behaviour")
+    assert all(f"- **{kind.name}**: {kind.text}" in said for kind in condition_kinds())

@@ -128,3 +128,11 @@ def test_few_demonstrations_have_few_key_frames() -> None:
     """Key frames are those of demonstrations that were asked for."""
     parts = [item.part for item in items_of("pick", 3)]
     assert (parts.count("demos"), parts.count("key_frames"), parts.count("noop")) == (3, 3, CheckPlan.contract_seeds)
+
+
+def test_every_line_says_what_it_measures() -> None:
+    """And when it passes."""
+    trials = list(_good().values())
+    lines = list(validation_lines(summarise("pick", trials), trials, set()))
+    assert len(lines) == 15
+    assert all(len(line.meaning) > 20 for line in lines)

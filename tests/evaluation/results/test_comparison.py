@@ -49,7 +49,7 @@ def test_success_that_lasts_can_be_compared() -> None:
     first = results({"reach_target": "1" * 10})
     fallen = replace(first, episodes=tuple(replace(e, lasts=False) for e in first.episodes))
     assert compare(first, fallen, rng()).pairs.only_first == 0
-    assert compare(first, fallen, rng(), measure="lasts").pairs.only_first == 10
+    assert compare(first, fallen, rng(), measure="stable").pairs.only_first == 10
     with pytest.raises(UnknownName):
         compare(first, fallen, rng(), measure="steps")  # type: ignore[arg-type]
 

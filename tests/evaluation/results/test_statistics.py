@@ -30,7 +30,7 @@ def test_a_summary_counts_what_happened() -> None:
     """Per task, with the median of the steps of successes, and everything else added up."""
     summary = summarise(results({"reach_target": "1101f", "open_drawer": "00000"}), np.random.default_rng(0))
     first, second = summary.tasks
-    assert (first.success.count, first.success.of, first.held.count, first.steps, first.seconds) == (3, 5, 3, 11, 1.0)
+    assert (first.success.count, first.success.of, first.stable.count, first.steps, first.seconds) == (3, 5, 3, 11, 1.0)
     assert (first.refused, first.collisions, first.max_force) == ({"collision": 2, "workspace": 4}, 2, 12.5)
     assert (first.violations, first.faults) == ({"velocity": 10}, {"crashed": 1})
     assert (second.success.count, second.steps, second.seconds, second.faults) == (0, None, None, {})

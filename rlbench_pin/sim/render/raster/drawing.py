@@ -88,7 +88,7 @@ def draw(
     projection = Projection(placed, views)
     starts = np.cumsum([0, *(view.size[0] * view.size[1] for view in views)])
     solid, glass = opacity >= _SOLID, (opacity > 0.0) & (opacity < _SOLID)
-    nearest = np.zeros(int(starts[-1]), dtype=np.int64)
+    nearest = np.empty(int(starts[-1]), dtype=np.int64)
     _draw_into(nearest, starts, projection, solid & _from_layers(nearest, starts, projection, placed, layers, solid))
     blocked = None if light is None else _blocked(nearest[starts[len(sights)] :], projection)
     keys = nearest[: starts[len(sights)]]
@@ -138,13 +138,15 @@ def _from_layers(
     layers: Layers,
     shown: NDArray[np.bool_],
 ) -> NDArray[np.bool_]:
-    """Put into `nearest` what cameras at rest see of links at rest, and tell what has still to be drawn, (c, m)."""
+    """Fill `nearest` with what cameras at rest see of links at rest, and tell what has still to be drawn, (c, m)."""
     kept = layers.of(projection.views, shown, placed.still)
     link = placed.parts.link
     missing = np.zeros((len(kept), len(placed.still)), dtype=np.bool_)
     for number, layer in enumerate(kept):
         if layer is not None:
             missing[number] = placed.still & ~layer.links
+        if layer is None or missing[number].any():
+            nearest[starts[number] : starts[number + 1]] = 0
     if missing.any():
         _draw_into(nearest, starts, projection, shown & missing.take(link, axis=1))
     left = np.ones((len(kept), len(placed.still)), dtype=np.bool_)
@@ -181,14 +183,19 @@ def _with_normals(drawn: Sequence[tuple[NDArray, ...]], sights: Sequence[Sight],
     place = np.empty((len(sights), count), dtype=np.int64)
     place[camera, triangle] = np.arange(len(camera))
     forms = _forms(_inverses(projection.corners(camera, triangle)), np.take(projection.normals, triangle, axis=2))
-    results = []
-    for number, (pixels, triangles, inverse, depth) in enumerate(drawn):
-        normals = np.zeros((3, 0), dtype=np.float32)
-        if sights[number].is_lit:
-            width = sights[number].view.size[0]
-            normals = _vectors(forms.take(place[number].take(triangles), axis=0), pixels, width)
-        results.append(Drawn(pixels, triangles, inverse, depth, normals))
-    return results
+    normals = [np.zeros((3, 0), dtype=np.float32)] * len(drawn)
+    if lit:
+        chosen = np.concatenate([place[number].take(drawn[number][1]) for number in lit])
+        rows = [drawn[number][0] // sights[number].view.size[0] for number in lit]
+        columns = [drawn[number][0] - row * sights[number].view.size[0] for number, row in zip(lit, rows, strict=True)]
+        vectors = _vectors(forms.take(chosen, axis=0), np.concatenate(rows), np.concatenate(columns))
+        ends = np.cumsum([0, *(len(row) for row in rows)])
+        for number, begin, end in zip(lit, ends, ends[1:]):
+            normals[number] = vectors[:, begin:end]
+    return [
+        Drawn(pixels, triangles, inverse, depth, own)
+        for (pixels, triangles, inverse, depth), own in zip(drawn, normals, strict=True)
+    ]
 
 
 def _inverse_depths(p: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -221,15 +228,13 @@ def _forms(inverses: NDArray[np.float64], values: NDArray[np.float32]) -> NDArra
     return np.ascontiguousarray(forms.reshape(9, -1).T)
 
 
-def _vectors(forms: NDArray[np.float32], pixels: NDArray[np.int64], width: int) -> NDArray[np.float32]:
-    """Unit vectors (3, n) at pixels, from their factors (n, 9)."""
-    row = pixels // width
-    column = (pixels - row * width).astype(np.float32)
-    row = row.astype(np.float32)
-    vectors = np.empty((3, len(pixels)), dtype=np.float32)
+def _vectors(forms: NDArray[np.float32], row: NDArray[np.int64], column: NDArray[np.int64]) -> NDArray[np.float32]:
+    """Unit vectors (3, n) at pixels in rows and columns (n,), from their factors (n, 9)."""
+    u, v = column.astype(np.float32), row.astype(np.float32)
+    vectors = np.empty((3, len(u)), dtype=np.float32)
     for i, values in enumerate(vectors):
-        np.multiply(forms[:, i], column, out=values)
-        values += forms[:, 3 + i] * row
+        np.multiply(forms[:, i], u, out=values)
+        values += forms[:, 3 + i] * v
         values += forms[:, 6 + i]
     x, y, z = vectors
     vectors /= np.maximum(np.sqrt(x * x + y * y + z * z), np.float32(1e-12))

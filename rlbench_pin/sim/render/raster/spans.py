@@ -259,9 +259,14 @@ def inverses_of_keys(keys: NDArray[np.int64]) -> NDArray[np.float32]:
 
 def _runs(counts: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Number of the run of each of its members, and the number of the member in its run, both (sum of counts,)."""
-    owner = np.repeat(np.arange(len(counts)), counts)
-    step = np.arange(len(owner))
-    step -= (np.cumsum(counts) - counts).take(owner)
+    ends = np.cumsum(counts)
+    total = int(ends[-1]) if len(ends) else 0
+    # sums of marks where runs begin: of short runs they are faster than `np.repeat`
+    marks = np.zeros(total + 1, dtype=np.int64)
+    np.add.at(marks, ends[:-1], 1)
+    owner = np.cumsum(marks[:total])
+    step = np.arange(total)
+    step -= (ends - counts).take(owner)
     return owner, step
 
 
@@ -295,7 +300,7 @@ def _bounds(
         long, upper, lower = edges
         # level edges, nan or infinite here, bound nothing; the middle corner lies to the right of the long edge or to its left
         is_right = ((b[0] - a[0]) * (c[1] - a[1]) > (c[0] - a[0]) * (b[1] - a[1])).take(owner)
-        return np.where(is_right, long, np.fmax(upper, lower)), np.where(is_right, np.fmin(upper, lower), long)
+        return _chosen(is_right, long, np.fmax(upper, lower)), _chosen(is_right, np.fmin(upper, lower), long)
 
 
 def _from_top(x: NDArray[np.float32], y: NDArray[np.float32]) -> list[tuple[NDArray[np.float32], NDArray[np.float32]]]:
@@ -304,6 +309,15 @@ def _from_top(x: NDArray[np.float32], y: NDArray[np.float32]) -> list[tuple[NDAr
     for i, j in ((0, 1), (1, 2), (0, 1)):
         (xi, yi), (xj, yj) = corners[i], corners[j]
         swaps = yi > yj
-        corners[i] = np.where(swaps, xj, xi), np.where(swaps, yj, yi)
-        corners[j] = np.where(swaps, xi, xj), np.where(swaps, yi, yj)
+        corners[i] = _chosen(swaps, xj, xi), _chosen(swaps, yj, yi)
+        corners[j] = _chosen(swaps, xi, xj), _chosen(swaps, yi, yj)
     return corners
+
+
+def _chosen(is_first: NDArray[np.bool_], first: NDArray[np.float32], second: NDArray[np.float32]) -> NDArray[np.float32]:
+    """What `np.where` returns, bit by bit: several times as fast where the choice has no pattern."""
+    bits, others = first.view(np.int32), second.view(np.int32)
+    result = bits ^ others
+    result &= np.negative(is_first.view(np.int8)).astype(np.int32)
+    result ^= others
+    return result.view(np.float32)
