@@ -36,5 +36,5 @@ def add_aliases(module: str, names: Iterable[str]) -> None:
     """Make `import <module>.<name>` work for names of modules that RLBench or PyRep has; all stand for the module itself."""
     target = sys.modules[module]
     for name in names:
-        setattr(target, name, target)
+        vars(target)[name] = target
         sys.modules[f"{module}.{name}"] = target

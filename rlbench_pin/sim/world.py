@@ -92,10 +92,17 @@ class World(Contents):
     # Rendering -------------------------------------------------------------------------------------------------------
 
     def render(
-        self, camera: CameraView, *, rgb: bool = True, depth: bool = True, mask: bool = True, shadows: bool | ShadowMap = False
+        self,
+        camera: CameraView,
+        *,
+        rgb: bool = True,
+        depth: bool = True,
+        mask: bool = True,
+        shadows: bool | ShadowMap = False,
+        antialiasing: bool = False,
     ) -> Images:
         """Take the images of one camera; see `Renderer.render`."""
-        return self.renderer.render(camera, rgb=rgb, depth=depth, mask=mask, shadows=shadows)
+        return self.renderer.render(camera, rgb=rgb, depth=depth, mask=mask, shadows=shadows, antialiasing=antialiasing)
 
     # Saving and restoring --------------------------------------------------------------------------------------------
 

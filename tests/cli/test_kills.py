@@ -104,7 +104,7 @@ def test_a_merge_that_is_killed_is_completed_by_the_next(data: Path, tmp_path: P
     hits = 0
     for is_time in moments:
         hits += killed(command("dataset", "merge", str(data), "--out", str(rough)), is_time)
-        if read_manifest(rough, TASK):
+        if (rough / TASK / "manifest.json").exists():
             assert [fault for fault in task_faults(rough, TASK) if UNLISTED not in str(fault)] == []
     assert hits >= 1  # a loaded machine may let a merge finish between two looks
     for part in ("variation0/episodes/.episode3.h5.1.part", "variation0/.manifest.json.2.part"):  # of others that were killed

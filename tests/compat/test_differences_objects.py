@@ -100,8 +100,8 @@ def test_meshes_are_solid_as_their_hulls(pyrep: PyRep) -> None:
     assert box.is_dynamic()
 
 
-def test_half_transparent_things_are_drawn_opaque(pyrep: PyRep) -> None:
-    """The image is the same to the last bit; only 1 hides."""
+def test_half_transparent_shapes_are_blended(pyrep: PyRep) -> None:
+    """Half of the colour is that of what is behind; 1 hides."""
     shape = Shape.create(PrimitiveShape.CUBOID, [0.2] * 3, static=True, position=[0.3, 0.3, 1.2], color=[1.0, 0.0, 0.0])
     camera = VisionSensor.create([32, 32], view_angle=30.0)
     camera.set_pose(look_at((0.3, 1.0, 1.2), (0.3, 0.3, 1.2)))
@@ -110,7 +110,8 @@ def test_half_transparent_things_are_drawn_opaque(pyrep: PyRep) -> None:
         shape.set_transparency(transparency)
         assert shape.get_transparency() == pytest.approx(transparency)
         images.append(camera.capture_rgb())
-    assert np.array_equal(images[0], images[1]) and not np.allclose(images[0], images[2], atol=0.1)
+    opaque, half, hidden = (image[16, 16] for image in images)
+    assert np.allclose(half, 0.5 * (opaque + hidden), atol=0.03) and not np.allclose(opaque, hidden, atol=0.1)
     camera.remove()
 
 

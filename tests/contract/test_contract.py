@@ -132,10 +132,11 @@ def key_replays(task_env: TaskEnvironment, demo: Demo) -> bool:
     mode = key_frame_mode()
     for action in key_frame_actions(demo):
         try:
-            mode.action(task_env.runtime, action)
+            with task_env.runtime.acting() as result:  # success is evaluated in every tick
+                mode.action(task_env.runtime, action)
         except InvalidActionError:
             return False
-        if task_env.task.success()[0]:
+        if result.success:
             return True
     return False
 

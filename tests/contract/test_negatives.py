@@ -52,15 +52,14 @@ def pull_without_a_turn(task: Task) -> None:
     task.world.frame("waypoint2").set_local([0.0, 0.0, -0.12, 0.0, 0.0, 0.0, 1.0])
 
 
-def turn_the_hand_back(task: Task) -> None:
-    """Turn the long hand of the clock back by a quarter, to nine, where three is asked for."""
-    quarter = np.sqrt(0.5)
-    task.world.frame("waypoint3").set_local([0.0, 0.0, 0.0, 0.0, 0.0, quarter, quarter])
+def turn_the_hand_too_far(task: Task) -> None:
+    """Turn the long hand of the clock by two quarters, where one is asked for."""
+    task.quarters = (2,)  # type: ignore[attr-defined]
 
 
-def it_is_a_quarter_to(task: Task) -> bool:
-    """Whether the long hand points at nine."""
-    return task.world.sensor("quarter_to").detects("clock")
+def it_is_half_past(task: Task) -> bool:
+    """Whether the long hand points at six."""
+    return task.world.sensor("half_past").detects("clock")
 
 
 def turn_the_left_handle(task: Task) -> None:
@@ -144,7 +143,7 @@ NEGATIVES = {
     "close_box": Negative(Omission(waypoints=(7,)), done=lid_is_up),  # folded up, not pushed over
     "close_jar": Negative(spoil=close_the_other_jar, done=other_jar_is_shut),
     "close_laptop_lid": Negative(Omission(waypoints=(5,))),  # tipped, not pressed flat
-    "close_fridge": Negative(Omission(waypoints=(1,))),
+    "close_fridge": Negative(Omission(waypoints=(2,))),
     "close_drawer": Negative(Omission(waypoints=(1,))),
     "close_grill": Negative(Omission(waypoints=(2, 3, 4))),
     "change_clock": Negative(Omission(waypoints=(2,))),
@@ -176,7 +175,7 @@ NEGATIVES = {
     ),
     "reach_target": Negative(spoil=moved("waypoint0", z=0.03), done=tip_is_near_the_ball),
     "screw_nail": Negative(Omission(waypoints=(5,)), done=holding("screwdriver")),
-    "set_clock_to_time": Negative(spoil=turn_the_hand_back, done=it_is_a_quarter_to, variation=0),
+    "set_clock_to_time": Negative(spoil=turn_the_hand_too_far, done=it_is_half_past, variation=0),
     "slide_block_to_target": Negative(Omission(waypoints=(1,))),
     "take_lid_off_saucepan": Negative(Omission(waypoints=(2,)), done=holding("lid")),
     "turn_tap": Negative(spoil=turn_the_left_handle, done=left_handle_is_turned, variation=1),

@@ -123,7 +123,7 @@ def test_a_folder_without_demonstrations_is_refused(tmp_path: Path) -> None:
 
 def test_an_evaluation_is_watched_and_comes_out_alike(tmp_path: Path) -> None:
     """Results have the same bytes; what was played is there to be looked at, with the reason of a failure."""
-    config = EvaluationConfig(policy="noop", tasks=("reach_target",), episodes=2, max_steps=5)
+    config = EvaluationConfig(policy="noop", tasks=("reach_target",), episodes=2, max_steps=5, policy_seed_key="key")
     evaluate(config, tmp_path / "alone.json", engine=SerialEngine())
     with opened(EvaluationView) as view:
         make = partial(LiveRunner, view=view)

@@ -88,7 +88,7 @@ class VisionSensor(Object):
             assert mask is not None
             return spread_mask(mask)
         world.renderer.lighting = self.table.runtime.observer.appearance.lighting or self.table.cameras.config.lighting
-        image = world.render(self.view(), depth=False, mask=False, shadows=mode.startswith("OPENGL3")).rgb
+        image = world.render(self.view(), depth=False, mask=False, shadows=mode.startswith("OPENGL3"), antialiasing=True).rgb
         assert image is not None
         return image.astype(np.float32) / np.float32(255.0)
 
