@@ -262,12 +262,13 @@ def benchmark() -> list[Result]:
         for shadows in (False, True):
             window.view.cast_shadows(shadows)
             time.sleep(SETTLED)
-            found = dragged(desk, window.session.places.things[BODY][:3])
+            found = dragged(desk, window.session.places.elements[BODY][:3])
             looks = ", with shadows" if shadows else ""
             results.append(result(f"builder, body dragged{looks}", found, PICTURE_GOAL, plain))
         window.view.cast_shadows(False)
         desk.type("x y z [m]", 1, NEAR)
-        results.append(result("builder, number typed", typed(desk, window.session.places.things[BODY][:3]), PICTURE_GOAL, plain))
+        found = typed(desk, window.session.places.elements[BODY][:3])
+        results.append(result("builder, number typed", found, PICTURE_GOAL, plain))
         results.append(result("builder, waypoint coloured", coloured(desk), REACH_GOAL, plain))
     return results
 

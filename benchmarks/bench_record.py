@@ -80,7 +80,7 @@ class Stopwatch:
 
 def measure(tasks: Sequence[str], episodes: int, products: tuple[str, ...], workers: int) -> Figures:
     """Record into a temporary folder."""
-    config = RecordConfig(tasks=tuple(tasks), episodes=episodes, seed=1, pictures=ImageConfig(products=products))
+    config = RecordConfig(tasks=tuple(tasks), episodes=episodes, seed=1, images=ImageConfig(products=products))
     watch, before = Stopwatch(), _children()
     with tempfile.TemporaryDirectory() as folder:
         report = record(config, folder, engine=ProcessEngine(workers), on_progress=watch)

@@ -100,11 +100,11 @@ def summary(samples: Sequence[Sample], a_round: int) -> Memory:
     )
 
 
-def measure(items: Sequence[WorkItem], pictures: ImageConfig, log: Path, a_round: int) -> list[Sample]:
+def measure(items: Sequence[WorkItem], images: ImageConfig, log: Path, a_round: int) -> list[Sample]:
     """Let one worker do the work; the size of what it makes is measured, then it is deleted."""
     samples: list[Sample] = []
     began = time.perf_counter()
-    events = ProcessEngine(1).map(partial(Recorder, pictures), items, threading.Event())
+    events = ProcessEngine(1).map(partial(Recorder, images), items, threading.Event())
     with closing(events), log.open("w", encoding="utf-8") as lines:
         for event in events:
             if isinstance(event, WorkerDeath | GivenUp):
@@ -143,12 +143,12 @@ def main() -> None:
     options = parser.parse_args()
     load = os.getloadavg()[0]
     config = RecordConfig(tasks=tuple(options.tasks), episodes=options.episodes, seed=1)
-    pictures = replace(config.pictures, image_size=tuple(options.image_size))
+    images = replace(config.images, image_size=tuple(options.image_size))
     items = in_turn(plan_items(config), options.tasks, options.at_once)
     a_round = options.at_once * len(options.tasks)
     with tempfile.TemporaryDirectory() as folder:
         log = Path(folder) / "log" if options.out is None else options.out.with_suffix(".jsonl")
-        samples = measure(items, pictures, log, a_round)
+        samples = measure(items, images, log, a_round)
     memory = summary(samples, a_round)
     print(json.dumps(asdict(memory), indent=1))
     print(f"Load of the machine before it began: {load:.1f} on {os.cpu_count()} cores")

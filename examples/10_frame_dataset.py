@@ -36,7 +36,7 @@ def error(network: torch.nn.Module, batch: dict[str, torch.Tensor]) -> torch.Ten
 
 def main() -> None:
     """Record, train on all episodes but the last, and compare on the last."""
-    config = RecordConfig(tasks=(TASK,), episodes=20, variations=1, pictures=ImageConfig(products=()))
+    config = RecordConfig(tasks=(TASK,), episodes=20, variations=1, images=ImageConfig(products=()))
     record(config, ROOT, engine=ProcessEngine(2), resume=True)
 
     frames = FrameDataset(ROOT, fields=("joint_positions", "task_low_dim_state"), horizon=HORIZON)

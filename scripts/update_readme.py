@@ -10,6 +10,7 @@ import argparse
 import json
 import re
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -62,6 +63,18 @@ def replace_part(text: str, name: str, content: str) -> str:
     if len(pattern.findall(text)) != 1:
         raise SystemExit(f"The document needs exactly one part between '{begin}' and '{end}'.")
     return pattern.sub(lambda _: f"{begin}\n{content}\n{end}", text)
+
+
+def update_page(description: str | None, page: Path, written_anew: Callable[[], tuple[str, str]]) -> int:
+    """Run the command line of a script that writes one page: update it, or say with `--check` whether it is out of date."""
+    parser = argparse.ArgumentParser(description=description)
+    parser.add_argument("--check", action="store_true", help="change nothing; exit 1 when the page is out of date")
+    arguments = parser.parse_args()
+    before, after = written_anew()
+    if not arguments.check:
+        page.write_text(after, encoding="utf-8")
+    print(f"{'out of date' if arguments.check else 'updated'}: {'nothing' if before == after else page.name}")
+    return int(arguments.check and before != after)
 
 
 # document, marker of the part (None: all of it), results, text

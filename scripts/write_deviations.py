@@ -5,7 +5,6 @@ The prose around it is written by hand. With `--check` nothing is written; it on
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,7 +12,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent))
 
 from reference_lib.docs import table
-from update_readme import replace_part
+from update_readme import replace_part, update_page
 
 from rlbench_pin.tasks import library_names, task_class, task_scene
 
@@ -38,17 +37,5 @@ def written_anew() -> tuple[str, str]:
     return before, replace_part(before, "deviations", f"\n{table(HEAD, list(rows()))}\n")
 
 
-def main() -> int:
-    """Update, or check."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--check", action="store_true", help="change nothing; exit 1 when the page is out of date")
-    arguments = parser.parse_args()
-    before, after = written_anew()
-    if not arguments.check:
-        PAGE.write_text(after, encoding="utf-8")
-    print(f"{'out of date' if arguments.check else 'updated'}: {'nothing' if before == after else PAGE.name}")
-    return int(arguments.check and before != after)
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(update_page(__doc__, PAGE, written_anew))

@@ -5,12 +5,15 @@ With `--check` nothing is written; it only says whether the page is out of date.
 
 from __future__ import annotations
 
-import argparse
 import inspect
 import sys
 from pathlib import Path
 
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from update_readme import update_page
 
 from rlbench_pin.checking.page import markdown_table
 from rlbench_pin.errors import BoundaryError
@@ -65,17 +68,5 @@ def written_anew() -> tuple[str, str]:
     return PAGE.read_text(encoding="utf-8") if PAGE.is_file() else "", page()
 
 
-def main() -> int:
-    """Write, or check."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--check", action="store_true", help="change nothing; exit 1 when the page is out of date")
-    arguments = parser.parse_args()
-    before, after = written_anew()
-    if not arguments.check:
-        PAGE.write_text(after, encoding="utf-8")
-    print(f"{'out of date' if arguments.check else 'updated'}: {'nothing' if before == after else PAGE.name}")
-    return int(arguments.check and before != after)
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(update_page(__doc__, PAGE, written_anew))
