@@ -33,7 +33,7 @@ class UrdfOrigin:
 
 @dataclass(frozen=True)
 class Finish:
-    """What the material of a visual says beside its colour."""
+    """Material of a visual without its colour: gloss, emission."""
 
     gloss: Vector = ZERO
     """Share of red, green, blue that it throws back like a mirror, `<specular rgb>`."""
@@ -62,7 +62,7 @@ class UrdfShape:
     color: tuple[float, ...] | None
     """Red, green, blue, opacity from 0 to 1 of its own material."""
     finish: Finish = DULL
-    """What its material says beside the colour."""
+    """Material without the colour."""
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ VIEW = CameraView(
 HEAD = """# Gallery
 
 The {count} tasks of the library, each late in a demonstration of seed 0 and variation 0, from the side and from behind the robot
-(`clear_robot_side`), with a sentence that asks for it. A picture leads to the task's contact sheet: the five cameras and the
+(`clear_robot_side`), with a sentence that asks for it. Each image links to the task's contact sheet: the five cameras and the
 three clear views at five moments.
 `rlbench-pin view TASK` draws the sheet of any task, `rlbench-pin video TASK` films it. Written by `python scripts/gallery.py`.
 
@@ -36,7 +36,7 @@ three clear views at five moments.
 
 
 def late_in_a_demonstration(name: str) -> tuple[Image.Image, str]:
-    """Play a demonstration and return one picture of it, from two sides, and its first instruction."""
+    """Play a demonstration and return one image of it, from two sides, and its first instruction."""
     shots: list[np.ndarray] = []
     with make_environment(low_dim_config()) as environment:
         task = environment.get_task(name)

@@ -90,7 +90,7 @@ class ValidationLine:
     failures: tuple[tuple[int, int, str], ...] = ()
     """Seed, variation and cause of each failure."""
     meaning: str = ""
-    """What is measured, and when the line passes."""
+    """Measured quantity, and when the line passes."""
 
 
 @dataclass(frozen=True, eq=False)

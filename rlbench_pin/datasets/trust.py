@@ -127,7 +127,7 @@ def check_file(path: Path, sha256: str | None = None, inspector: Inspector | Non
 
     Args:
         path: An episode file.
-        sha256: What its bytes must add up to; None looks it up in the manifest of the dataset that the file lies in.
+        sha256: Expected checksum; None looks it up in the manifest of the dataset that the file lies in.
         inspector: Reads a file that no manifest lists; a process of its own does when None.
 
     Raises:

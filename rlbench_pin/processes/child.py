@@ -3,9 +3,9 @@
 The owner starts one with `ChildProcess` and talks to it over a socket, usually in messages (`policy_server.Channel`) whose
 `receive(timeout)` sets the time limit. The module calls `connect_to_owner` first, then `limit_memory` where memory is limited.
 
-Between owner and module is a supervisor, this file run as a program. It is the subreaper of all descendants: whoever loses its
-parent becomes its child, also in a session of its own, without its environment. So it finds all of them and ends them when the
-module ends, when the owner asks for it, and when the owner is gone.
+Between owner and module is a supervisor, this file run as a program. It is the subreaper of all descendants: a process that loses
+its parent becomes its child, also in a session of its own, without its environment. So it finds all of them and ends them when
+the module ends, when the owner asks for it, and when the owner is gone.
 """
 
 from __future__ import annotations

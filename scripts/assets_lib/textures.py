@@ -13,7 +13,7 @@ from assets_lib.mesh import FloatArray
 ROOM, SET = "room", "textures"
 TABLE_X, TABLE_Y = (-0.65, 0.95), (-0.75, 0.75)
 ROOM_X, ROOM_Y = (-1.75, 2.25), (-2.0, 2.0)
-"""What table and floor span; no wall is farther from the work than the cameras see [m]."""
+"""Area of table and floor; no wall is farther from the work than the cameras see [m]."""
 
 
 def _noise(rng: np.random.Generator, height: int, width: int, cells: tuple[int, int]) -> FloatArray:

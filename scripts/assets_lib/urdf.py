@@ -76,7 +76,7 @@ class Paint:
     gloss: Vec3 = ZERO
     """Share of red, green, blue that it throws back like a mirror."""
     opacity: float = 1.0
-    """What is behind it is seen through it below 1."""
+    """Opacity; below 1 the background shows through."""
     emission: Vec3 | None = None
     """Colour in which it shines."""
     reach: float = 0.0

@@ -35,7 +35,7 @@ class Examples:
     opening: FloatArray
     """Whether the gripper is open, (n, 1)."""
     task_state: FloatArray
-    """What the task says about its objects, (n, m); m = 0 where the network learns from images."""
+    """State of the task, (n, m); m = 0 where the network learns from images."""
     time: FloatArray
     """Time since the start, (n, 1) [s]."""
     episode: np.ndarray

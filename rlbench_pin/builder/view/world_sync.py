@@ -51,7 +51,7 @@ class WorldSync:
         self.work("checking the scene", lambda: self._inspect(*requested), kind="inspect")
 
     def allow_code(self) -> None:
-        """Let the task's own module run from now on, whoever wrote it, in the thread of edits."""
+        """Let the task's own module run from now on, also one that was not written here, in the thread of edits."""
         self._allowed = True
         self.session.changed()
 

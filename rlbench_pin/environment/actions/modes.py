@@ -328,8 +328,8 @@ class GripperMode(GripperActionMode):
 
 def attaches_grasped(mode: object, default: bool) -> bool:
     """Whether bodies are fixed to the gripper: what the gripper mode of an action mode says, otherwise `default`."""
-    told: bool | None = getattr(getattr(mode, "gripper_action_mode", None), "attach_grasped_objects", None)
-    return default if told is None else told
+    setting: bool | None = getattr(getattr(mode, "gripper_action_mode", None), "attach_grasped_objects", None)
+    return default if setting is None else setting
 
 
 class Discrete(GripperMode):

@@ -130,7 +130,7 @@ class Results:
     episodes: tuple[EpisodeRecord, ...]
     """In the order of tasks, and of seeds within a task."""
     policy_seed_key: str = ""
-    """Key of the hash that makes the seeds that the policy was told; empty in files of format 1."""
+    """Key of the hash that makes the seeds of the policy; empty in files of format 1."""
 
     def __post_init__(self) -> None:
         """Check every value, and keep it as plain Python has it."""

@@ -90,7 +90,7 @@ class Canvas:
             self._add(sight)
 
     def draw_alone(self, sights: Sequence[PanelSight], number: int) -> bool:
-        """Draw a rectangle, before which there is no other, if it fills the image, and tell whether it does.
+        """Draw a rectangle, before which there is no other, if it fills the image, and return whether it does.
 
         Args:
             sights: Where it can be seen, if it can.

@@ -1,7 +1,7 @@
 """Three directional lights, and the shadows of the first: one image of the moving objects from the light, for all cameras.
 
 Its texels are 3 mm wide. On the table, which is level, a shadow is the image of what lies above it, smoothed: as wide as a few
-texels below low things, four times as wide below high ones. Points of moving objects are in shadow as far as texels around them
+texels below low objects, four times as wide below high ones. Points of moving objects are in shadow as far as texels around them
 are nearer to the light. The same image says where objects stand on the table: what of them is seen low above it keeps light from
 around their feet.
 """
@@ -93,7 +93,7 @@ _DISTANCE = 30.0  # far away, so that its rays are almost parallel [m]
 _FAR = np.float32(np.inf)
 _BORDER, _MARGIN = 4, 24
 """So many texels at the border of the image stay free, and so far a shadow on the table reaches beyond what casts it [px]."""
-_TOUCHING = np.float32(0.002)  # so little above the table things cast no shadow on it [m]
+_TOUCHING = np.float32(0.002)  # so little above the table objects cast no shadow on it [m]
 _ON_TABLE = np.float32(0.001)  # so near the table top points count as its own [m]
 _SHARP, _SOFT = 0.02, 0.30
 """Heights of casters above the table up to which their shadows are sharp, and from which on they are soft [m]."""
@@ -173,7 +173,7 @@ class ShadowMap:
     def lit(self, spots: LightSpots, bias: NDArray[np.float32]) -> NDArray[np.float32]:
         """Share (n,) of the key light that reaches points of moving objects, 0..1: how many of 13 texels around it passes.
 
-        Most points lie beyond all of 5 x 5 texels or before them all, which two looks tell.
+        Most points lie beyond all of 5 x 5 texels or before them all, which two look-ups show.
 
         Args:
             spots: The points, from `spots_of`.
@@ -219,7 +219,7 @@ class ShadowMap:
 
     @cached_property
     def on_table(self) -> NDArray[np.float32]:
-        """How much of the key light the table misses at each texel (n * n,): 1 in full shadow, more at the feet of things.
+        """How much of the key light the table misses at each texel (n * n,): 1 in full shadow, more at the feet of objects.
 
         Two filters: one of 5 x 5 texels for what is low above the table, one four times as wide for what is high; between them by
         the mean height of what casts the shadow.

@@ -44,7 +44,7 @@ class Shot:
     """Unit normals (3, n) in the world. None when the renderer does not tell; then the colours are those in the ambient and key
     light without shadows, otherwise those of the objects themselves."""
     surface: NDArray[np.int64]
-    """Number of the visual that each pixel sees, or of its link where the renderer does not tell (n,)."""
+    """Number of the visual that each pixel sees, or of its link where the renderer does not say (n,)."""
     glossy: NDArray[np.int64] = field(default_factory=lambda: _NONE)
     """Which of the pixels see something glossy (k,)."""
     gloss: NDArray[np.float32] = field(default_factory=lambda: _DULL)
@@ -56,17 +56,17 @@ class Shot:
     opacity: NDArray[np.float32] = field(default_factory=lambda: _DULL[0])
     """How much of what is behind it the glass hides (g,), 0..1."""
     behind: Shot | None = None
-    """What is seen through the glass, where it is no part of the room."""
+    """Surfaces behind the glass, where it is no part of the room."""
 
 
 @dataclass(frozen=True, eq=False)
 class Shooting:
-    """What the cameras of an instant see of moving objects."""
+    """Moving objects as the cameras of one instant see them."""
 
     shots: list[Shot]
     """One for each camera."""
     blocked: Blocked | None
-    """What stands in the light; None where that was not asked for."""
+    """Surfaces in the light; None where that was not asked for."""
     lamps: list[Lamp]
     """Lamps that shine."""
 
@@ -95,7 +95,7 @@ class NumpyRasterizer:
 
 
 def _shot(drawn: Drawn, parts: Parts, materials: Materials, is_lit: bool) -> Shot:
-    """What a camera sees."""
+    """The pixels of one camera."""
     triangles = drawn.triangles
     shape = parts.shape.take(triangles)
     shot = Shot(drawn.pixels, drawn.inverse, drawn.depth, parts.segments, parts.link.take(triangles), _DULL, drawn.normals, shape)

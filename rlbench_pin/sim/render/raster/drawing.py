@@ -23,7 +23,7 @@ TOUCHING = np.float32(1e-5)
 
 
 _SOLID = np.float32(0.999)
-"""From this opacity on nothing is seen through a thing."""
+"""From this opacity on nothing is seen through a surface."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +54,7 @@ class Drawn:
     normals: NDArray[np.float32]
     """Unit normals (3, n) in the world, between those of the corners; none where no colours are wanted."""
     behind: Drawn | None = None
-    """What is seen through glass; None where there is none, or no colours are wanted."""
+    """Surfaces behind glass; None where there is none, or no colours are wanted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +122,7 @@ def _seen(keys: NDArray[np.int64], sights: Sequence[Sight], starts: NDArray[np.i
 
 
 def _blocked(nearest: NDArray[np.int64], projection: Projection) -> Blocked:
-    """What stands in the light, which is the last camera, from the keys (n,) of its pixels."""
+    """Surfaces in the light, which is the last camera, from the keys (n,) of its pixels."""
     width, height = projection.views[-1].size
     (first, begin), (last, end) = projection.bounds(len(projection.views) - 1)
     part = nearest.reshape(height, width)[begin : end + 1, first : last + 1]
@@ -138,7 +138,7 @@ def _from_layers(
     layers: Layers,
     shown: NDArray[np.bool_],
 ) -> NDArray[np.bool_]:
-    """Fill `nearest` with what cameras at rest see of links at rest, and tell what has still to be drawn, (c, m)."""
+    """Fill `nearest` with what cameras at rest see of links at rest, and return what has still to be drawn, (c, m)."""
     kept = layers.of(projection.views, shown, placed.still)
     link = placed.parts.link
     missing = np.zeros((len(kept), len(placed.still)), dtype=np.bool_)

@@ -68,7 +68,7 @@ class Waypoint:
         With grasp symmetry, the rotation of the gripper is one with which the following waypoints can be reached as well.
 
         Args:
-            ignore_collisions: Plan without collision checks, whatever the setting of the waypoint.
+            ignore_collisions: Plan without collision checks, also where the waypoint asks for them.
 
         Raises:
             ConfigurationPathError: There is none.
