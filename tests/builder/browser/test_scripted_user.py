@@ -137,17 +137,22 @@ def _waypoint(desk: Desk, parent: str, number: int, height: str) -> None:
     until(lambda: session.selected == name, "the waypoint is selected")
     desk.settle()
     page.shows(name)
-    for k, text in enumerate(("0", "0", height), 1):
-        page.type("x y z [m]", text, k)
-    for k, text in enumerate(("180", "0", "0"), 1):
-        page.type("roll pitch yaw [deg]", text, k)
-    page.type("Symmetry", "4")
 
     def has_numbers() -> bool:
         waypoint = session.element(name)
         return isinstance(waypoint, WaypointSpec) and waypoint.symmetry == 4 and abs(waypoint.pose[2] - float(height)) < 1e-6
 
-    until(has_numbers, "its numbers")
+    def type_numbers() -> bool:
+        """A busy page may replace a field while a key is pressed: a person then types the number again."""
+        for k, text in enumerate(("0", "0", height), 1):
+            page.type("x y z [m]", text, k)
+        for k, text in enumerate(("180", "0", "0"), 1):
+            page.type("roll pitch yaw [deg]", text, k)
+        page.type("Symmetry", "4")
+        desk.settle()
+        return has_numbers()
+
+    until(type_numbers, "its numbers")
 
 
 def _say_what_is_asked(desk: Desk) -> None:
