@@ -1,0 +1,321 @@
+"""Contact sheets of demonstrations: each event as a camera aimed at the task sees it, and as the cameras of observations do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw, ImageFont
+
+from rlbench_pin.environment import TaskEnvironment
+from rlbench_pin.environment.presets import clear_view, low_dim_config, make_environment
+from rlbench_pin.errors import DemoError
+from rlbench_pin.observation import CAMERAS, Demo, Observation
+from rlbench_pin.robot.geometry import bounds, box_corners, visual_geometry
+from rlbench_pin.sim import Body, CameraView, Request, World, WorldState, framed
+from rlbench_pin.spatial import FloatArray
+from rlbench_pin.tasks import Task
+
+SIZE = 384
+"""Side of the task view [px]."""
+OVERVIEW = "clear_robot_side"
+"""Camera that shows arm and table beside the five of observations."""
+_FINER = 3
+"""Factor by which images are rendered larger than they are shown."""
+_AFTER = 1.0
+"""Time after success at which the last image is taken [s]."""
+_LARGE = 0.35
+"""From this longest side on a body is not framed whole [m]."""
+_NEAR = 0.1
+"""Distance from the links that move at which large bodies are framed [m]."""
+_AROUND = 0.04
+"""Room around all that is framed [m]."""
+_LEVER = 0.1
+"""Distance from its axis at which a rotation is measured [m]."""
+_STILL, _MOVED = 5e-4, 3e-3
+"""Motion of a link that is noise between two frames, and over a demonstration [m]."""
+_DIRECTIONS = [(side * azimuth, tilt) for tilt in (25.0, 40.0, 55.0) for azimuth in range(15, 180, 30) for side in (1, -1)]
+"""Directions in which the camera may stand, seen from the task: from +x towards +y, and up [deg]."""
+_NEAREST, _PER_RADIUS = 0.7, 3.4
+"""Distance of the camera from the middle of the task: at least [m], and as a multiple of the radius of the task."""
+_INSIDE = np.array([(-1.4, -1.75, 0.9), (1.9, 1.75, 2.5)])
+"""Box in which the camera may stand [m]."""
+_SMALL = 96
+"""Side of the masks by which the direction is chosen [px]."""
+_MARGIN, _GAP, _CAPTION, _TITLE = 8, 8, 18, 54
+_INK, _PAPER, _FAINT = (30, 30, 30), (255, 255, 255), (110, 110, 110)
+
+
+@dataclass(frozen=True, eq=False)
+class Moment:
+    """An event of a demonstration in images."""
+
+    label: str
+    """Name of the event and its time."""
+    task: Image.Image
+    """The task view, from the camera that is aimed at the task."""
+    cameras: Mapping[str, Image.Image]
+    """The five cameras of observations and the overview, by name."""
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """The world at one frame of a demonstration."""
+
+    time: float
+    """Simulated time [s]."""
+    state: WorldState
+    poses: FloatArray
+    """Poses (n, 7) in the world of all links with visuals."""
+    holds: bool
+    """Whether the gripper holds a body."""
+    touches: bool
+    """Whether the robot touches a body of the task."""
+
+
+# Sheets -----------------------------------------------------------------------------------------------------------
+
+
+def demo_sheet(
+    task: type[Task], seed: int, variation: int = 0, *, attempt: int | None = None, size: int = SIZE
+) -> tuple[Image.Image, str]:
+    """Draw a demonstration, and return the image and the name of the task.
+
+    Args:
+        task: Class of the task.
+        seed: Seed of the episode.
+        variation: Variation of the task.
+        attempt: Number of the attempt of the seed; None takes the first that succeeds.
+        size: Side of the task view [px]; the other images have about half of it.
+
+    Raises:
+        DemoError: The demonstration fails.
+    """
+    demo, moments = demo_moments(task, seed, variation, attempt=attempt, size=size)
+    rows = [[np.asarray(moment_image(moment))] for moment in moments]
+    title = f"{demo.task_name}: {demo.instructions[0]}"
+    subtitle = f"variation {demo.variation_number}, seed {seed}, {len(demo)} frames; on the left a camera aimed at the task"
+    return contact_sheet(rows, [moment.label for moment in moments], [""], title, subtitle), demo.task_name
+
+
+def demo_moments(
+    task: type[Task], seed: int, variation: int = 0, *, attempt: int | None = None, size: int = SIZE
+) -> tuple[Demo, list[Moment]]:
+    """Play a demonstration, and return it and its events in images; see `demo_sheet`.
+
+    The last is taken 1 s after success, with arm and gripper stationary. Its task view does not show the arm, unless the gripper
+    holds a free body.
+    """
+    with make_environment(low_dim_config()) as environment:
+        task_environment = environment.get_task(task)
+        world = task_environment.world
+        frames: list[Frame] = []
+        demo = _demonstrate(task_environment, seed, variation, attempt, lambda _: frames.append(_frame(world)))
+        del frames[: -len(demo)]  # those of attempts that failed
+        chosen = {
+            f"{name}, {frames[k].time - frames[0].time:.1f} s" if k else name: frames[k]
+            for name, k in events([f.poses for f in frames], [f.holds for f in frames], [f.touches for f in frames]).items()
+        }
+        held = _wait(task_environment)
+        after = f"{_AFTER:.0f} s after success, {'object still held' if held else 'arm hidden on the left'}"
+        chosen[after] = _frame(world)
+        view = task_view(world, list(chosen.values()), size)
+        return demo, [
+            _moment(task_environment, label, frame, view, hides_arm=label == after and not held)
+            for label, frame in chosen.items()
+        ]
+
+
+def moment_image(moment: Moment) -> Image.Image:
+    """Return the task view with the other images beside it, in two rows with captions."""
+    size, small = moment.task.width, next(iter(moment.cameras.values())).width
+    columns = -(-len(moment.cameras) // 2)
+    row = Image.new("RGB", (size + columns * (_GAP + small), max(size, 2 * (_CAPTION + small) + _GAP)), _PAPER)
+    row.paste(moment.task, (0, 0))
+    draw = ImageDraw.Draw(row)
+    for k, (name, image) in enumerate(moment.cameras.items()):
+        x, y = size + _GAP + k % columns * (_GAP + small), k // columns * (_CAPTION + small + _GAP)
+        draw.text((x, y), name.replace("_", " "), fill=_FAINT, font=font(12))
+        row.paste(image, (x, y + _CAPTION))
+    return row
+
+
+def contact_sheet(
+    images: Sequence[Sequence[np.ndarray]], rows: Sequence[str], columns: Sequence[str], title: str, subtitle: str
+) -> Image.Image:
+    """Lay images out in a grid.
+
+    Args:
+        images: One row of uint8 (h, w, 3) arrays, all of one shape, per entry of `rows`.
+        rows: Captions of the rows.
+        columns: Captions of the columns; may be empty.
+        title: First line at the top.
+        subtitle: Second line at the top.
+    """
+    height, width = images[0][0].shape[:2]
+    cell = (width + _MARGIN, height + _CAPTION + _MARGIN)
+    sheet = Image.new("RGB", (_MARGIN + len(columns) * cell[0], _TITLE + _MARGIN + len(rows) * cell[1]), _PAPER)
+    draw = ImageDraw.Draw(sheet)
+    draw.text((_MARGIN, 6), title, fill=_INK, font=font(17))
+    draw.text((_MARGIN, 28), subtitle, fill=_FAINT, font=font(13))
+    for i, (row, name) in enumerate(zip(images, rows)):
+        for j, (image, column) in enumerate(zip(row, columns)):
+            corner = (_MARGIN + j * cell[0], _TITLE + i * cell[1])
+            draw.text(corner, f"{column}, {name}" if column else name, fill=_FAINT if column else _INK, font=font(13))
+            sheet.paste(Image.fromarray(image), (corner[0], corner[1] + _CAPTION))
+    return sheet
+
+
+def font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+    """Return the font of images, `size` high [px]."""
+    return ImageFont.load_default(size)
+
+
+# Demonstrations ---------------------------------------------------------------------------------------------------
+
+
+def _demonstrate(
+    task: TaskEnvironment, seed: int, variation: int, attempt: int | None, on_frame: Callable[[Observation], None]
+) -> Demo:
+    if attempt is None:
+        task.set_variation(variation)
+        return task.get_demos(1, live_demos=True, seed=seed, callable_each_step=on_frame)[0]
+    outcome = task.try_demo(seed=seed, variation=variation, attempt=attempt, on_frame=on_frame)
+    if outcome.demo is None:
+        raise DemoError(
+            f"Seed {seed}, attempt {attempt} of '{task.get_name()}' does not succeed again: {outcome.cause}", task.task
+        )
+    return outcome.demo
+
+
+def _wait(task: TaskEnvironment) -> bool:
+    """Let time pass with arm and gripper stationary, and return whether the gripper holds a free body at the end."""
+    runtime = task.runtime
+    runtime.hold()
+    runtime.gripper.hold()
+    for _ in range(round(_AFTER / task.world.control_dt)):
+        runtime.step()
+    held = [task.world.body(name) for name in runtime.gripper.held]
+    return any(not (body.fixed or body.joints) for body in held)
+
+
+def _frame(world: World) -> Frame:
+    poses = np.array([body.link_pose(link) for body, link in _links(world)]).reshape(-1, 7)
+    touches = any(name in world.bodies for name in world.robot.touching())
+    return Frame(world.time, world.save(), poses, bool(world.gripper.held), touches)
+
+
+def events(poses: Sequence[FloatArray], holds: Sequence[bool], touches: Sequence[bool]) -> dict[str, int]:
+    """Choose the events of a demonstration, and return name -> number of the frame, in order.
+
+    They are the reset; the first grasp or, without one, the first contact; the frame at which the objects have covered half of
+    their path since then or, where nothing moves, half of the time has passed; and success, the last frame.
+
+    Args:
+        poses: Of each frame the poses (n, 7) of the links of the task.
+        holds: Whether the gripper holds a body at each frame.
+        touches: Whether the robot touches a body of the task at each frame.
+    """
+    last = len(poses) - 1
+    name, begin = "reset", 0
+    for event, happens in (("grasp", holds), ("first contact", touches)):
+        if True in happens[1:]:
+            name, begin = event, happens.index(True, 1)
+            break
+    path = np.cumsum([_distances(a, b, _STILL).sum() for a, b in zip(poses[begin:], poses[begin + 1 :])])
+    half = begin + 1 + int(np.searchsorted(path, path[-1] / 2.0)) if len(path) and path[-1] > _MOVED else (begin + last) // 2
+    found = {"reset": 0, name: begin, "half way": half, "success": last}
+    return {event: k for event, k in found.items() if event in ("reset", "success") or 0 < k < last}
+
+
+def _distances(before: FloatArray, after: FloatArray, least: float) -> FloatArray:
+    """How far links with poses (n, 7) have moved and turned (n,) [m]; 0 where it is below `least`."""
+    cosine = np.abs((before[:, 3:] * after[:, 3:]).sum(axis=1))
+    moved = np.linalg.norm(after[:, :3] - before[:, :3], axis=1) + 2.0 * _LEVER * np.arccos(np.minimum(cosine, 1.0))
+    return np.where(moved < least, 0.0, moved)
+
+
+# Cameras ----------------------------------------------------------------------------------------------------------
+
+
+def task_view(world: World, frames: Sequence[Frame], size: int) -> CameraView:
+    """Choose the camera that is aimed at the task, of `size` px, and return it; the world is in the last frame then.
+
+    Its image contains at all frames the links that move, the bodies that are not large, and the parts of large ones that are near
+    the links that move. It stands in that direction in which the links that move are seen best, over all links and frames.
+    """
+    links = _links(world)
+    moves = np.max([_distances(frames[0].poses, frame.poses, _MOVED) for frame in frames], axis=0) > 0.0
+    points = _points_to_frame(links, [frame.poses for frame in frames], moves)
+    views = [framed(eye, points, (_SMALL, _SMALL)) for eye in _eyes(points)]
+    shown = {_mask_name(*link) for link, moving in zip(links, moves, strict=True) if moving or not moves.any()}
+    ids = [number for number, name in world.masks.items() if name in shown]
+    pixels = np.zeros((len(frames), len(views), len(ids)))
+    for k, frame in enumerate(frames):
+        world.restore(frame.state)
+        images = world.renderer.render_all([Request(view, rgb=False, depth=False) for view in views])
+        pixels[k] = [np.bincount(image.mask.ravel(), minlength=max(ids) + 1)[ids] for image in images]
+    most = pixels.max(axis=1, keepdims=True)
+    seen = (pixels / np.maximum(most, 1.0)).sum(axis=2) / np.maximum((most > 0.0).sum(axis=2), 1)
+    return replace(views[int(np.argmax(np.log(seen + 0.01).sum(axis=0)))], size=(size, size))
+
+
+def _points_to_frame(links: Sequence[tuple[Body, str]], poses: Sequence[FloatArray], moves: NDArray[np.bool_]) -> FloatArray:
+    """Return points (n, 3) around what the image of the task has to contain [m]; see `task_view`."""
+    small = {body.name: float(body.aabb_size().max()) < _LARGE for body, _ in links}
+    boxes = [bounds(visual_geometry(body.model.urdf, body.model.scale)[link]) for body, link in links]
+    corners = [np.concatenate([box_corners(box, own[k]) for own in poses]) for k, box in enumerate(boxes)]
+    whole = [own for own, moving, (body, _) in zip(corners, moves, links, strict=True) if moving or small[body.name]]
+    moving = np.concatenate([own for own, is_moving in zip(corners, moves, strict=True) if is_moving or not moves.any()])
+    low, high = moving.min(axis=0) - _NEAR, moving.max(axis=0) + _NEAR
+    parts = [own.clip(low, high) for own in corners if (own.min(axis=0) < high).all() and (own.max(axis=0) > low).all()]
+    points = np.concatenate([*whole, *parts])
+    return np.concatenate([points + _AROUND * side for side in (*np.eye(3), *-np.eye(3))])
+
+
+def _eyes(points: FloatArray) -> list[FloatArray]:
+    """Positions (3,) from which a camera may look at points (n, 3) [m]."""
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2.0
+    distance = max(_NEAREST, _PER_RADIUS * float(np.linalg.norm(points - middle, axis=1).max()))
+    eyes = []
+    for azimuth, tilt in np.radians(_DIRECTIONS):
+        away = np.array([np.cos(azimuth) * np.cos(tilt), np.sin(azimuth) * np.cos(tilt), np.sin(tilt)])
+        eyes.append(np.clip(middle + distance * away, *_INSIDE))
+    return eyes
+
+
+def _links(world: World) -> list[tuple[Body, str]]:
+    """All links of the task that have visuals."""
+    return [
+        (body, link)
+        for body in world.bodies.values()
+        for link in body.links
+        if visual_geometry(body.model.urdf, body.model.scale).get(link)
+    ]
+
+
+def _mask_name(body: Body, link: str) -> str:
+    return body.name if len(body.links) == 1 else f"{body.name}/{link}"
+
+
+def _moment(task: TaskEnvironment, label: str, frame: Frame, view: CameraView, *, hides_arm: bool) -> Moment:
+    world, size = task.world, view.size[0]
+    world.restore(frame.state)
+    small = max((size - 2 * _CAPTION - _GAP) // 2, 1)
+    views = {name: task.runtime.cameras[name].view() for name in CAMERAS}
+    views[OVERVIEW] = clear_view()[OVERVIEW].view(world, task.runtime.description)
+    cameras = rendered(world, list(views.values()), small)
+    if hides_arm:
+        world.robot.model.set_base_pose([0.0, 0.0, -10.0, 0.0, 0.0, 0.0, 1.0])
+    (image,) = rendered(world, [view], size)
+    world.restore(frame.state)
+    return Moment(label, image, dict(zip(views, cameras, strict=True)))
+
+
+def rendered(world: World, views: Sequence[CameraView], size: int) -> list[Image.Image]:
+    """Return what square cameras see now, of `size` px, with smooth edges: rendered three times as large, then reduced."""
+    fine = [replace(view, size=(_FINER * size, _FINER * size)) for view in views]
+    images = world.renderer.render_all([Request(view, depth=False, mask=False, shadows=True, antialiasing=True) for view in fine])
+    return [Image.fromarray(image.rgb).resize((size, size), Image.Resampling.LANCZOS) for image in images]
