@@ -34,6 +34,8 @@ _AROUND = 0.04
 """Room around all that is framed [m]."""
 _LEVER = 0.1
 """Distance from its axis at which a rotation is measured [m]."""
+_SHORT, _LONG = 10, 40
+"""Frames between contact and success without one half way, and between contact and grasp from which on both are shown."""
 _STILL, _MOVED = 5e-4, 3e-3
 """Motion of a link that is noise between two frames, and over a demonstration [m]."""
 _DIRECTIONS = [(side * azimuth, tilt) for tilt in (25.0, 40.0, 55.0) for azimuth in range(15, 180, 30) for side in (1, -1)]
@@ -54,8 +56,12 @@ class Moment:
 
     label: str
     """Name of the event and its time."""
+    view: CameraView
+    """The camera that is aimed at the task."""
+    arm_hidden: bool
+    """Whether the arm is left out of its image."""
     task: Image.Image
-    """The task view, from the camera that is aimed at the task."""
+    """Its image."""
     cameras: Mapping[str, Image.Image]
     """The five cameras of observations and the overview, by name."""
 
@@ -73,6 +79,8 @@ class Frame:
     """Whether the gripper holds a body."""
     touches: bool
     """Whether the robot touches a body of the task."""
+    tip: FloatArray
+    """Position (3,) of the tip in the world [m]."""
 
 
 # Sheets -----------------------------------------------------------------------------------------------------------
@@ -106,25 +114,27 @@ def demo_moments(
     """Play a demonstration, and return it and its events in images; see `demo_sheet`.
 
     The last is taken 1 s after success, with arm and gripper stationary. Its task view does not show the arm, unless the gripper
-    holds a free body.
+    holds a free body, or nothing of the task moves.
     """
     with make_environment(low_dim_config()) as environment:
         task_environment = environment.get_task(task)
         world = task_environment.world
         frames: list[Frame] = []
-        demo = _demonstrate(task_environment, seed, variation, attempt, lambda _: frames.append(_frame(world)))
+        demo = _demonstrate(task_environment, seed, variation, attempt, lambda _: frames.append(present_frame(world)))
         del frames[: -len(demo)]  # those of attempts that failed
         chosen = {
             f"{name}, {frames[k].time - frames[0].time:.1f} s" if k else name: frames[k]
             for name, k in events([f.poses for f in frames], [f.holds for f in frames], [f.touches for f in frames]).items()
         }
         held = _wait(task_environment)
-        after = f"{_AFTER:.0f} s after success, {'object still held' if held else 'arm hidden on the left'}"
-        chosen[after] = _frame(world)
+        end = present_frame(world)
+        moves = bool(_distances(frames[0].poses, end.poses, _MOVED).any())
+        hides_arm = moves and not held
+        note = ", arm hidden on the left" if hides_arm else ", object still held" if held else ""
+        chosen[f"{_AFTER:.0f} s after success{note}"] = end
         view = task_view(world, list(chosen.values()), size)
         return demo, [
-            _moment(task_environment, label, frame, view, hides_arm=label == after and not held)
-            for label, frame in chosen.items()
+            _moment(task_environment, label, frame, view, hides_arm=hides_arm and frame is end) for label, frame in chosen.items()
         ]
 
 
@@ -201,17 +211,19 @@ def _wait(task: TaskEnvironment) -> bool:
     return any(not (body.fixed or body.joints) for body in held)
 
 
-def _frame(world: World) -> Frame:
+def present_frame(world: World) -> Frame:
+    """Return the world as it is now."""
     poses = np.array([body.link_pose(link) for body, link in _links(world)]).reshape(-1, 7)
     touches = any(name in world.bodies for name in world.robot.touching())
-    return Frame(world.time, world.save(), poses, bool(world.gripper.held), touches)
+    return Frame(world.time, world.save(), poses, bool(world.gripper.held), touches, world.robot.tip_pose()[:3])
 
 
 def events(poses: Sequence[FloatArray], holds: Sequence[bool], touches: Sequence[bool]) -> dict[str, int]:
     """Choose the events of a demonstration, and return name -> number of the frame, in order.
 
-    They are the reset; the first grasp or, without one, the first contact; the frame at which the objects have covered half of
-    their path since then or, where nothing moves, half of the time has passed; and success, the last frame.
+    They are the reset; the first contact, unless a grasp follows soon; the first grasp; the frame at which the links have covered
+    half of their path since then; and success, the last frame. Where success follows the contact at once, there is a frame of the
+    approach in place of the one half way.
 
     Args:
         poses: Of each frame the poses (n, 7) of the links of the task.
@@ -219,15 +231,21 @@ def events(poses: Sequence[FloatArray], holds: Sequence[bool], touches: Sequence
         touches: Whether the robot touches a body of the task at each frame.
     """
     last = len(poses) - 1
-    name, begin = "reset", 0
-    for event, happens in (("grasp", holds), ("first contact", touches)):
-        if True in happens[1:]:
-            name, begin = event, happens.index(True, 1)
-            break
-    path = np.cumsum([_distances(a, b, _STILL).sum() for a, b in zip(poses[begin:], poses[begin + 1 :])])
-    half = begin + 1 + int(np.searchsorted(path, path[-1] / 2.0)) if len(path) and path[-1] > _MOVED else (begin + last) // 2
-    found = {"reset": 0, name: begin, "half way": half, "success": last}
-    return {event: k for event, k in found.items() if event in ("reset", "success") or 0 < k < last}
+    contact, grasp = (happens.index(True, 1) if True in happens[1:] else None for happens in (touches, holds))
+    found = {"reset": 0}
+    if contact is not None and (grasp is None or grasp - contact > _LONG):
+        found["first contact"] = contact
+    if grasp is not None:
+        found["grasp"] = grasp
+    begin = max(found.values())
+    if last - begin < _SHORT < begin:
+        found["approach"] = 3 * begin // 4
+    else:
+        path = np.cumsum([0.0, *(_distances(a, b, _STILL).sum() for a, b in zip(poses[begin:], poses[begin + 1 :]))])
+        passed = np.searchsorted(path, path[-1] / 2.0) if path[-1] > _MOVED else (last - begin) // 2
+        found["half way"] = begin + int(passed)
+    middle = {event: k for event, k in found.items() if 0 < k < last}
+    return {"reset": 0, **dict(sorted(middle.items(), key=lambda item: item[1])), "success": last}
 
 
 def _distances(before: FloatArray, after: FloatArray, least: float) -> FloatArray:
@@ -244,22 +262,37 @@ def task_view(world: World, frames: Sequence[Frame], size: int) -> CameraView:
     """Choose the camera that is aimed at the task, of `size` px, and return it; the world is in the last frame then.
 
     Its image contains at all frames the links that move, the bodies that are not large, and the parts of large ones that are near
-    the links that move. It stands in that direction in which the links that move are seen best, over all links and frames.
+    the links that move; where none does, the tip after the reset. It stands in that direction in which the links that move and
+    their motion are seen best.
     """
     links = _links(world)
     moves = np.max([_distances(frames[0].poses, frame.poses, _MOVED) for frame in frames], axis=0) > 0.0
     points = _points_to_frame(links, [frame.poses for frame in frames], moves)
+    if not moves.any():
+        points = np.concatenate([points, [frame.tip for frame in frames[1:]]])
     views = [framed(eye, points, (_SMALL, _SMALL)) for eye in _eyes(points)]
     shown = {_mask_name(*link) for link, moving in zip(links, moves, strict=True) if moving or not moves.any()}
     ids = [number for number, name in world.masks.items() if name in shown]
-    pixels = np.zeros((len(frames), len(views), len(ids)))
-    for k, frame in enumerate(frames):
+    masks = []
+    for frame in frames:
         world.restore(frame.state)
-        images = world.renderer.render_all([Request(view, rgb=False, depth=False) for view in views])
-        pixels[k] = [np.bincount(image.mask.ravel(), minlength=max(ids) + 1)[ids] for image in images]
-    most = pixels.max(axis=1, keepdims=True)
-    seen = (pixels / np.maximum(most, 1.0)).sum(axis=2) / np.maximum((most > 0.0).sum(axis=2), 1)
-    return replace(views[int(np.argmax(np.log(seen + 0.01).sum(axis=0)))], size=(size, size))
+        if frame in (frames[0], frames[-1]):
+            _hide_arm(world)
+        masks.append([world.render(view, rgb=False, depth=False).mask for view in views])
+    return replace(views[_clearest(np.array(masks), ids)], size=(size, size))
+
+
+def _clearest(masks: NDArray[np.int32], ids: Sequence[int]) -> int:
+    """Return the number of the view that shows most of some links at all frames, and most of their motion.
+
+    Args:
+        masks: Masks (frames, views, h, w).
+        ids: Mask ids of the links.
+    """
+    shown = np.stack([masks == number for number in ids])
+    pixels = np.concatenate([shown, shown[:, :1] != shown[:, -1:]], axis=1).sum(axis=(3, 4))
+    shares = pixels / np.maximum(pixels.max(axis=2, keepdims=True), 1)
+    return int(np.argmax(np.log(shares.mean(axis=0) + 0.1).sum(axis=0)))
 
 
 def _points_to_frame(links: Sequence[tuple[Body, str]], poses: Sequence[FloatArray], moves: NDArray[np.bool_]) -> FloatArray:
@@ -308,10 +341,15 @@ def _moment(task: TaskEnvironment, label: str, frame: Frame, view: CameraView, *
     views[OVERVIEW] = clear_view()[OVERVIEW].view(world, task.runtime.description)
     cameras = rendered(world, list(views.values()), small)
     if hides_arm:
-        world.robot.model.set_base_pose([0.0, 0.0, -10.0, 0.0, 0.0, 0.0, 1.0])
+        _hide_arm(world)
     (image,) = rendered(world, [view], size)
     world.restore(frame.state)
-    return Moment(label, image, dict(zip(views, cameras, strict=True)))
+    return Moment(label, view, hides_arm, image, dict(zip(views, cameras, strict=True)))
+
+
+def _hide_arm(world: World) -> None:
+    """Put the arm far below the floor, for images only; restoring a state brings it back."""
+    world.robot.model.set_base_pose([0.0, 0.0, -10.0, 0.0, 0.0, 0.0, 1.0])
 
 
 def rendered(world: World, views: Sequence[CameraView], size: int) -> list[Image.Image]:

@@ -155,7 +155,7 @@ def field_of_view(view: CameraView, points: FloatArray) -> float:
     return float(np.clip(2.0 * np.arctan(_MARGIN * across.max()), _NARROWEST, _WIDEST))
 
 
-def framed(eye: Sequence[float], points: FloatArray, size: tuple[int, int]) -> CameraView:
+def framed(eye: Sequence[float] | FloatArray, points: FloatArray, size: tuple[int, int]) -> CameraView:
     """Return the camera at a place whose image contains points (n, 3), as large as possible."""
     middle = (points.min(axis=0) + points.max(axis=0)) / 2.0
     view = CameraView(pose=look_at(eye, middle), fov=_WIDEST, size=size, near=_NEAR, far=_FAR)
