@@ -42,7 +42,8 @@ for name, (pose, fov, hides_arm) in json.loads(sys.argv[3]).items():
         task.get_demos(1, live_demos=True, seed=0)
         if hides_arm:
             task.world.robot.model.set_base_pose([0.0, 0.0, -10.0, 0.0, 0.0, 0.0, 1.0])
-        images[name] = task.world.renderer.image(CameraView(np.array(pose), fov, (size, size), 0.05, 6.0))
+        view = CameraView(np.array(pose), fov, (size, size), 0.05, 6.0)
+        images[name] = task.world.render(view, depth=False, mask=False, shadows=True).rgb
 np.savez_compressed(sys.argv[1], **images)
 """
 SIZE, FINER = 240, 3

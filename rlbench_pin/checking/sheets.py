@@ -289,9 +289,11 @@ def _clearest(masks: NDArray[np.int32], ids: Sequence[int]) -> int:
         masks: Masks (frames, views, h, w).
         ids: Mask ids of the links.
     """
-    shown = np.stack([masks == number for number in ids])
-    pixels = np.concatenate([shown, shown[:, :1] != shown[:, -1:]], axis=1).sum(axis=(3, 4))
-    shares = pixels / np.maximum(pixels.max(axis=2, keepdims=True), 1)
+    pixels = []
+    for number in ids:
+        shown = masks == number
+        pixels.append(np.concatenate([shown, shown[:1] != shown[-1:]]).sum(axis=(2, 3)))
+    shares = np.array(pixels) / np.maximum(np.max(pixels, axis=2, keepdims=True), 1)
     return int(np.argmax(np.log(shares.mean(axis=0) + 0.1).sum(axis=0)))
 
 
