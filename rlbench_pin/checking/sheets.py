@@ -26,6 +26,8 @@ _FINER = 3
 """Factor by which images are rendered larger than they are shown."""
 _AFTER = 1.0
 """Time after success at which the last image is taken [s]."""
+_RELEASED, _FALLEN = 0.5, 0.03
+"""Time for which the gripper opens [s], and motion by which a body that it held has fallen then [m]."""
 _LARGE = 0.35
 """From this longest side on a body is not framed whole [m]."""
 _NEAR = 0.1
@@ -114,7 +116,7 @@ def demo_moments(
     """Play a demonstration, and return it and its events in images; see `demo_sheet`.
 
     The last is taken 1 s after success, with arm and gripper stationary. Its task view does not show the arm, unless the gripper
-    holds a free body, or nothing of the task moves.
+    holds a body, or nothing of the task moves.
     """
     with make_environment(low_dim_config()) as environment:
         task_environment = environment.get_task(task)
@@ -126,8 +128,8 @@ def demo_moments(
             f"{name}, {frames[k].time - frames[0].time:.1f} s" if k else name: frames[k]
             for name, k in events([f.poses for f in frames], [f.holds for f in frames], [f.touches for f in frames]).items()
         }
-        held = _wait(task_environment)
-        end = present_frame(world)
+        end = _wait(task_environment)
+        held = end.holds or _lets_fall(task_environment, end)
         moves = bool(_distances(frames[0].poses, end.poses, _MOVED).any())
         hides_arm = moves and not held
         note = ", arm hidden on the left" if hides_arm else ", object still held" if held else ""
@@ -200,15 +202,25 @@ def _demonstrate(
     return outcome.demo
 
 
-def _wait(task: TaskEnvironment) -> bool:
-    """Let time pass with arm and gripper stationary, and return whether the gripper holds a free body at the end."""
-    runtime = task.runtime
-    runtime.hold()
-    runtime.gripper.hold()
+def _wait(task: TaskEnvironment) -> Frame:
+    """Let time pass with arm and gripper stationary, and return the frame at the end."""
+    task.runtime.hold()
+    task.runtime.gripper.hold()
     for _ in range(round(_AFTER / task.world.control_dt)):
-        runtime.step()
-    held = [task.world.body(name) for name in runtime.gripper.held]
-    return any(not (body.fixed or body.joints) for body in held)
+        task.runtime.step()
+    return present_frame(task.world)
+
+
+def _lets_fall(task: TaskEnvironment, frame: Frame) -> bool:
+    """Whether something falls when the gripper, as it is in a frame, opens; the world is in the frame again afterwards."""
+    gripper, world = task.runtime.gripper, task.world
+    gripper.release()
+    gripper.set_target(1.0)
+    for _ in range(round(_RELEASED / world.control_dt)):
+        world.step()
+    falls = bool(_distances(frame.poses, present_frame(world).poses, _FALLEN).any())
+    world.restore(frame.state)
+    return falls
 
 
 def present_frame(world: World) -> Frame:

@@ -98,7 +98,9 @@ def test_the_moments_of_a_demonstration() -> None:
 
 
 @pytest.mark.simulation
-@pytest.mark.parametrize(("name", "note"), [("pick_up_cup", ", object still held"), ("reach_target", "")])
+@pytest.mark.parametrize(
+    ("name", "note"), [("pick_up_cup", ", object still held"), ("open_wine_bottle", ", object still held"), ("reach_target", "")]
+)
 def test_the_arm_stays_where_it_matters(name: str, note: str) -> None:
     """The arm is shown at the end where the gripper holds an object, and where nothing else moves."""
     _, moments = demo_moments(find_task(name), 0, size=48)
