@@ -75,8 +75,8 @@ class Frame:
     time: float
     """Simulated time [s]."""
     state: WorldState
-    poses: FloatArray
-    """Poses (n, 7) in the world of all links with visuals."""
+    poses: Mapping[tuple[str, str], FloatArray]
+    """Body and link -> pose (7,) in the world, of all links with visuals; a task may add and remove bodies."""
     holds: bool
     """Whether the gripper holds a body."""
     touches: bool
@@ -126,12 +126,11 @@ def demo_moments(
         del frames[: -len(demo)]  # those of attempts that failed
         chosen = {
             f"{name}, {frames[k].time - frames[0].time:.1f} s" if k else name: frames[k]
-            for name, k in events([f.poses for f in frames], [f.holds for f in frames], [f.touches for f in frames]).items()
+            for name, k in events(_common_poses(frames)[1], [f.holds for f in frames], [f.touches for f in frames]).items()
         }
         end = _wait(task_environment)
         held = end.holds or _lets_fall(task_environment, end)
-        moves = bool(_distances(frames[0].poses, end.poses, _MOVED).any())
-        hides_arm = moves and not held
+        hides_arm = not held and _moves(frames[0], end, _MOVED)
         note = ", arm hidden on the left" if hides_arm else ", object still held" if held else ""
         chosen[f"{_AFTER:.0f} s after success{note}"] = end
         view = task_view(world, list(chosen.values()), size)
@@ -218,14 +217,14 @@ def _lets_fall(task: TaskEnvironment, frame: Frame) -> bool:
     gripper.set_target(1.0)
     for _ in range(round(_RELEASED / world.control_dt)):
         world.step()
-    falls = bool(_distances(frame.poses, present_frame(world).poses, _FALLEN).any())
+    falls = _moves(frame, present_frame(world), _FALLEN)
     world.restore(frame.state)
     return falls
 
 
 def present_frame(world: World) -> Frame:
     """Return the world as it is now."""
-    poses = np.array([body.link_pose(link) for body, link in _links(world)]).reshape(-1, 7)
+    poses = {(body.name, link): body.link_pose(link) for body in world.bodies.values() for link in _visual_links(body)}
     touches = any(name in world.bodies for name in world.robot.touching())
     return Frame(world.time, world.save(), poses, bool(world.gripper.held), touches, world.robot.tip_pose()[:3])
 
@@ -267,6 +266,18 @@ def _distances(before: FloatArray, after: FloatArray, least: float) -> FloatArra
     return np.where(moved < least, 0.0, moved)
 
 
+def _moves(before: Frame, after: Frame, least: float) -> bool:
+    """Whether a link that is in both frames has moved by `least` [m]."""
+    _, (old, new) = _common_poses([before, after])
+    return bool(_distances(old, new, least).any())
+
+
+def _common_poses(frames: Sequence[Frame]) -> tuple[list[tuple[str, str]], list[FloatArray]]:
+    """Return body and link of the links that are in all frames, and of each frame their poses (n, 7)."""
+    names = [name for name in frames[0].poses if all(name in frame.poses for frame in frames)]
+    return names, [np.array([frame.poses[name] for name in names]).reshape(-1, 7) for frame in frames]
+
+
 # Cameras ----------------------------------------------------------------------------------------------------------
 
 
@@ -277,9 +288,13 @@ def task_view(world: World, frames: Sequence[Frame], size: int) -> CameraView:
     the links that move; where none does, the tip after the reset. It stands in that direction in which the links that move and
     their motion are seen best.
     """
-    links = _links(world)
-    moves = np.max([_distances(frames[0].poses, frame.poses, _MOVED) for frame in frames], axis=0) > 0.0
-    points = _points_to_frame(links, [frame.poses for frame in frames], moves)
+    names, poses = _common_poses(frames)
+    links = [(world.bodies[body], link) for body, link in names]
+    moves = np.max([_distances(poses[0], own, _MOVED) for own in poses], axis=0) > 0.0
+    points = _points_to_frame(links, poses, moves)
+    others = [pose[:3] for frame in frames for name, pose in frame.poses.items() if name not in names]
+    if others:
+        points = np.concatenate([points, others])
     if not moves.any():
         points = np.concatenate([points, [frame.tip for frame in frames[1:]]])
     views = [framed(eye, points, (_SMALL, _SMALL)) for eye in _eyes(points)]
@@ -333,14 +348,10 @@ def _eyes(points: FloatArray) -> list[FloatArray]:
     return eyes
 
 
-def _links(world: World) -> list[tuple[Body, str]]:
-    """All links of the task that have visuals."""
-    return [
-        (body, link)
-        for body in world.bodies.values()
-        for link in body.links
-        if visual_geometry(body.model.urdf, body.model.scale).get(link)
-    ]
+def _visual_links(body: Body) -> list[str]:
+    """Names of the links of a body that have visuals."""
+    shapes = visual_geometry(body.model.urdf, body.model.scale)
+    return [link for link in body.links if shapes.get(link)]
 
 
 def _mask_name(body: Body, link: str) -> str:
