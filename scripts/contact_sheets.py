@@ -68,7 +68,7 @@ def main() -> None:
             print(f"{name}: {error}")
             continue
         file = folder / f"{name}.jpg"
-        sheet.save(file, quality=78, optimize=True)
+        sheet.save(file, quality=74, optimize=True)
         print(
             f"{file}: {sheet.width} x {sheet.height} px, {file.stat().st_size // 1000} kB, {time.perf_counter() - began:.0f} s",
             flush=True,

@@ -130,7 +130,7 @@ def demo_moments(
         }
         end = _wait(task_environment)
         held = end.holds or _lets_fall(task_environment, end)
-        hides_arm = not held and _moves(frames[0], end, _MOVED)
+        hides_arm = not held and any(_moves(frames[0], frame, _MOVED) for frame in (*chosen.values(), end))
         note = ", arm hidden on the left" if hides_arm else ", object still held" if held else ""
         chosen[f"{_AFTER:.0f} s after success{note}"] = end
         view = task_view(world, list(chosen.values()), size)
