@@ -1,23 +1,27 @@
-"""Draw docs/images/before_and_after.jpg: twelve tasks late in a demonstration, as one checkout drew them and as this one does.
+"""Draw docs/images/before_and_after.jpg: the end of demonstrations of twelve tasks, drawn by another checkout and by this one.
 
 Usage: python scripts/before_and_after.py --before OLD    OLD is the folder of another checkout
 
-Each checkout plays the demonstrations of seed 0 by itself, so that both show what their users see.
+Each checkout plays the demonstrations of seed 0 by itself. This one chooses the cameras; the arm is hidden unless it holds an
+object.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import subprocess
 import sys
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 from PIL import Image
 
-from rlbench_pin.checking.images import contact_sheet
+from rlbench_pin.checking.sheets import Moment, contact_sheet, demo_moments
+from rlbench_pin.tasks import find_task
 
 ROOT = Path(__file__).resolve().parents[1]
 TASKS = (
@@ -26,47 +30,48 @@ TASKS = (
 )  # fmt: skip
 PER_ROW = 4
 PLAYER = """
-import sys
+import json, sys
 import numpy as np
 from rlbench_pin.environment.presets import low_dim_config, make_environment
-from rlbench_pin.sim import CameraView, look_at
-size = int(sys.argv[2])
-side = CameraView(look_at((0.0, 1.5, 1.65), (0.18, 0.0, 0.98)), float(np.radians(42.0)), (size, size), 0.05, 6.0)
-behind = CameraView(look_at((-0.72, 0.62, 1.67), (0.30, 0.06, 0.91)), float(np.radians(48.0)), (size, size), 0.05, 6.0)
-images = {}
-with make_environment(low_dim_config()) as environment:
-    for name in sys.argv[3:]:
+from rlbench_pin.sim import CameraView
+size, images = int(sys.argv[2]), {}
+for name, (pose, fov, hides_arm) in json.loads(sys.argv[3]).items():
+    with make_environment(low_dim_config()) as environment:
         task = environment.get_task(name)
         task.set_variation(0)
         task.get_demos(1, live_demos=True, seed=0)
-        view = behind if name.startswith(("open_", "take_item")) and "bottle" not in name and "window" not in name else side
-        images[name] = task.world.renderer.image(view)
+        if hides_arm:
+            task.world.robot.model.set_base_pose([0.0, 0.0, -10.0, 0.0, 0.0, 0.0, 1.0])
+        view = CameraView(np.array(pose), fov, (size, size), 0.05, 6.0)
+        images[name] = task.world.render(view, depth=False, mask=False, shadows=True).rgb
 np.savez_compressed(sys.argv[1], **images)
 """
-SIZE = 240
+SIZE, FINER = 240, 3
 
 
-def drawn(checkout: Path, folder: Path, name: str) -> dict[str, np.ndarray]:
-    """Return an image (h, w, 3) of every task, drawn by the code of a checkout."""
-    file = folder / f"{name}.npz"
-    environment = {**os.environ, "PYTHONPATH": str(checkout)}
-    subprocess.run([sys.executable, "-c", PLAYER, str(file), str(SIZE), *TASKS], cwd=checkout, env=environment, check=True)
-    with np.load(file) as images:
-        return dict(images)
+def before(checkout: Path, moments: Mapping[str, Moment]) -> dict[str, Image.Image]:
+    """Return an image of the end of each task's demonstration, drawn by the code of another checkout from the same cameras."""
+    cameras = {name: (m.view.pose.tolist(), m.view.fov, m.arm_hidden) for name, m in moments.items()}
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "before.npz"
+        words = [sys.executable, "-c", PLAYER, str(file), str(FINER * SIZE), json.dumps(cameras)]
+        subprocess.run(words, cwd=checkout, env={**os.environ, "PYTHONPATH": str(checkout)}, check=True)
+        with np.load(file) as images:
+            return {name: Image.fromarray(image).resize((SIZE, SIZE), Image.Resampling.LANCZOS) for name, image in images.items()}
 
 
 def main() -> None:
     """Draw both and write the sheet."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--before", type=Path, required=True)
-    before = parser.parse_args().before.resolve()
-    with tempfile.TemporaryDirectory() as name:
-        old, new = (drawn(checkout, Path(name), when) for checkout, when in ((before, "before"), (ROOT, "after")))
+    checkout = parser.parse_args().before.resolve()
+    moments = {name: demo_moments(find_task(name), 0, size=SIZE)[1][-1] for name in TASKS}
+    old = before(checkout, moments)
     sheets = []
     for start in range(0, len(TASKS), PER_ROW):
         part = TASKS[start : start + PER_ROW]
-        rows = [[images[task] for task in part] for images in (old, new)]
-        title = ("Before and after", "late in a demonstration of seed 0") if start == 0 else ("", "")
+        rows = [[np.asarray(old[name]) for name in part], [np.asarray(moments[name].task) for name in part]]
+        title = ("Before and after", "at the end of a demonstration of seed 0, from the same cameras") if start == 0 else ("", "")
         sheets.append(np.asarray(contact_sheet(rows, ["before", "after"], part, *title)))
     sheet = Image.fromarray(np.concatenate(sheets))
     out = ROOT / "docs" / "images" / "before_and_after.jpg"

@@ -1,4 +1,4 @@
-"""Draw docs/images/sheets/: every task as all cameras see a demonstration, and docs/images/looks.jpg of appearance settings.
+"""Draw docs/images/sheets/: the events of a demonstration of every task, and docs/images/looks.jpg of appearance settings.
 
 Usage: python scripts/contact_sheets.py [TASK ...] [--variation N] [--seed N]
 """
@@ -6,13 +6,12 @@ Usage: python scripts/contact_sheets.py [TASK ...] [--variation N] [--seed N]
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+import time
 from pathlib import Path
 
-import numpy as np
 from PIL import Image
 
-from rlbench_pin.checking.images import contact_sheet, moments, sheet_config
+from rlbench_pin.checking.sheets import contact_sheet, demo_sheet
 from rlbench_pin.environment import (
     Discrete,
     Environment,
@@ -22,36 +21,13 @@ from rlbench_pin.environment import (
     RandomizeEvery,
     VisualRandomizationConfig,
 )
-from rlbench_pin.environment.presets import make_environment
 from rlbench_pin.errors import RlbenchPinError
-from rlbench_pin.observation import CAMERAS, Observation
-from rlbench_pin.tasks import task_names
+from rlbench_pin.observation import CAMERAS
+from rlbench_pin.tasks import find_task, task_names
 
 IMAGES = Path(__file__).resolve().parents[1] / "docs" / "images"
-SIZE, MOMENTS = 144, 5
-
-
-def sheet_of(name: str, variation: int, seed: int) -> Image.Image:
-    """All cameras at the reset, at three moments of a demonstration and at its end."""
-    config = sheet_config(SIZE)
-    with make_environment(config) as environment:
-        task = environment.get_task(name)
-        task.set_variation(variation)
-        demo = task.get_demos(1, live_demos=True, seed=seed)[0]
-        frames = moments(task, demo, config, MOMENTS)
-    rows = ["reset", *(f"t = {moment:.1f} s" for moment in list(frames)[1:-1]), "end"]
-    return _sheet(
-        list(frames.values()),
-        list(config.all_cameras()),
-        rows,
-        f"{name}: {demo.instructions[0]}",
-        f"variation {variation}, seed {seed}",
-    )
-
-
-def _sheet(frames: list[Observation], cameras: Sequence[str], rows: list[str], title: str, subtitle: str) -> Image.Image:
-    pictures = [[getattr(frame, f"{camera}_rgb") for camera in cameras] for frame in frames]
-    return contact_sheet(pictures, rows, [camera.replace("_", " ") for camera in cameras], title, subtitle)
+SIZE = 144
+"""Side of an image of `looks` [px]."""
 
 
 def looks() -> Image.Image:
@@ -69,8 +45,10 @@ def looks() -> Image.Image:
             randomize_every=RandomizeEvery.EPISODE if random else None,
             visual_randomization_config=VisualRandomizationConfig() if random else None,
         ) as environment:
-            frames.append(environment.get_task("stack_blocks").reset(seed=seed, variation=0)[1])
-    return _sheet(frames, CAMERAS, rows, "Looks", "stack_blocks; colours that a task gave stay")
+            frame = environment.get_task("stack_blocks").reset(seed=seed, variation=0)[1]
+        frames.append([getattr(frame, f"{camera}_rgb") for camera in CAMERAS])
+    columns = [camera.replace("_", " ") for camera in CAMERAS]
+    return contact_sheet(frames, rows, columns, "Looks", "stack_blocks; colours that a task gave stay")
 
 
 def main() -> None:
@@ -83,13 +61,18 @@ def main() -> None:
     folder = IMAGES / "sheets"
     folder.mkdir(parents=True, exist_ok=True)
     for name in options.tasks or task_names():
+        began = time.perf_counter()
         try:
-            sheet = sheet_of(name, options.variation, options.seed)
+            sheet, _ = demo_sheet(find_task(name), options.seed, options.variation)
         except RlbenchPinError as error:
             print(f"{name}: {error}")
             continue
-        sheet.save(folder / f"{name}.jpg", quality=76, optimize=True)
-        print(folder / f"{name}.jpg", np.asarray(sheet).shape)
+        file = folder / f"{name}.jpg"
+        sheet.save(file, quality=74, optimize=True)
+        print(
+            f"{file}: {sheet.width} x {sheet.height} px, {file.stat().st_size // 1000} kB, {time.perf_counter() - began:.0f} s",
+            flush=True,
+        )
     if not options.tasks:
         looks().save(IMAGES / "looks.jpg", quality=76, optimize=True)
 

@@ -1,4 +1,4 @@
-"""Draw docs/images/gallery/: every task of the library late in a demonstration, and write docs/gallery.md, which shows them.
+"""Draw docs/images/gallery/: every task of the library at work and afterwards, and write docs/gallery.md, which shows them.
 
 Usage: python scripts/gallery.py [TASK ...]    some tasks: their images and their entries anew, the others as they are
 """
@@ -9,58 +9,34 @@ import argparse
 import re
 from pathlib import Path
 
-import numpy as np
 from PIL import Image
 
-from rlbench_pin.environment.presets import clear_view, low_dim_config, make_environment
-from rlbench_pin.robot.description import DEFAULT_ROBOT, robot_description
-from rlbench_pin.sim import CameraView, look_at
-from rlbench_pin.tasks import library_names
+from rlbench_pin.checking.sheets import demo_moments
+from rlbench_pin.tasks import find_task, library_names
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 PAGE, PICTURES = DOCS / "gallery.md", DOCS / "images" / "gallery"
-COLUMNS, SIZE, SEED = 2, 320, 0
-MOMENTS = {"put_rubbish_in_bin": 0.72, "meat_off_grill": 0.7, "slide_block_to_target": 0.8, "stack_blocks": 0.95}
-"""Share of the demonstration that has passed; all of it where none is given."""
-VIEW = CameraView(
-    pose=look_at((0.0, 1.5, 1.65), (0.18, 0.0, 0.98)), fov=float(np.radians(42.0)), size=(SIZE, SIZE), near=0.05, far=6.0
-)
+COLUMNS, SIZE, GAP, SEED = 2, 320, 4, 0
 HEAD = """# Gallery
 
-The {count} tasks of the library, each late in a demonstration of seed 0 and variation 0, from the side and from behind the robot
-(`clear_robot_side`), with a sentence that asks for it. Each image links to the task's contact sheet: the five cameras and the
-three clear views at five moments.
+The {count} tasks of the library, each in a demonstration of seed 0 and variation 0, with a sentence that asks for it. On the left
+the arm is at work; on the right is the result 1 s after success, without the arm unless it holds an object or nothing moves.
+Each image links to the task's contact sheet: its events from a camera aimed at the task, the five cameras of observations and
+`clear_robot_side`.
 `rlbench-pin view TASK` draws the sheet of any task, `rlbench-pin video TASK` films it. Written by `python scripts/gallery.py`.
 
 """
 
 
-def late_in_a_demonstration(name: str) -> tuple[Image.Image, str]:
-    """Play a demonstration and return one image of it, from two sides, and its first instruction."""
-    shots: list[np.ndarray] = []
-    with make_environment(low_dim_config()) as environment:
-        task = environment.get_task(name)
-        demo = task.get_demos(1, live_demos=True, seed=SEED)[0]
-        wanted, frame = round(MOMENTS.get(name, 1.0) * (len(demo) - 1)), 0
-
-        def look(_: object) -> None:
-            nonlocal frame
-            if frame == wanted:
-                behind = clear_view((SIZE, SIZE))["clear_robot_side"].view(task.world, robot_description(DEFAULT_ROBOT))
-                shots.extend(task.world.renderer.image(view) for view in (VIEW, behind))
-            frame += 1
-
-        assert demo.random_seed is not None
-        task.try_demo(seed=demo.random_seed, attempt=demo.attempt, on_frame=look)
-    return Image.fromarray(np.concatenate(shots, axis=1)), demo.instructions[0]
-
-
 def draw(name: str) -> str:
-    """Write the image of a task and return its first instruction."""
-    image, instruction = late_in_a_demonstration(name)
+    """Write the image of a task, the arm at work beside the result, and return its first instruction."""
+    demo, moments = demo_moments(find_task(name), SEED, size=SIZE)
+    image = Image.new("RGB", (2 * SIZE + GAP, SIZE), (255, 255, 255))
+    image.paste(moments[-3].task, (0, 0))
+    image.paste(moments[-1].task, (SIZE + GAP, 0))
     PICTURES.mkdir(parents=True, exist_ok=True)
     image.save(PICTURES / f"{name}.jpg", quality=80, optimize=True)
-    return instruction
+    return demo.instructions[0]
 
 
 def entry(name: str, instruction: str) -> str:

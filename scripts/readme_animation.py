@@ -13,7 +13,8 @@ import numpy as np
 from PIL import Image
 
 from rlbench_pin.environment.presets import low_dim_config, make_environment
-from rlbench_pin.recording.video import Clip, framed, grid_frames, points_to_show
+from rlbench_pin.recording.video import Clip, grid_frames, points_to_show
+from rlbench_pin.sim import framed
 from rlbench_pin.tasks import library_names
 
 OUT = Path(__file__).resolve().parents[1] / "docs" / "images" / "tasks.webp"

@@ -1,4 +1,4 @@
-"""`rlbench-pin view TASK`: an image of a demonstration from the five cameras and the clear view, or a page."""
+"""`rlbench-pin view TASK`: an image of the events of a demonstration, or a page."""
 
 from __future__ import annotations
 
@@ -18,8 +18,9 @@ FORMATS = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG"}
 
 @dataclass(frozen=True)
 class View:
-    """Draw a contact sheet: seven cameras at the reset and at four moments of a demonstration. With `--live`, serve a page:
-    episodes of a task, or the stored demonstrations of a dataset.
+    """Draw a contact sheet of a demonstration: reset, grasp, half way, success, and 1 s later, from a camera aimed at the task,
+    the five cameras of observations and `clear_front`. With `--live`, serve a page: episodes of a task, or the stored
+    demonstrations of a dataset.
     """
 
     task: tyro.conf.Positional[Viewed]
@@ -30,8 +31,8 @@ class View:
     """Seed of the episode."""
     out: MaybePath = None
     """PNG or JPEG to write; `out/view/<task>.png` by default."""
-    size: int = 256
-    """Side of each image [px]."""
+    size: int = 384
+    """Side of the task view [px]; the other images have about half of it."""
     page: tyro.conf.OmitArgPrefixes[PageOptions] = field(default_factory=PageOptions)
     """Serve a page instead of drawing an image."""
     task_file: Files = ()
@@ -41,7 +42,7 @@ class View:
 
     def run(self) -> int:
         """Draw the image and print its path, or serve a page until Ctrl-C."""
-        from rlbench_pin.checking.images import demo_sheet
+        from rlbench_pin.checking.sheets import demo_sheet
         from rlbench_pin.tasks import find_task
 
         check_at_least(self, variation=0, seed=0, size=1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import TracebackType
@@ -15,7 +15,7 @@ from PIL import Image, ImageDraw, ImageFont
 from rlbench_pin.datasets import VideoWriter
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.robot.geometry import box_corners
-from rlbench_pin.sim import CameraView, World, look_at
+from rlbench_pin.sim import CameraView, World, field_of_view, framed, look_at
 from rlbench_pin.spatial import FloatArray, above_table
 from rlbench_pin.values import as_path, as_record
 
@@ -26,9 +26,6 @@ EYE = (-0.05, 1.62, 1.80)
 NEAR, FAR = 0.05, 6.0
 _ARM = np.array([(x, y, above_table(z)) for x in (-0.45, 0.15) for y in (-0.2, 0.2) for z in (0.0, 1.0)])
 """Corners of a box around the usual positions of the arm [m]."""
-_MARGIN = 1.06
-_NARROWEST, _WIDEST = 0.45, 1.6
-"""Fields of view [rad]."""
 _GAP, _TEXT, _PADDING = 4, 14, 6
 """Sizes in a grid of videos: gap between cells, height of captions, margin of captions [px]."""
 
@@ -37,30 +34,6 @@ def points_to_show(world: World) -> FloatArray:
     """Return points (n, 3) around the arm and all objects of the task [m]."""
     boxes = [box_corners(body.bounds(), body.pose) for body in world.bodies.values()]
     return np.concatenate([_ARM, world.robot.tip_pose()[None, :3], *boxes])
-
-
-def field_of_view(view: CameraView, points: FloatArray) -> float:
-    """Return the field of view of the longer side at which points (n, 3) are in the image of a camera [rad]."""
-    across = np.abs(_slopes(view, points)).max(axis=0) * max(view.size) / np.array(view.size)
-    return float(np.clip(2.0 * np.arctan(_MARGIN * across.max()), _NARROWEST, _WIDEST))
-
-
-def framed(eye: Sequence[float], points: FloatArray, size: tuple[int, int]) -> CameraView:
-    """Return the camera at a place whose image contains points (n, 3), as large as possible."""
-    middle = (points.min(axis=0) + points.max(axis=0)) / 2.0
-    view = CameraView(pose=look_at(eye, middle), fov=_WIDEST, size=size, near=NEAR, far=FAR)
-    for _ in range(4):
-        slopes = _slopes(view, points)
-        center = (slopes.min(axis=0) + slopes.max(axis=0)) / 2.0
-        aim = view.extrinsics()[:3] @ [*center, 1.0, 1.0]
-        view = replace(view, pose=look_at(eye, aim))
-    return replace(view, fov=field_of_view(view, points))
-
-
-def _slopes(view: CameraView, points: FloatArray) -> FloatArray:
-    """Return points (n, 3) in the image as slopes (n, 2) to the left and up from its middle; none may be behind the camera."""
-    local = (points - view.pose[:3]) @ view.extrinsics()[:3, :3]
-    return local[:, :2] / np.maximum(local[:, 2:], NEAR)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from rlbench_pin.sim.arm.gripper import SimGripper
 from rlbench_pin.sim.body import Body, Contact, ObjectJoint
 from rlbench_pin.sim.client import RENDERERS, EglMissing, RendererName, give_back_memory
 from rlbench_pin.sim.frames import Frame, Posed, Region, Sensor
-from rlbench_pin.sim.render.camera import CameraView, Images, look_at
+from rlbench_pin.sim.render.camera import CameraView, Images, field_of_view, framed, look_at
 from rlbench_pin.sim.render.lighting import Light, Lighting, ShadowMap
 from rlbench_pin.sim.render.renderer import Request
 from rlbench_pin.sim.render.texture import Texture, read_texture
@@ -37,6 +37,8 @@ __all__ = [
     "Texture",
     "World",
     "WorldState",
+    "field_of_view",
+    "framed",
     "give_back_memory",
     "look_at",
     "read_texture",

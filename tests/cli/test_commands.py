@@ -90,10 +90,10 @@ def test_demo_videos(tmp_path: Path, capsys: Capture) -> None:
 
 @pytest.mark.slow
 def test_view_draws_a_contact_sheet(tmp_path: Path, capsys: Capture) -> None:
-    """Five cameras side by side, five moments below each other."""
+    """The task view with the five cameras beside it, the events below each other."""
     out = tmp_path / "sheet.png"
-    assert exit_code("view", "reach_target", "--out", str(out), "--size", "32") == 0
+    assert exit_code("view", "reach_target", "--out", str(out), "--size", "64") == 0
     assert capsys.readouterr().out.strip() == str(out)
     with Image.open(out) as sheet:
-        assert sheet.width > 5 * 32
-        assert sheet.height > 5 * 32
+        assert sheet.width > 64 + 3 * 10
+        assert sheet.height > 4 * 64

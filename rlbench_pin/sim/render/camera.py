@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import ClassVar
 
@@ -13,6 +13,11 @@ from numpy.typing import NDArray
 from rlbench_pin.errors import CameraError, InvalidCamera
 from rlbench_pin.spatial import FloatArray, matrix_to_pose, pose_to_matrix
 from rlbench_pin.values import as_image_size, as_number, as_vector
+
+_NEAR, _FAR = 0.05, 6.0
+_MARGIN = 1.06
+_NARROWEST, _WIDEST = 0.45, 1.6
+"""Optics of `framed`: nearest and farthest distance [m], room beside the points, fields of view [rad]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,6 +147,30 @@ def look_at(eye: Sequence[float] | FloatArray, target: Sequence[float] | FloatAr
     matrix[:3, :3] = np.column_stack([np.cross(up, forward), up, forward])
     matrix[:3, 3] = eye
     return matrix_to_pose(matrix)
+
+
+def field_of_view(view: CameraView, points: FloatArray) -> float:
+    """Return the field of view of the longer side at which points (n, 3) are in the image of a camera [rad]."""
+    across = np.abs(_slopes(view, points)).max(axis=0) * max(view.size) / np.array(view.size)
+    return float(np.clip(2.0 * np.arctan(_MARGIN * across.max()), _NARROWEST, _WIDEST))
+
+
+def framed(eye: Sequence[float] | FloatArray, points: FloatArray, size: tuple[int, int]) -> CameraView:
+    """Return the camera at a place whose image contains points (n, 3), as large as possible."""
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2.0
+    view = CameraView(pose=look_at(eye, middle), fov=_WIDEST, size=size, near=_NEAR, far=_FAR)
+    for _ in range(4):
+        slopes = _slopes(view, points)
+        center = (slopes.min(axis=0) + slopes.max(axis=0)) / 2.0
+        aim = view.extrinsics()[:3] @ [*center, 1.0, 1.0]
+        view = replace(view, pose=look_at(eye, aim))
+    return replace(view, fov=field_of_view(view, points))
+
+
+def _slopes(view: CameraView, points: FloatArray) -> FloatArray:
+    """Return points (n, 3) in the image as slopes (n, 2) to the left and up from its middle; none may be behind the camera."""
+    local = (points - view.pose[:3]) @ view.extrinsics()[:3, :3]
+    return local[:, :2] / np.maximum(local[:, 2:], _NEAR)
 
 
 def pixel_rays(view: CameraView) -> tuple[FloatArray, FloatArray]:

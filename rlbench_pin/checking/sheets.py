@@ -1,0 +1,384 @@
+"""Contact sheets of demonstrations: each event as a camera aimed at the task sees it, and as the cameras of observations do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw, ImageFont
+
+from rlbench_pin.environment import TaskEnvironment
+from rlbench_pin.environment.presets import clear_view, low_dim_config, make_environment
+from rlbench_pin.errors import DemoError
+from rlbench_pin.observation import CAMERAS, Demo, Observation
+from rlbench_pin.robot.geometry import bounds, box_corners, visual_geometry
+from rlbench_pin.sim import Body, CameraView, Request, World, WorldState, framed
+from rlbench_pin.spatial import FloatArray
+from rlbench_pin.tasks import Task
+
+SIZE = 384
+"""Side of the task view [px]."""
+OVERVIEW = "clear_robot_side"
+"""Camera that shows arm and table beside the five of observations."""
+_FINER = 3
+"""Factor by which images are rendered larger than they are shown."""
+_AFTER = 1.0
+"""Time after success at which the last image is taken [s]."""
+_RELEASED, _FALLEN = 0.5, 0.03
+"""Time for which the gripper opens [s], and motion by which a body that it held has fallen then [m]."""
+_LARGE = 0.35
+"""From this longest side on a body is not framed whole [m]."""
+_NEAR = 0.1
+"""Distance from the links that move at which large bodies are framed [m]."""
+_AROUND = 0.04
+"""Room around all that is framed [m]."""
+_LEVER = 0.1
+"""Distance from its axis at which a rotation is measured [m]."""
+_SHORT, _LONG = 10, 40
+"""Frames between contact and success without one half way, and between contact and grasp from which on both are shown."""
+_STILL, _MOVED = 5e-4, 3e-3
+"""Motion of a link that is noise between two frames, and over a demonstration [m]."""
+_DIRECTIONS = [(side * azimuth, tilt) for tilt in (25.0, 40.0, 55.0) for azimuth in range(15, 180, 30) for side in (1, -1)]
+"""Directions in which the camera may stand, seen from the task: from +x towards +y, and up [deg]."""
+_NEAREST, _PER_RADIUS = 0.7, 3.4
+"""Distance of the camera from the middle of the task: at least [m], and as a multiple of the radius of the task."""
+_INSIDE = np.array([(-1.4, -1.75, 0.9), (1.9, 1.75, 2.5)])
+"""Box in which the camera may stand [m]."""
+_SMALL = 96
+"""Side of the masks by which the direction is chosen [px]."""
+_MARGIN, _GAP, _CAPTION, _TITLE = 8, 8, 18, 54
+_INK, _PAPER, _FAINT = (30, 30, 30), (255, 255, 255), (110, 110, 110)
+
+
+@dataclass(frozen=True, eq=False)
+class Moment:
+    """An event of a demonstration in images."""
+
+    label: str
+    """Name of the event and its time."""
+    view: CameraView
+    """The camera that is aimed at the task."""
+    arm_hidden: bool
+    """Whether the arm is left out of its image."""
+    task: Image.Image
+    """Its image."""
+    cameras: Mapping[str, Image.Image]
+    """The five cameras of observations and the overview, by name."""
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """The world at one frame of a demonstration."""
+
+    time: float
+    """Simulated time [s]."""
+    state: WorldState
+    poses: Mapping[tuple[str, str], FloatArray]
+    """Body and link -> pose (7,) in the world, of all links with visuals; a task may add and remove bodies."""
+    holds: bool
+    """Whether the gripper holds a body."""
+    touches: bool
+    """Whether the robot touches a body of the task."""
+    tip: FloatArray
+    """Position (3,) of the tip in the world [m]."""
+
+
+# Sheets -----------------------------------------------------------------------------------------------------------
+
+
+def demo_sheet(
+    task: type[Task], seed: int, variation: int = 0, *, attempt: int | None = None, size: int = SIZE
+) -> tuple[Image.Image, str]:
+    """Draw a demonstration, and return the image and the name of the task.
+
+    Args:
+        task: Class of the task.
+        seed: Seed of the episode.
+        variation: Variation of the task.
+        attempt: Number of the attempt of the seed; None takes the first that succeeds.
+        size: Side of the task view [px]; the other images have about half of it.
+
+    Raises:
+        DemoError: The demonstration fails.
+    """
+    demo, moments = demo_moments(task, seed, variation, attempt=attempt, size=size)
+    rows = [[np.asarray(moment_image(moment))] for moment in moments]
+    title = f"{demo.task_name}: {demo.instructions[0]}"
+    subtitle = f"variation {demo.variation_number}, seed {seed}, {len(demo)} frames; on the left a camera aimed at the task"
+    return contact_sheet(rows, [moment.label for moment in moments], [""], title, subtitle), demo.task_name
+
+
+def demo_moments(
+    task: type[Task], seed: int, variation: int = 0, *, attempt: int | None = None, size: int = SIZE
+) -> tuple[Demo, list[Moment]]:
+    """Play a demonstration, and return it and its events in images; see `demo_sheet`.
+
+    The last is taken 1 s after success, with arm and gripper stationary. Its task view does not show the arm, unless the gripper
+    holds a body, or nothing of the task moves.
+    """
+    with make_environment(low_dim_config()) as environment:
+        task_environment = environment.get_task(task)
+        world = task_environment.world
+        frames: list[Frame] = []
+        demo = _demonstrate(task_environment, seed, variation, attempt, lambda _: frames.append(present_frame(world)))
+        del frames[: -len(demo)]  # those of attempts that failed
+        chosen = {
+            f"{name}, {frames[k].time - frames[0].time:.1f} s" if k else name: frames[k]
+            for name, k in events(_common_poses(frames)[1], [f.holds for f in frames], [f.touches for f in frames]).items()
+        }
+        end = _wait(task_environment)
+        held = end.holds or _lets_fall(task_environment, end)
+        hides_arm = not held and any(_moves(frames[0], frame, _MOVED) for frame in (*chosen.values(), end))
+        note = ", arm hidden on the left" if hides_arm else ", object still held" if held else ""
+        chosen[f"{_AFTER:.0f} s after success{note}"] = end
+        view = task_view(world, list(chosen.values()), size)
+        return demo, [
+            _moment(task_environment, label, frame, view, hides_arm=hides_arm and frame is end) for label, frame in chosen.items()
+        ]
+
+
+def moment_image(moment: Moment) -> Image.Image:
+    """Return the task view with the other images beside it, in two rows with captions."""
+    size, small = moment.task.width, next(iter(moment.cameras.values())).width
+    columns = -(-len(moment.cameras) // 2)
+    row = Image.new("RGB", (size + columns * (_GAP + small), max(size, 2 * (_CAPTION + small) + _GAP)), _PAPER)
+    row.paste(moment.task, (0, 0))
+    draw = ImageDraw.Draw(row)
+    for k, (name, image) in enumerate(moment.cameras.items()):
+        x, y = size + _GAP + k % columns * (_GAP + small), k // columns * (_CAPTION + small + _GAP)
+        draw.text((x, y), name.replace("_", " "), fill=_FAINT, font=font(12))
+        row.paste(image, (x, y + _CAPTION))
+    return row
+
+
+def contact_sheet(
+    images: Sequence[Sequence[np.ndarray]], rows: Sequence[str], columns: Sequence[str], title: str, subtitle: str
+) -> Image.Image:
+    """Lay images out in a grid.
+
+    Args:
+        images: One row of uint8 (h, w, 3) arrays, all of one shape, per entry of `rows`.
+        rows: Captions of the rows.
+        columns: Captions of the columns; may be empty.
+        title: First line at the top.
+        subtitle: Second line at the top.
+    """
+    height, width = images[0][0].shape[:2]
+    cell = (width + _MARGIN, height + _CAPTION + _MARGIN)
+    sheet = Image.new("RGB", (_MARGIN + len(columns) * cell[0], _TITLE + _MARGIN + len(rows) * cell[1]), _PAPER)
+    draw = ImageDraw.Draw(sheet)
+    draw.text((_MARGIN, 6), title, fill=_INK, font=font(17))
+    draw.text((_MARGIN, 28), subtitle, fill=_FAINT, font=font(13))
+    for i, (row, name) in enumerate(zip(images, rows)):
+        for j, (image, column) in enumerate(zip(row, columns)):
+            corner = (_MARGIN + j * cell[0], _TITLE + i * cell[1])
+            draw.text(corner, f"{column}, {name}" if column else name, fill=_FAINT if column else _INK, font=font(13))
+            sheet.paste(Image.fromarray(image), (corner[0], corner[1] + _CAPTION))
+    return sheet
+
+
+def font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+    """Return the font of images, `size` high [px]."""
+    return ImageFont.load_default(size)
+
+
+# Demonstrations ---------------------------------------------------------------------------------------------------
+
+
+def _demonstrate(
+    task: TaskEnvironment, seed: int, variation: int, attempt: int | None, on_frame: Callable[[Observation], None]
+) -> Demo:
+    if attempt is None:
+        task.set_variation(variation)
+        return task.get_demos(1, live_demos=True, seed=seed, callable_each_step=on_frame)[0]
+    outcome = task.try_demo(seed=seed, variation=variation, attempt=attempt, on_frame=on_frame)
+    if outcome.demo is None:
+        raise DemoError(
+            f"Seed {seed}, attempt {attempt} of '{task.get_name()}' does not succeed again: {outcome.cause}", task.task
+        )
+    return outcome.demo
+
+
+def _wait(task: TaskEnvironment) -> Frame:
+    """Let time pass with arm and gripper stationary, and return the frame at the end."""
+    task.runtime.hold()
+    task.runtime.gripper.hold()
+    for _ in range(round(_AFTER / task.world.control_dt)):
+        task.runtime.step()
+    return present_frame(task.world)
+
+
+def _lets_fall(task: TaskEnvironment, frame: Frame) -> bool:
+    """Whether something falls when the gripper, as it is in a frame, opens; the world is in the frame again afterwards."""
+    gripper, world = task.runtime.gripper, task.world
+    gripper.release()
+    gripper.set_target(1.0)
+    for _ in range(round(_RELEASED / world.control_dt)):
+        world.step()
+    falls = _moves(frame, present_frame(world), _FALLEN)
+    world.restore(frame.state)
+    return falls
+
+
+def present_frame(world: World) -> Frame:
+    """Return the world as it is now."""
+    poses = {(body.name, link): body.link_pose(link) for body in world.bodies.values() for link in _visual_links(body)}
+    touches = any(name in world.bodies for name in world.robot.touching())
+    return Frame(world.time, world.save(), poses, bool(world.gripper.held), touches, world.robot.tip_pose()[:3])
+
+
+def events(poses: Sequence[FloatArray], holds: Sequence[bool], touches: Sequence[bool]) -> dict[str, int]:
+    """Choose the events of a demonstration, and return name -> number of the frame, in order.
+
+    They are the reset; the first contact, unless a grasp follows soon; the first grasp; the frame at which the links have covered
+    half of their path since then; and success, the last frame. Where success follows the contact at once, there is a frame of the
+    approach in place of the one half way.
+
+    Args:
+        poses: Of each frame the poses (n, 7) of the links of the task.
+        holds: Whether the gripper holds a body at each frame.
+        touches: Whether the robot touches a body of the task at each frame.
+    """
+    last = len(poses) - 1
+    contact, grasp = (happens.index(True, 1) if True in happens[1:] else None for happens in (touches, holds))
+    found = {"reset": 0}
+    if contact is not None and (grasp is None or grasp - contact > _LONG):
+        found["first contact"] = contact
+    if grasp is not None:
+        found["grasp"] = grasp
+    begin = max(found.values())
+    if last - begin < _SHORT < begin:
+        found["approach"] = 3 * begin // 4
+    else:
+        path = np.cumsum([0.0, *(_distances(a, b, _STILL).sum() for a, b in zip(poses[begin:], poses[begin + 1 :]))])
+        passed = np.searchsorted(path, path[-1] / 2.0) if path[-1] > _MOVED else (last - begin) // 2
+        found["half way"] = begin + int(passed)
+    middle = {event: k for event, k in found.items() if 0 < k < last}
+    return {"reset": 0, **dict(sorted(middle.items(), key=lambda item: item[1])), "success": last}
+
+
+def _distances(before: FloatArray, after: FloatArray, least: float) -> FloatArray:
+    """How far links with poses (n, 7) have moved and turned (n,) [m]; 0 where it is below `least`."""
+    cosine = np.abs((before[:, 3:] * after[:, 3:]).sum(axis=1))
+    moved = np.linalg.norm(after[:, :3] - before[:, :3], axis=1) + 2.0 * _LEVER * np.arccos(np.minimum(cosine, 1.0))
+    return np.where(moved < least, 0.0, moved)
+
+
+def _moves(before: Frame, after: Frame, least: float) -> bool:
+    """Whether a link that is in both frames has moved by `least` [m]."""
+    _, (old, new) = _common_poses([before, after])
+    return bool(_distances(old, new, least).any())
+
+
+def _common_poses(frames: Sequence[Frame]) -> tuple[list[tuple[str, str]], list[FloatArray]]:
+    """Return body and link of the links that are in all frames, and of each frame their poses (n, 7)."""
+    names = [name for name in frames[0].poses if all(name in frame.poses for frame in frames)]
+    return names, [np.array([frame.poses[name] for name in names]).reshape(-1, 7) for frame in frames]
+
+
+# Cameras ----------------------------------------------------------------------------------------------------------
+
+
+def task_view(world: World, frames: Sequence[Frame], size: int) -> CameraView:
+    """Choose the camera that is aimed at the task, of `size` px, and return it; the world is in the last frame then.
+
+    Its image contains at all frames the links that move, the bodies that are not large, and the parts of large ones that are near
+    the links that move; where none does, the tip after the reset. It stands in that direction in which the links that move and
+    their motion are seen best.
+    """
+    names, poses = _common_poses(frames)
+    links = [(world.bodies[body], link) for body, link in names]
+    moves = np.max([_distances(poses[0], own, _MOVED) for own in poses], axis=0) > 0.0
+    points = _points_to_frame(links, poses, moves)
+    others = [pose[:3] for frame in frames for name, pose in frame.poses.items() if name not in names]
+    if others:
+        points = np.concatenate([points, others])
+    if not moves.any():
+        points = np.concatenate([points, [frame.tip for frame in frames[1:]]])
+    views = [framed(eye, points, (_SMALL, _SMALL)) for eye in _eyes(points)]
+    shown = {_mask_name(*link) for link, moving in zip(links, moves, strict=True) if moving or not moves.any()}
+    ids = [number for number, name in world.masks.items() if name in shown]
+    masks = []
+    for frame in frames:
+        world.restore(frame.state)
+        if frame in (frames[0], frames[-1]):
+            _hide_arm(world)
+        masks.append([world.render(view, rgb=False, depth=False).mask for view in views])
+    return replace(views[_clearest(np.array(masks), ids)], size=(size, size))
+
+
+def _clearest(masks: NDArray[np.int32], ids: Sequence[int]) -> int:
+    """Return the number of the view that shows most of some links at all frames, and most of their motion.
+
+    Args:
+        masks: Masks (frames, views, h, w).
+        ids: Mask ids of the links.
+    """
+    pixels = []
+    for number in ids:
+        shown = masks == number
+        pixels.append(np.concatenate([shown, shown[:1] != shown[-1:]]).sum(axis=(2, 3)))
+    shares = np.array(pixels) / np.maximum(np.max(pixels, axis=2, keepdims=True), 1)
+    return int(np.argmax(np.log(shares.mean(axis=0) + 0.1).sum(axis=0)))
+
+
+def _points_to_frame(links: Sequence[tuple[Body, str]], poses: Sequence[FloatArray], moves: NDArray[np.bool_]) -> FloatArray:
+    """Return points (n, 3) around what the image of the task has to contain [m]; see `task_view`."""
+    small = {body.name: float(body.aabb_size().max()) < _LARGE for body, _ in links}
+    boxes = [bounds(visual_geometry(body.model.urdf, body.model.scale)[link]) for body, link in links]
+    corners = [np.concatenate([box_corners(box, own[k]) for own in poses]) for k, box in enumerate(boxes)]
+    whole = [own for own, moving, (body, _) in zip(corners, moves, links, strict=True) if moving or small[body.name]]
+    moving = np.concatenate([own for own, is_moving in zip(corners, moves, strict=True) if is_moving or not moves.any()])
+    low, high = moving.min(axis=0) - _NEAR, moving.max(axis=0) + _NEAR
+    parts = [own.clip(low, high) for own in corners if (own.min(axis=0) < high).all() and (own.max(axis=0) > low).all()]
+    points = np.concatenate([*whole, *parts])
+    return np.concatenate([points + _AROUND * side for side in (*np.eye(3), *-np.eye(3))])
+
+
+def _eyes(points: FloatArray) -> list[FloatArray]:
+    """Positions (3,) from which a camera may look at points (n, 3) [m]."""
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2.0
+    distance = max(_NEAREST, _PER_RADIUS * float(np.linalg.norm(points - middle, axis=1).max()))
+    eyes = []
+    for azimuth, tilt in np.radians(_DIRECTIONS):
+        away = np.array([np.cos(azimuth) * np.cos(tilt), np.sin(azimuth) * np.cos(tilt), np.sin(tilt)])
+        eyes.append(np.clip(middle + distance * away, *_INSIDE))
+    return eyes
+
+
+def _visual_links(body: Body) -> list[str]:
+    """Names of the links of a body that have visuals."""
+    shapes = visual_geometry(body.model.urdf, body.model.scale)
+    return [link for link in body.links if shapes.get(link)]
+
+
+def _mask_name(body: Body, link: str) -> str:
+    return body.name if len(body.links) == 1 else f"{body.name}/{link}"
+
+
+def _moment(task: TaskEnvironment, label: str, frame: Frame, view: CameraView, *, hides_arm: bool) -> Moment:
+    world, size = task.world, view.size[0]
+    world.restore(frame.state)
+    small = max((size - 2 * _CAPTION - _GAP) // 2, 1)
+    views = {name: task.runtime.cameras[name].view() for name in CAMERAS}
+    views[OVERVIEW] = clear_view()[OVERVIEW].view(world, task.runtime.description)
+    cameras = rendered(world, list(views.values()), small)
+    if hides_arm:
+        _hide_arm(world)
+    (image,) = rendered(world, [view], size)
+    world.restore(frame.state)
+    return Moment(label, view, hides_arm, image, dict(zip(views, cameras, strict=True)))
+
+
+def _hide_arm(world: World) -> None:
+    """Put the arm far below the floor, for images only; restoring a state brings it back."""
+    world.robot.model.set_base_pose([0.0, 0.0, -10.0, 0.0, 0.0, 0.0, 1.0])
+
+
+def rendered(world: World, views: Sequence[CameraView], size: int) -> list[Image.Image]:
+    """Return what square cameras see now, of `size` px, with smooth edges: rendered three times as large, then reduced."""
+    fine = [replace(view, size=(_FINER * size, _FINER * size)) for view in views]
+    images = world.renderer.render_all([Request(view, depth=False, mask=False, shadows=True, antialiasing=True) for view in fine])
+    return [Image.fromarray(image.rgb).resize((size, size), Image.Resampling.LANCZOS) for image in images]
