@@ -31,7 +31,7 @@ def cube(name: str, side: float, mass: float) -> Model:
 
 def ball_marker() -> Model:
     """Return a ball that is only seen."""
-    shape = mesh_shape("ball", icosphere(BALL / 2.0, 3))
+    shape = mesh_shape("ball", icosphere(BALL / 2.0, 2))
     link = Link("ball_marker", 0.01, (Visual(shape, plastic(RED), crease=3.0),))
     return Model("ball_marker", "objects/ball_marker", "centre", (link,), notes=("visual only: use it with fixed = true",))
 
