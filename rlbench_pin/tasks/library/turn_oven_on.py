@@ -17,8 +17,6 @@ class TurnOvenOn(Task):
     Beyond that angle the window of the oven, its pilot lamp and one plate glow.
     """
 
-    solved_by_chance = True  # a blow can turn the knob
-
     def init_task(self) -> None:
         """Success is a turn of the knob by more than 1.5 rad."""
         self.turned = JointMoved(self.world.joint("oven/knob"), 1.5)
