@@ -20,7 +20,9 @@ class PlugChargerInPowerSupply(Task):
         self.stand = self.world.body("stand")
         self.boundary = SpawnBoundary([self.world.region("patch")])
         self.register_graspable_objects(["charger"])
-        self.pins = tuple(Detected(self.world.frame(f"{side}_pin"), self.world.sensor(f"{side}_hole")) for side in ("right", "left"))
+        self.pins = tuple(
+            Detected(self.world.frame(f"{side}_pin"), self.world.sensor(f"{side}_hole")) for side in ("right", "left")
+        )
         self.register_success_conditions([*self.pins, NothingGrasped(self.gripper)])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:

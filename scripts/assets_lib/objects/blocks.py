@@ -38,7 +38,7 @@ def ball_marker() -> Model:
 
 def ball_stem() -> Model:
     """Return a thin stem that shows where a ball is over the table, with a halo that a task lights."""
-    stem = Visual(mesh_shape("stem", rod((0.0, 0.0, -STEM), (0.0, 0.0, -BALL / 2.0), 0.0018, 8)), STEM_GRAY)
+    stem = Visual(mesh_shape("stem", rod((0.0, 0.0, -STEM), (0.0, 0.0, -BALL / 2.0), 0.0018, 5)), STEM_GRAY)
     links = (Link("ball_stem", 0.001, (stem,)), _halo(BALL / 2.0 + 0.011))
     holder = Joint("halo_holder", "fixed", "ball_stem", "halo", (0.0, 0.0, 0.0))
     notes = ("visual only: use it with fixed = true", f"goes down by {STEM}, into the table", HALO_NOTE)
@@ -53,14 +53,14 @@ def _section(radius: float, tube: float, sides: int = 8) -> FloatArray:
 
 def _halo(radius: float) -> Link:
     """Return a thin level ring that shines once a task colours it."""
-    ring = lathe([(float(r), float(z)) for r, z in _section(radius, 0.0032)], 36)
+    ring = lathe([(float(r), float(z)) for r, z in _section(radius, 0.0032, 4)], 20)
     return Link("halo", 0.001, (Visual(mesh_shape("halo", ring), Paint(HALO, opacity=0.0, emission=HALO), crease=3.0),))
 
 
 def _arcs(first: int) -> Mesh:
     """Return every other of twelve pieces of the ring, from the piece `first` on."""
-    section = _section(RING, TUBE)
-    rows, columns = 4, len(section)
+    section = _section(RING, TUBE, 6)
+    rows, columns = 2, len(section)
     pieces = []
     for piece in range(first, 12, 2):
         angles = np.pi / 6.0 * (piece + np.arange(rows + 1) / rows)
@@ -88,8 +88,8 @@ def ring_marker() -> Model:
 def ring_guide() -> Model:
     """Return a dashed plumb line from a ring to a ring on the table, which shows how high it is, with a halo that a task lights."""
     dashes = merge(box((0.002, 0.002, 0.012), (0.0, 0.0, -0.03 - 0.02 * k)) for k in range(9))
-    inner, outer, low, high = RING - TUBE, RING + TUBE, -HANGS + 0.0008, -HANGS + 0.001
-    foot = lathe([(inner, low), (outer, low), (outer, high), (inner, high), (inner, low)], 36)
+    inner, outer, low, high = RING - TUBE, RING + TUBE, -HANGS + 0.0002, -HANGS + 0.001
+    foot = lathe([(outer, low), (outer, high), (inner, high), (inner, low), (outer, low)], 16)
     visuals = (Visual(mesh_shape("plumb_line", merge([dashes, foot])), pane((0.75, 0.12, 0.10), 0.55)),)
     links = (Link("ring_guide", 0.001, visuals), _halo(RING + TUBE + 0.005))
     holder = Joint("halo_holder", "fixed", "ring_guide", "halo", (0.0, 0.0, 0.0))

@@ -37,9 +37,7 @@ def _base() -> Model:
         Visual(mesh_shape("plate", merge([box(PLATE, (0.0, 0.0, z / 2.0)), beam.mesh()])), (0.93, 0.78, 0.16), crease=0.1),
         Visual(mesh_shape("stripes", stripes), DARK),
         Visual(mesh_shape("posts", merge(shape.mesh() for shape in posts)), (0.20, 0.36, 0.68), crease=0.1),
-        Visual(
-            mesh_shape("wire", rod((-post_x, 0.0, ROD_HEIGHT), (post_x, 0.0, ROD_HEIGHT), ROD_RADIUS, 12)), COPPER
-        ),
+        Visual(mesh_shape("wire", rod((-post_x, 0.0, ROD_HEIGHT), (post_x, 0.0, ROD_HEIGHT), ROD_RADIUS, 12)), COPPER),
         Visual(mesh_shape("props", merge(shape.mesh() for shape in props)), (0.20, 0.36, 0.68), crease=0.1),
         Visual(mesh_shape("start", sleeves[0]), (0.92, 0.92, 0.90)),
         Visual(mesh_shape("finish", sleeves[1]), GREEN),

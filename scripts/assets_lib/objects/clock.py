@@ -51,12 +51,16 @@ def _case() -> Mesh:
     """Return the case with its rim, open towards the dial."""
     back, front, inner = DEPTH / 2.0, FACE - RIM, RADIUS - 0.008
     outline = [(0.0, -back), (RADIUS - 0.006, -back), (RADIUS, -back + 0.006), (RADIUS, -front), (inner, -front), (inner, -FACE)]
-    return lathe(outline, 36).moved((0.0, 0.0, AXLE_Z), (0.0, -HALF_PI, 0.0))
+    return lathe(outline, 28).moved((0.0, 0.0, AXLE_Z), (0.0, -HALF_PI, 0.0))
 
 
 def _disc(radius: float, x: float, sides: int) -> Mesh:
-    """Return a thin disc across the axle, whose front is at `x`."""
-    return cylinder(radius, 0.001, sides).moved((x + 0.0005, 0.0, AXLE_Z), (0.0, HALF_PI, 0.0))
+    """Return a flat disc across the axle at `x`, seen from outside."""
+    return (
+        lathe([(radius, 0.0), (0.0, 0.0)], sides)
+        .moved((abs(x), 0.0, 0.0), (0.0, HALF_PI, 0.0))
+        .moved((0.0, 0.0, AXLE_Z), (0.0, 0.0, 0.0 if x > 0.0 else np.pi))
+    )
 
 
 def _marks(way: float) -> Mesh:
@@ -66,7 +70,9 @@ def _marks(way: float) -> Mesh:
         length, width = QUARTER if hour % 3 == 0 else FULL
         turn, outer = way * hour * np.pi / 6.0, RADIUS - 0.011
         along, across = np.array([-np.sin(turn), np.cos(turn)]), np.array([np.cos(turn), np.sin(turn)])
-        pieces.append(mark([r * along + side * width / 2.0 * across for r in (outer - length, outer) for side in (-1, 1)], MARKED, "x"))
+        pieces.append(
+            mark([r * along + side * width / 2.0 * across for r in (outer - length, outer) for side in (-1, 1)], MARKED, "x")
+        )
         digits = NUMERALS.get(hour, ())
         for i, digit in enumerate(digits):
             shift = (i - (len(digits) - 1) / 2.0) * (NUMERAL[0] + GAP)
@@ -89,7 +95,7 @@ def _bells() -> Mesh:
     for side in (-1, 1):
         turn = -side * 0.55
         place = (0.0, side * float(np.sin(0.55)) * (RADIUS + 0.006), AXLE_Z + float(np.cos(0.55)) * (RADIUS + 0.006))
-        parts.append(lathe(half, 14).moved(place, (turn, 0.0, 0.0)))
+        parts.append(lathe(half, 12).moved(place, (turn, 0.0, 0.0)))
         parts.append(cylinder(0.005, 0.02, 6).moved(place, (turn, 0.0, 0.0)))
     return merge(parts)
 
@@ -119,8 +125,8 @@ def _case_shapes() -> tuple[Shape, ...]:
 def _rim_behind() -> Mesh:
     """Return the low rim around the dial at the back."""
     low, high = DEPTH / 2.0 - 0.001, DEPTH / 2.0 + 0.006
-    outline = [(RADIUS - 0.010, low), (RADIUS - 0.001, low), (RADIUS - 0.003, high), (RADIUS - 0.008, high), (RADIUS - 0.010, low)]
-    return lathe(outline, 36).moved((0.0, 0.0, AXLE_Z), (0.0, HALF_PI, 0.0))
+    outline = [(RADIUS - 0.001, low), (RADIUS - 0.003, high), (RADIUS - 0.008, high), (RADIUS - 0.010, low)]
+    return lathe(outline, 24).moved((0.0, 0.0, AXLE_Z), (0.0, HALF_PI, 0.0))
 
 
 def _case_link() -> Link:
@@ -128,7 +134,10 @@ def _case_link() -> Link:
     behind = _marks(1.0).moved((DEPTH / 2.0, 0.0, AXLE_Z))
     visuals = (
         Visual(mesh_shape("case", _case()), RED),
-        Visual(mesh_shape("dial", merge([_disc(RADIUS - 0.006, FACE - 0.0005, 36), _disc(RADIUS - 0.009, DEPTH / 2.0, 36)])), PALE),
+        Visual(
+            mesh_shape("dial", merge([_disc(RADIUS - 0.006, FACE - 0.0005, 28), _disc(RADIUS - 0.009, DEPTH / 2.0 + 0.001, 24)])),
+            PALE,
+        ),
         Visual(mesh_shape("marks", merge([front, behind])), INK),
         Visual(mesh_shape("short_hand", _short_hand()), HOUR_BLUE),
         Visual(mesh_shape("rim_behind", _rim_behind()), RED),

@@ -45,10 +45,13 @@ def _cup(name: str, bottom: float, top: float, height: float, wall: float) -> Mo
     lip = wall / 2.0
     outer = [(0.0, 0.0), (bottom - 0.002, 0.0), (bottom, 0.002), (top, height - lip), (top - lip, height)]
     inner = [(top - wall, height - lip), (bottom - wall + (top - bottom) * floor / height, floor), (0.0, floor)]
-    body = Visual(mesh_shape("cup", lathe([*outer, *inner], 28)), plastic((0.85, 0.20, 0.18)))
+    body = Visual(mesh_shape("cup", lathe([*outer, *inner], 24)), plastic((0.85, 0.20, 0.18)))
     foot = cylinder_shape(bottom * float(np.cos(np.pi / SEGMENTS)), floor, (0.0, 0.0, floor / 2.0))
     shapes = (foot, *leaning_walls(bottom, top, height, wall, floor))
-    links = (Link("cup", 0.079, (body,), shapes, friction=0.8, center=(0.0, 0.0, 0.4 * height)), _lining(inner, top, height, wall))
+    links = (
+        Link("cup", 0.079, (body,), shapes, friction=0.8, center=(0.0, 0.0, 0.4 * height)),
+        _lining(inner, top, height, wall),
+    )
     holder = Joint("lining_holder", "fixed", "cup", "lining", (0.0, 0.0, 0.0))
     notes = (
         f"hollow, open above; outer radius {bottom} below and {top} at the rim (z = {height}), wall {wall}, floor at z = {floor}",
@@ -62,13 +65,13 @@ def _lining(inner: list[tuple[float, float]], top: float, height: float, wall: f
     t, (high, upper), (low, floor) = 0.0006, inner[0], inner[1]
     middle = 0.55 * height
     half = low + (high - low) * (middle - floor) / (upper - floor)
-    inside = [(0.0, floor), (low, floor), (half, middle), (half - t, middle), (low - t, floor + t), (0.0, floor + t)]
-    angles = np.linspace(0.0, 2.0 * np.pi, 9)
+    inside = [(low, floor), (half, middle), (half - t, middle), (low - t, floor + t), (0.0, floor + t)]
+    angles = np.linspace(-0.25 * np.pi, 1.75 * np.pi, 5)
     tube = wall / 2.0 + 0.0012
     rim = [(top - wall / 2.0 + tube * float(np.cos(a)), height - wall / 2.0 + tube * float(np.sin(a))) for a in angles]
     visuals = (
-        Visual(mesh_shape("liner", lathe(inside, 28)), INSIDE),
-        Visual(mesh_shape("rim", lathe(rim, 28)), plastic(RIM), crease=1.2),
+        Visual(mesh_shape("liner", lathe(inside, 14)), INSIDE),
+        Visual(mesh_shape("rim", lathe(rim, 24)), plastic(RIM), crease=1.2),
     )
     return Link("lining", 0.001, visuals, center=(0.0, 0.0, 0.4 * height))
 

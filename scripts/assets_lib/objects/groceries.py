@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from assets_lib.mesh import Mesh, box, cylinder, lathe, merge
-from assets_lib.prisms import bevelled_box
+from assets_lib.mesh import Mesh, box, lathe, merge
+from assets_lib.prisms import bevelled_box, mark, rectangle, regular_polygon
 from assets_lib.urdf import Link, Model, Shape, Vec3, Visual, box_shape, cylinder_shape, mesh_shape, metal
 
 WIDTH, DEPTH, HEIGHT, BOARD, LEGS = 0.45, 0.25, 0.50, 0.015, 0.15
@@ -85,8 +85,24 @@ class Carton:
 
 CARTONS = (
     Carton("crackers", (0.12, 0.045, 0.15), 0.15, (0.80, 0.10, 0.10), (0.97, 0.85, 0.35), (0.98, 0.96, 0.90), (0.74, 0.42, 0.12)),
-    Carton("chocolate_jello", (0.07, 0.03, 0.06), 0.08, (0.35, 0.18, 0.09), (0.96, 0.93, 0.86), (0.60, 0.36, 0.20), (0.35, 0.18, 0.09)),
-    Carton("strawberry_jello", (0.07, 0.03, 0.06), 0.08, (0.93, 0.35, 0.48), (0.98, 0.95, 0.95), (0.85, 0.08, 0.14), (0.85, 0.08, 0.14)),
+    Carton(
+        "chocolate_jello",
+        (0.07, 0.03, 0.06),
+        0.08,
+        (0.35, 0.18, 0.09),
+        (0.96, 0.93, 0.86),
+        (0.60, 0.36, 0.20),
+        (0.35, 0.18, 0.09),
+    ),
+    Carton(
+        "strawberry_jello",
+        (0.07, 0.03, 0.06),
+        0.08,
+        (0.93, 0.35, 0.48),
+        (0.98, 0.95, 0.95),
+        (0.85, 0.08, 0.14),
+        (0.85, 0.08, 0.14),
+    ),
     Carton("sugar", (0.08, 0.04, 0.15), 0.25, (0.97, 0.93, 0.62), (0.98, 0.97, 0.94), (0.15, 0.35, 0.75), (0.15, 0.35, 0.75)),
 )
 SPAM = Carton("spam", (0.09, 0.055, 0.08), 0.25, (0.12, 0.25, 0.58), (0.98, 0.80, 0.15), METAL, (0.75, 0.12, 0.12))
@@ -128,10 +144,12 @@ def _emblem(size: Vec3, middle: float, radius: float) -> Mesh:
     """Return what is printed on the labels of both broad sides: a disc at height `middle`, and two lines below it."""
     parts = []
     for side in (-1.0, 1.0):
-        y = side * (size[1] / 2.0 + 0.0010)
-        parts.append(cylinder(radius, 0.0008, 16).moved((0.0, y, middle), (1.57079633, 0.0, 0.0)))
-        for k, share in enumerate((0.5, 0.34)):
-            parts.append(box((size[0] * share, 0.0008, 0.07 * size[2]), (0.0, y, middle - radius - (0.09 + 0.11 * k) * size[2])))
+        bars = [
+            rectangle(size[0] * share, 0.07 * size[2]) + (0.0, middle - radius - (0.09 + 0.11 * k) * size[2])
+            for k, share in enumerate((0.5, 0.34))
+        ]
+        for outline in (regular_polygon(radius, 14) + (0.0, middle), *bars):
+            parts.append(mark(outline, size[1] / 2.0 + 0.0014, "x").moved(rpy=(0.0, 0.0, side * 1.57079633)))
     return merge(parts)
 
 
@@ -166,7 +184,7 @@ def _spam() -> Model:
 
 def _badges(radius: float, half: float) -> Mesh:
     """Return four round badges on the band of a tin."""
-    badge = cylinder(min(0.28 * half, 0.012), 0.0012, 12).moved((radius - 0.0002, 0.0, 0.0), (0.0, 1.57079633, 0.0))
+    badge = mark(regular_polygon(min(0.28 * half, 0.012), 10), radius + 0.0005, "x")
     return merge(badge.moved(rpy=(0.0, 0.0, quarter * 1.57079633)) for quarter in range(4))
 
 

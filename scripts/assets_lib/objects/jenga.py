@@ -7,6 +7,7 @@ from itertools import product
 import numpy as np
 
 from assets_lib.mesh import Mesh, box, hull_of, merge
+from assets_lib.prisms import mark, rectangle
 from assets_lib.urdf import Link, Model, Visual, box_shape, mesh_shape
 
 LENGTH, WIDTH, HEIGHT = 0.0975, 0.0325, 0.0195
@@ -48,9 +49,11 @@ def _grain(height: float) -> Mesh:
     for k, (start, end, at) in enumerate(((-0.46, 0.10, -0.30), (-0.20, 0.46, 0.02), (-0.44, 0.30, 0.33))):
         length, x = LENGTH * (end - start), LENGTH * (start + end) / 2.0
         for side in (-1.0, 1.0):
-            lines.append(box((length, 0.0016, 0.0004), (side * x, at * WIDTH, side * (height / 2.0 + GRAIN - 0.0002))))
+            turned = (0.0 if side > 0.0 else np.pi, 0.0, 0.0)
+            lines.append(mark(rectangle(length, 0.0016) + (x, at * WIDTH), height / 2.0 + GRAIN, "z").moved(rpy=turned))
             if k != 1:
-                lines.append(box((length, 0.0004, 0.0014), (-side * x, side * (WIDTH / 2.0 + GRAIN - 0.0002), at * height)))
+                line = mark(rectangle(length, 0.0014) + (x, at * height), WIDTH / 2.0 + GRAIN, "x")
+                lines.append(line.moved(rpy=(0.0, 0.0, side * np.pi / 2.0)))
     return merge(lines)
 
 

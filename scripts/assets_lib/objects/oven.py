@@ -6,6 +6,7 @@ import numpy as np
 
 from assets_lib.cabinets import bevelled_box, cabinet, rectangle_at
 from assets_lib.mesh import Mesh, box, cylinder, lathe, merge, rod
+from assets_lib.prisms import mark, rectangle
 from assets_lib.urdf import Joint, Link, Model, Paint, Shape, Visual, box_shape, cylinder_shape, glass, mesh_shape, metal
 
 DEPTH, WIDTH, HEIGHT, WALL = 0.36, 0.44, 0.42, 0.015
@@ -80,12 +81,13 @@ def _lining() -> Mesh:
 
 def _plates() -> Mesh:
     """Return the four cooking plates."""
-    return merge(cylinder(r, 0.006, 32).moved((x, y, HEIGHT + 0.003)) for x, y, r in PLATES)
+    return merge(lathe([(r, 0.0), (r, 0.006), (0.0, 0.006)], 12).moved((x, y, HEIGHT)) for x, y, r in PLATES)
 
 
 def _knob_discs(places: tuple[float, ...], x: float, z: float) -> Mesh:
     """Return the discs of knobs on a panel at `x`, which faces -x."""
-    return merge(cylinder(0.0225, 0.012, 24, bevel=0.001).moved((x - 0.006, y, z), (0.0, HALF_PI, 0.0)) for y in places)
+    disc = lathe([(0.0225, 0.0), (0.0225, 0.012), (0.0, 0.012)], 10)
+    return merge(disc.moved((x, y, z), (0.0, -HALF_PI, 0.0)) for y in places)
 
 
 def _knob_bars(places: tuple[float, ...], x: float, z: float) -> Mesh:
@@ -105,18 +107,20 @@ def _knob_places() -> tuple[float, ...]:
 
 def _pointers(places: tuple[float, ...], x: float, z: float) -> Mesh:
     """Return the marks of knobs: from the middle of the bar to its upper end, and over that end."""
-    sizes = (((0.001, 0.007, 0.021), (-0.0303, 0.0105)), ((0.0185, 0.007, 0.001), (-0.021, 0.0213)))
-    return merge(box(size, (x + ahead, y, z + up)) for y in places for size, (ahead, up) in sizes)
+    front = mark(rectangle(0.007, 0.021) + (0.0, 0.0105), 0.0305, "x").moved(rpy=(0.0, 0.0, 2.0 * HALF_PI))
+    above = mark(rectangle(0.018, 0.007) + (-0.021, 0.0), 0.0214, "z")
+    return merge(part.moved((x, y, z)) for y in places for part in (front, above))
 
 
 def _ticks(x: float) -> Mesh:
     """Return the marks around each knob, a longer one at the top, where it is off."""
     marks = []
     for k in range(6):
-        for angle in np.deg2rad((-120.0, -90.0, -60.0, -30.0, 0.0, 30.0, 60.0, 90.0, 120.0)):
+        for angle in np.deg2rad((-135.0, -90.0, -45.0, 0.0, 45.0, 90.0, 135.0)):
             length, width = (0.008, 0.004) if angle == 0.0 else (0.005, 0.0022)
-            mark = box((0.001, width, length), (0.0, 0.0, 0.0245 + length / 2.0)).moved(rpy=(float(angle), 0.0, 0.0))
-            marks.append(mark.moved((x, KNOB_STEP * (2.5 - k), KNOB_Z)))
+            turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+            corners = rectangle(width, length) @ turn.T + (0.0245 + length / 2.0) * turn[:, 1]
+            marks.append(mark(corners, -x, "x").moved((0.0, -KNOB_STEP * (2.5 - k), KNOB_Z)).moved(rpy=(0.0, 0.0, 2.0 * HALF_PI)))
     return merge(marks)
 
 
@@ -126,10 +130,10 @@ def _glow_link() -> Link:
     window = box((0.0008, w - 0.11, h - 0.13), (HINGE[0] - t - 0.0024, 0.0, HINGE[2] + h / 2.0 - 0.015))
     x, y, radius = PLATES[0]
     rings = [
-        lathe([(r - 0.008, 0.0), (r, 0.0), (r, 0.0008), (r - 0.008, 0.0008), (r - 0.008, 0.0)], 32).moved((x, y, HEIGHT + 0.006))
+        lathe([(r, 0.0), (r - 0.008, 0.0)], 12).moved((x, y, HEIGHT + 0.0068))
         for r in (radius - 0.006, radius - 0.026, radius - 0.046)
     ]
-    lamp = cylinder(0.006, 0.004, 16).moved((-DEPTH / 2.0 - 0.004, PILOT_Y, KNOB_Z), (0.0, HALF_PI, 0.0))
+    lamp = cylinder(0.006, 0.004, 6).moved((-DEPTH / 2.0 - 0.004, PILOT_Y, KNOB_Z), (0.0, HALF_PI, 0.0))
     seen = Visual(mesh_shape("glow", merge([window, lamp, *rings])), Paint(GLOW, opacity=0.0, emission=GLOW, reach=0.0))
     return Link("glow", 0.001, (seen,), ())
 
@@ -138,7 +142,7 @@ def _body_link() -> Link:
     front = -DEPTH / 2.0
     panel = box((0.002, WIDTH, HEIGHT - 0.356), (front - 0.001, 0.0, (HEIGHT + 0.356) / 2.0))
     places = _knob_places()
-    pilot = cylinder(0.0075, 0.002, 16).moved((front - 0.003, PILOT_Y, KNOB_Z), (0.0, HALF_PI, 0.0))
+    pilot = cylinder(0.0075, 0.002, 8).moved((front - 0.003, PILOT_Y, KNOB_Z), (0.0, HALF_PI, 0.0))
     visuals = (
         Visual(mesh_shape("shell", _shell()), STEEL),
         Visual(mesh_shape("lining", _lining()), (0.20, 0.19, 0.19)),

@@ -74,9 +74,8 @@ def _grain() -> Mesh:
     lines = []
     for z, start, end in ((0.012, -0.46, 0.2), (0.024, -0.2, 0.46), (0.036, -0.46, 0.35), (0.048, -0.3, 0.46)):
         length, middle = BLOCK[0] * (end - start), BLOCK[0] * (start + end) / 2.0
-        for side in (-1.0, 1.0):
-            lines.append(box((length, 0.0004, 0.002), (side * middle, side * (BLOCK[1] / 2.0 + 0.0003), z)))
-            lines.append(box((0.0004, length, 0.002), (side * (BLOCK[0] / 2.0 + 0.0003), side * middle, z)))
+        line = mark(rectangle(length, 0.002) + (middle, z), BLOCK[0] / 2.0 + 0.0004, "x")
+        lines += [line.moved(rpy=(0.0, 0.0, quarter * np.pi / 2.0)) for quarter in range(4)]
     return merge(lines)
 
 
@@ -120,7 +119,7 @@ def _handle() -> tuple[Mesh, Mesh]:
 
 def _grooves() -> Mesh:
     """Return dark lines along the grip."""
-    line = box((0.0012, 0.0022, HANDLE - 0.044), (HANDLE_RADIUS - 0.0003, 0.0, 0.003))
+    line = mark(rectangle(0.0026, HANDLE - 0.044) + (0.0, 0.003), HANDLE_RADIUS + 0.0003, "x")
     return merge(line.moved(rpy=(0.0, 0.0, k * np.pi / 4.0)) for k in range(8))
 
 

@@ -64,7 +64,7 @@ def _spout_pieces() -> list[tuple[Vec3, Vec3]]:
 
 def _fittings() -> Mesh:
     """Return the spout with its foot, and the stems with theirs."""
-    feet = [cylinder(0.022, 0.012, 14).moved((0.0, y, RIM + 0.006)) for y in (-STEM_Y, 0.0, STEM_Y)]
+    feet = [cylinder(0.022, 0.012, 10).moved((0.0, y, RIM + 0.006)) for y in (-STEM_Y, 0.0, STEM_Y)]
     low, high = RIM, HANDLE_Z - THICK / 2.0 - 0.002
     stems = [
         lathe([(0.0, low), (0.016, low), (STEM_RADIUS, high), (0.0, high)], 12).moved((0.0, y, 0.0)) for y in (-STEM_Y, STEM_Y)
@@ -102,9 +102,15 @@ def _basin_link() -> Link:
 def _stream_link() -> Link:
     """Return the water from the mouth to the floor, and what spreads there; a task shows it."""
     x, low = MOUTH[0], FLOOR + 0.0035
-    outline = [(0.0, low), (0.062, low), (0.060, low + 0.004), (0.020, low + 0.0045), (0.0095, low + 0.012)]
-    outline += [(0.0075, low + 0.03), (0.0085, MOUTH[1] - 0.006), (0.0, MOUTH[1] - 0.006)]
-    water = lathe(outline, 24).moved((x, 0.0, 0.0))
+    outline = [
+        (0.0, low),
+        (0.060, low),
+        (0.058, low + 0.004),
+        (0.009, low + 0.006),
+        (0.008, MOUTH[1] - 0.006),
+        (0.0, MOUTH[1] - 0.006),
+    ]
+    water = lathe(outline, 14).moved((x, 0.0, 0.0))
     return Link("stream", 0.001, (Visual(mesh_shape("stream", water), pane(WATER, 0.0)),), center=(x, 0.0, FLOOR))
 
 
@@ -139,4 +145,8 @@ def models() -> tuple[Model, ...]:
     )
     stream = Joint("stream_holder", "fixed", "basin", "stream", (0.0, 0.0, 0.0))
     handles = (_handle_link(side, color) for side, _, color in sides)
-    return (Model("tap", "objects/tap", "bottom, below the stems", (_basin_link(), *handles, _stream_link()), (*joints, stream), notes),)
+    return (
+        Model(
+            "tap", "objects/tap", "bottom, below the stems", (_basin_link(), *handles, _stream_link()), (*joints, stream), notes
+        ),
+    )

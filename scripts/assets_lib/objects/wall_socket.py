@@ -74,7 +74,7 @@ def _light() -> Link:
     z, left = SOCKET_HEIGHT - 0.018, -0.055
     triangle = ((left - 0.05, z - 0.04), (left + 0.05, z - 0.04), (left, z + 0.045))
     sign = mark(triangle, THICKNESS + 0.0006, "x")
-    lights = [cylinder(0.012, 0.006, 20, bevel=0.002).moved((-0.002, s * 0.075, SOCKET_HEIGHT), (0.0, np.pi / 2.0, 0.0)) for s in (-1.0, 1.0)]
+    lights = [cylinder(0.012, 0.006, 12).moved((-0.002, s * 0.075, SOCKET_HEIGHT), (0.0, np.pi / 2.0, 0.0)) for s in (-1.0, 1.0)]
     return Link("light", 0.001, (Visual(mesh_shape("light", merge([sign, *lights])), shining(YELLOW, emission=LIVE)),))
 
 

@@ -63,9 +63,11 @@ def _back() -> tuple[Visual, ...]:
 def _lamp() -> Link:
     """Return the lamps on the back and beside the switch, which a task paints dark or bright as the switch asks for."""
     bulb = mark(regular_polygon(0.026, 16) + (-0.055, 0.095), THICKNESS + 0.0012, "x")
-    dome = lathe([(0.0, 0.0), (0.019, 0.0), (0.018, 0.004), (0.011, 0.008), (0.0, 0.009)], 20).moved(rpy=(0.0, -np.pi / 2.0, 0.0))
+    dome = lathe([(0.019, 0.0), (0.016, 0.006), (0.0, 0.009)], 14).moved(rpy=(0.0, -np.pi / 2.0, 0.0))
     domes = [dome.moved((0.0, side * 0.08, SWITCH_HEIGHT)) for side in (-1.0, 1.0)]
-    return Link("lamp", 0.001, (Visual(mesh_shape("lamps", merge([bulb, *domes])), shining(YELLOW, emission=(1.0, 0.85, 0.2))),), ())
+    return Link(
+        "lamp", 0.001, (Visual(mesh_shape("lamps", merge([bulb, *domes])), shining(YELLOW, emission=(1.0, 0.85, 0.2))),), ()
+    )
 
 
 def _half(sign: float) -> FloatArray:
