@@ -6,7 +6,6 @@ import numpy as np
 
 from rlbench_pin.tasks import NO_ROTATION, Detected, Grasped, SpawnBoundary, Task
 
-
 SHINING, UNSEEN = (0.15, 0.95, 0.25, 1.0), (0.15, 0.95, 0.25, 0.0)
 
 

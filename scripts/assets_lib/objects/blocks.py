@@ -86,7 +86,7 @@ def ring_marker() -> Model:
 
 
 def ring_guide() -> Model:
-    """Return a dashed plumb line from a ring to a ring on the table, which shows how high it is, with a halo that a task lights."""
+    """Return a dashed plumb line from a ring to its mark on the table, and a halo that a task lights."""
     dashes = merge(box((0.002, 0.002, 0.012), (0.0, 0.0, -0.03 - 0.02 * k)) for k in range(9))
     inner, outer, low, high = RING - TUBE, RING + TUBE, -HANGS + 0.0002, -HANGS + 0.001
     foot = lathe([(outer, low), (outer, high), (inner, high), (inner, low), (outer, low)], 16)

@@ -45,8 +45,8 @@ def _base() -> Model:
     shapes: tuple[Shape, ...] = (box_shape(PLATE, (0.0, 0.0, z / 2.0)), *posts, wire, beam, *props)
     notes = (
         f"rod along x at z = {ROD_HEIGHT}, diameter {2 * ROD_RADIUS}, from x = {-ROD_LENGTH / 2.0} to {ROD_LENGTH / 2.0}",
-        f"the ends of {FREE} that may be touched have sleeves, a white one and a green one; link `lamp` is on the post of the green "
-        f"one: coloured {ON} it shines",
+        f"the ends of {FREE} that may be touched have sleeves, white at the start and green at the end",
+        f"link `lamp` is on the post at the end; coloured {ON} it shines",
         f"the grip of `buzz_wand` rests on two props with the wand at ({CRADLE_X}, 0, {ROD_HEIGHT})",
     )
     links = (

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from assets_lib.mesh import Mesh, box, cylinder, hull_of, lathe, merge, rod
-from assets_lib.objects.numbered_blocks import BASE, DIGITS, S, T, Stroke
+from assets_lib.objects.numbered_blocks import BASE, DIGITS, S, Stroke, T
 from assets_lib.prisms import mark
 from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic, sphere_shape
 

@@ -148,8 +148,9 @@ def _emblem(size: Vec3, middle: float, radius: float) -> Mesh:
             rectangle(size[0] * share, 0.07 * size[2]) + (0.0, middle - radius - (0.09 + 0.11 * k) * size[2])
             for k, share in enumerate((0.5, 0.34))
         ]
-        for outline in (regular_polygon(radius, 14) + (0.0, middle), *bars):
-            parts.append(mark(outline, size[1] / 2.0 + 0.0014, "x").moved(rpy=(0.0, 0.0, side * 1.57079633)))
+        outlines = (regular_polygon(radius, 14) + (0.0, middle), *bars)
+        printed = merge(mark(outline, size[1] / 2.0 + 0.0014, "x") for outline in outlines)
+        parts.append(printed.moved(rpy=(0.0, 0.0, side * 1.57079633)))
     return merge(parts)
 
 

@@ -1,4 +1,4 @@
-"""A cooker: four plates on top, six knobs, an oven with a grid behind a door that folds down, and lights that a task switches on."""
+"""A cooker: four plates on top, six knobs, an oven with a grid behind a door that folds down, and what glows when it is on."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ def _ticks(x: float) -> Mesh:
 
 
 def _glow_link() -> Link:
-    """Return what glows while the oven is on: the window of the shut door, the pilot lamp, and the plate of the left-most knob."""
+    """Return what glows while the oven is on: window of the shut door, pilot lamp, plate of the left-most knob."""
     t, w, h = DOOR
     window = box((0.0008, w - 0.11, h - 0.13), (HINGE[0] - t - 0.0024, 0.0, HINGE[2] + h / 2.0 - 0.015))
     x, y, radius = PLATES[0]
