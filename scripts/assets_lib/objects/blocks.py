@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from assets_lib.mesh import FloatArray, Mesh, box, icosphere, lathe, merge, rod
-from assets_lib.urdf import Joint, Link, Model, Paint, Visual, box_shape, mesh_shape, pane, plastic
+from assets_lib.urdf import Joint, Link, Model, Paint, Visual, box_shape, mesh_shape, pane, plastic, shining
 
 RED = (0.9, 0.1, 0.1)
 CUBES = (("cube", 0.05, 0.1), ("cube_small", 0.04, 0.05), ("cube_45", 0.045, 0.06), ("block_60", 0.06, 0.12))
@@ -100,8 +100,8 @@ def ring_guide() -> Model:
 def target_square() -> Model:
     """Return a flat green square that is only seen."""
     shape = box_shape((0.10, 0.10, 0.002), (0.0, 0.0, 0.001))
-    link = Link("target_square", 0.01, (Visual(shape, (0.1, 0.75, 0.2)),))
-    notes = ("visual only: use it with fixed = true", "its upper side is 2 mm above the table")
+    link = Link("target_square", 0.01, (Visual(shape, shining((0.1, 0.75, 0.2), emission=HALO)),))
+    notes = ("visual only: use it with fixed = true", "its upper side is 2 mm above the table", f"coloured {HALO} it shines")
     return Model("target_square", "objects/target_square", "bottom centre", (link,), notes=notes)
 
 
