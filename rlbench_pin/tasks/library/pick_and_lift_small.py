@@ -48,3 +48,7 @@ class PickAndLiftSmall(Task):
     def step(self) -> None:
         """Let the halo shine while the goal is reached."""
         self.world.body("guide").set_color(SHINING if self.held.met() and self.there.met() else UNSEEN, "halo")
+
+    def get_low_dim_state(self) -> np.ndarray:
+        """Return the poses of cube, cylinder, marker, moon, prism and star, shape (42,) [m]."""
+        return np.concatenate([self.world.body(name).pose for name in sorted(("marker", *self.shapes))])
