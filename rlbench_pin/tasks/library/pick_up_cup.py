@@ -30,8 +30,8 @@ class PickUpCup(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Colour and place both cups; the zone and the place on the rim to grip go with the asked one."""
         name, rgb = COLORS[variation]
-        self.cup.set_color(rgb)
-        self.other.set_color(distractor_colors(rng, variation, 1)[0].rgb)
+        self.cup.set_color(rgb, "cup")
+        self.other.set_color(distractor_colors(rng, variation, 1)[0].rgb, "cup")
         self.boundary.scatter([self.other, self.cup], rng, min_distance=0.1)
         x, y, z = self.cup.position
         self.zone.set_position([x, y, z + self.zone.size[1] / 2.0])

@@ -45,11 +45,11 @@ class PourFromCupToCup(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Colour and place five cups and fill the source; success is every drop in the target."""
         source, target = COLORS[variation], COLORS[(variation + 1) % len(COLORS)]
-        self.source.set_color(source.rgb)
-        self.target.set_color(target.rgb)
+        self.source.set_color(source.rgb, "cup")
+        self.target.set_color(target.rgb, "cup")
         free = [color for color in distractor_colors(rng, variation, 4) if color != target]
         for body, color in zip(self.others, free, strict=False):
-            body.set_color(color.rgb)
+            body.set_color(color.rgb, "cup")
         self.boundary.scatter(self.cups, rng, min_distance=0.12, accept=self._aim)
         self._fill(rng)
         sensor = self.world.sensor("in_target")

@@ -12,7 +12,7 @@ SHINING, DARK = (1.0, 0.85, 0.2), (0.3, 0.28, 0.24)
 class PressSwitch(Task):
     """The rocker must tip over to its other end, by more than 1 rad of the 1.2 rad that it turns.
 
-    A lamp on the back of the wall shines while the rocker is past its middle.
+    Lamps on both sides of the wall shine while the rocker is past its middle.
     """
 
     def init_task(self) -> None:
@@ -30,5 +30,5 @@ class PressSwitch(Task):
         ]
 
     def step(self) -> None:
-        """Let the lamp follow the switch."""
+        """Let the lamps follow the switch."""
         self.world.body("panel").set_color(SHINING if self.rocker.position > 0.0 else DARK, "lamp")

@@ -6,9 +6,14 @@ import numpy as np
 
 from rlbench_pin.tasks import JointMoved, Task
 
+RUNNING, SHUT = (0.15, 0.52, 0.98, 0.7), (0.15, 0.52, 0.98, 0.0)
+
 
 class TurnTap(Task):
-    """The asked handle must be turned by more than a quarter, either way; left and right are seen with the spout in front."""
+    """The asked handle must be turned by more than a quarter, either way; left and right are seen with the spout in front.
+
+    Water runs while the asked handle is turned that far.
+    """
 
     sides = ("left", "right")
 
@@ -23,9 +28,15 @@ class TurnTap(Task):
         """Aim at the asked handle; success is that it is turned."""
         side = self.sides[variation]
         self.world.frame("waypoint1").set_parent(f"{side}_grip")
-        self.register_success_conditions([JointMoved(self.world.joint(f"tap/{side}"), 1.57)])
+        self.open = JointMoved(self.world.joint(f"tap/{side}"), 1.57)
+        self.register_success_conditions([self.open])
+        self.world.body("tap").set_color(SHUT, "stream")
         return [
             f"Open the tap at its {side} handle, with a good quarter of a turn.",
             f"To let the water run, rotate the {side} handle beside the spout by more than 90 degrees.",
             f"The valve to the {side} of the spout is shut: give it a little over a quarter turn.",
         ]
+
+    def step(self) -> None:
+        """Let the water run while the handle is open."""
+        self.world.body("tap").set_color(RUNNING if self.open.met() else SHUT, "stream")

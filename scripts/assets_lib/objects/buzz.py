@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from assets_lib.mesh import Mesh, box, cylinder, lathe, merge, rod
-from assets_lib.urdf import Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape
+from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, shining
 
 PLATE, POST_TALL = (0.36, 0.08, 0.02), 0.15
 ROD_RADIUS, ROD_LENGTH = 0.004, 0.28
@@ -16,7 +16,10 @@ GRIP = (0.02, 0.10, 0.02)
 GRIP_START = 0.030
 """Where the grip bar begins, from the middle of the ring along -y [m]."""
 CRADLE_X = -0.12
-RED, DARK = (0.80, 0.12, 0.10), (0.14, 0.14, 0.16)
+FREE = 0.04
+"""How long the ends of the rod are that may be touched [m]."""
+RED, DARK, GREEN, COPPER = (0.80, 0.12, 0.10), (0.14, 0.14, 0.16), (0.10, 0.62, 0.24), metal((0.86, 0.48, 0.26))
+OFF, ON = (0.30, 0.30, 0.32), (0.15, 0.95, 0.25)
 
 
 def _base() -> Model:
@@ -27,25 +30,31 @@ def _base() -> Model:
     props = tuple(box_shape((0.02, 0.012, bar_z), (CRADLE_X, v, bar_z / 2.0)) for v in (-0.055, -0.12))
     beam = box_shape((0.024, 0.085, z), (CRADLE_X, -0.0825, z / 2.0))
     stripes = merge(box((0.03, y - 0.002, 0.0006), (0.06 * i, 0.0, z + 0.0003)) for i in range(-2, 3))
-    lamp = cylinder(0.012, 0.016, 14, bevel=0.004).moved((post_x, 0.0, z + POST_TALL + 0.008))
+    lamp = cylinder(0.013, 0.020, 16, bevel=0.005).moved((post_x, 0.0, z + POST_TALL + 0.010))
+    inner = ROD_LENGTH / 2.0 - FREE
+    sleeves = [rod((s * inner, 0.0, ROD_HEIGHT), (s * post_x, 0.0, ROD_HEIGHT), ROD_RADIUS + 0.0008, 12) for s in (-1.0, 1.0)]
     visuals = (
         Visual(mesh_shape("plate", merge([box(PLATE, (0.0, 0.0, z / 2.0)), beam.mesh()])), (0.93, 0.78, 0.16), crease=0.1),
         Visual(mesh_shape("stripes", stripes), DARK),
         Visual(mesh_shape("posts", merge(shape.mesh() for shape in posts)), (0.20, 0.36, 0.68), crease=0.1),
-        Visual(
-            mesh_shape("wire", rod((-post_x, 0.0, ROD_HEIGHT), (post_x, 0.0, ROD_HEIGHT), ROD_RADIUS, 12)), (0.80, 0.82, 0.85)
-        ),
+        Visual(mesh_shape("wire", rod((-post_x, 0.0, ROD_HEIGHT), (post_x, 0.0, ROD_HEIGHT), ROD_RADIUS, 12)), COPPER),
         Visual(mesh_shape("props", merge(shape.mesh() for shape in props)), (0.20, 0.36, 0.68), crease=0.1),
-        Visual(mesh_shape("lamp", lamp), RED),
+        Visual(mesh_shape("start", sleeves[0]), (0.92, 0.92, 0.90)),
+        Visual(mesh_shape("finish", sleeves[1]), GREEN),
     )
     shapes: tuple[Shape, ...] = (box_shape(PLATE, (0.0, 0.0, z / 2.0)), *posts, wire, beam, *props)
     notes = (
         f"rod along x at z = {ROD_HEIGHT}, diameter {2 * ROD_RADIUS}, from x = {-ROD_LENGTH / 2.0} to {ROD_LENGTH / 2.0}",
+        f"the ends of {FREE} that may be touched have sleeves, white at the start and green at the end",
+        f"link `lamp` is on the post at the end; coloured {ON} it shines",
         f"the grip of `buzz_wand` rests on two props with the wand at ({CRADLE_X}, 0, {ROD_HEIGHT})",
     )
-    return Model(
-        "buzz_base", "objects/buzz_base", "bottom centre", (Link("buzz_base", 2.0, visuals, shapes, friction=0.4),), notes=notes
+    links = (
+        Link("buzz_base", 2.0, visuals, shapes, friction=0.4),
+        Link("lamp", 0.001, (Visual(mesh_shape("lamp", lamp), shining(OFF, emission=ON)),)),
     )
+    holder = Joint("lamp_holder", "fixed", "buzz_base", "lamp", (0.0, 0.0, 0.0))
+    return Model("buzz_base", "objects/buzz_base", "bottom centre", links, (holder,), notes)
 
 
 def _ring_mesh() -> Mesh:

@@ -1,10 +1,14 @@
-"""An alarm clock on two legs; a winged key at its back turns the long hand, on one axle through the case."""
+"""An alarm clock on two legs with a dial on both sides; a winged key at its back turns the long hand, on one axle.
+
+The dial behind runs the other way round, so that both sides show one time.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
-from assets_lib.mesh import Mesh, box, cylinder, lathe, merge, rod
+from assets_lib.mesh import Mesh, box, cylinder, hull_of, lathe, merge, rod
+from assets_lib.objects.numbered_blocks import BASE, DIGITS, S, Stroke, T
 from assets_lib.prisms import mark
 from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic, sphere_shape
 
@@ -20,14 +24,27 @@ WING, WING_X = (0.02, 0.015, 0.04), 0.055
 """Size of the key along x, y and z at 0, and x of its middle [m]."""
 HALF_PI = 1.57079633
 RED, PALE, INK, BRASS, PLATE = (
-    plastic((0.80, 0.12, 0.10)),
-    (0.80, 0.94, 1.00),
-    (0.05, 0.05, 0.06),
+    plastic((0.72, 0.13, 0.11)),
+    (1.0, 0.99, 0.95),
+    (0.02, 0.02, 0.03),
     metal((0.92, 0.70, 0.20)),
     (0.28, 0.30, 0.34),
 )
-TWELVE, QUARTER = (0.024, 0.016), (0.020, 0.013)
-"""Length and width of the mark at twelve and of the marks at three, six and nine [m]."""
+HOUR_BLUE = (0.10, 0.36, 0.72)
+FULL, QUARTER = (0.013, 0.007), (0.019, 0.010)
+"""Length and width of the mark of an hour and of a quarter [m]."""
+NUMERAL, NUMERAL_AT, GAP = (0.017, 0.026), 0.060, 0.012
+"""Width and height of a digit; how far the middle of a numeral is from the axle; the space between two digits [m]."""
+_LEFT: Stroke = ((0.0, 0.0), (S, 0.0), (S, 1.0), (0.0, 1.0))
+_RIGHT: Stroke = ((1.0 - S, 0.0), (1.0, 0.0), (1.0, 0.56), (1.0 - S, 0.56))
+_ACROSS: Stroke = ((0.0, 0.56 - T), (1.0, 0.56 - T), (1.0, 0.56), (0.0, 0.56))
+_HEAD: Stroke = ((0.0, 1.0 - T), (1.0, 1.0 - T), (1.0, 1.0), (0.0, 1.0))
+SIX = (_LEFT, _RIGHT, _ACROSS, _HEAD, BASE)
+NINE: tuple[Stroke, ...] = tuple(tuple((1.0 - x, 1.0 - y) for x, y in stroke) for stroke in SIX)
+MARKED = 0.0018
+"""How far marks stand out before the case [m]."""
+NUMERALS: dict[int, tuple[tuple[Stroke, ...], ...]] = {0: (DIGITS[1], DIGITS[2]), 3: (DIGITS[3],), 6: (SIX,), 9: (NINE,)}
+"""Hour of a quarter -> the digits of its numeral."""
 
 
 def _case() -> Mesh:
@@ -38,20 +55,30 @@ def _case() -> Mesh:
 
 
 def _disc(radius: float, x: float, sides: int) -> Mesh:
-    """Return a thin disc across the axle, whose front is at `x`."""
-    return cylinder(radius, 0.001, sides).moved((x + 0.0005, 0.0, AXLE_Z), (0.0, HALF_PI, 0.0))
+    """Return a flat disc across the axle at `x`, seen from outside."""
+    return (
+        lathe([(radius, 0.0), (0.0, 0.0)], sides)
+        .moved((abs(x), 0.0, 0.0), (0.0, HALF_PI, 0.0))
+        .moved((0.0, 0.0, AXLE_Z), (0.0, 0.0, 0.0 if x > 0.0 else np.pi))
+    )
 
 
-def _marks() -> Mesh:
-    """Return the marks of the hours, as flat pieces before the dial."""
+def _marks(way: float) -> Mesh:
+    """Return the marks of the hours and four numerals, flat, for a viewer at +x; `way` is -1 where the hours run clockwise."""
     pieces = []
     for hour in range(12):
-        length, width = TWELVE if hour == 0 else QUARTER if hour % 3 == 0 else (0.011, 0.006)
-        turn, outer = hour * np.pi / 6.0, RADIUS - 0.012
+        length, width = QUARTER if hour % 3 == 0 else FULL
+        turn, outer = way * hour * np.pi / 6.0, RADIUS - 0.011
         along, across = np.array([-np.sin(turn), np.cos(turn)]), np.array([np.cos(turn), np.sin(turn)])
-        corners = [r * along + side * width / 2.0 * across for r in (outer - length, outer) for side in (-1, 1)]
-        pieces.append(mark([(-float(y), float(z)) for y, z in corners], 0.0015, "x").moved((0.0, 0.0, 0.0), (0.0, 0.0, np.pi)))
-    return merge(pieces).moved((FACE, 0.0, AXLE_Z))
+        pieces.append(
+            mark([r * along + side * width / 2.0 * across for r in (outer - length, outer) for side in (-1, 1)], MARKED, "x")
+        )
+        digits = NUMERALS.get(hour, ())
+        for i, digit in enumerate(digits):
+            shift = (i - (len(digits) - 1) / 2.0) * (NUMERAL[0] + GAP)
+            corner = NUMERAL_AT * along + (shift, 0.0) - np.array(NUMERAL) / 2.0
+            pieces += [mark(np.array(stroke) * NUMERAL + corner, MARKED, "x") for stroke in digit]
+    return merge(pieces)
 
 
 def _stand() -> Mesh:
@@ -68,14 +95,19 @@ def _bells() -> Mesh:
     for side in (-1, 1):
         turn = -side * 0.55
         place = (0.0, side * float(np.sin(0.55)) * (RADIUS + 0.006), AXLE_Z + float(np.cos(0.55)) * (RADIUS + 0.006))
-        parts.append(lathe(half, 14).moved(place, (turn, 0.0, 0.0)))
+        parts.append(lathe(half, 12).moved(place, (turn, 0.0, 0.0)))
         parts.append(cylinder(0.005, 0.02, 6).moved(place, (turn, 0.0, 0.0)))
     return merge(parts)
 
 
 def _short_hand() -> Mesh:
-    """Return the hand of the hours, at twelve."""
-    return box((0.002, 0.014, 0.058), (FACE - 0.002, 0.0, AXLE_Z + 0.021))
+    """Return the hands of the hours on both sides, at twelve: short, broad, with a point."""
+    outline = [(-0.011, -0.016), (0.011, -0.016), (0.011, 0.036), (-0.011, 0.036), (0.0, 0.052)]
+    front, behind = (
+        hull_of(np.array([(x + side * t, y, z + AXLE_Z) for y, z in outline for t in (0.0, 0.0015)]))
+        for x, side in ((FACE - 0.0012, -1.0), (DEPTH / 2.0 + 0.0012, 1.0))
+    )
+    return merge([front, behind])
 
 
 def _case_shapes() -> tuple[Shape, ...]:
@@ -90,13 +122,25 @@ def _case_shapes() -> tuple[Shape, ...]:
     return (case, glass, *legs, *feet, *bells)
 
 
+def _rim_behind() -> Mesh:
+    """Return the low rim around the dial at the back."""
+    low, high = DEPTH / 2.0 - 0.001, DEPTH / 2.0 + 0.006
+    outline = [(RADIUS - 0.001, low), (RADIUS - 0.003, high), (RADIUS - 0.008, high), (RADIUS - 0.010, low)]
+    return lathe(outline, 24).moved((0.0, 0.0, AXLE_Z), (0.0, HALF_PI, 0.0))
+
+
 def _case_link() -> Link:
+    front = _marks(-1.0).moved((-FACE, 0.0, 0.0)).moved((0.0, 0.0, AXLE_Z), (0.0, 0.0, np.pi))
+    behind = _marks(1.0).moved((DEPTH / 2.0, 0.0, AXLE_Z))
     visuals = (
         Visual(mesh_shape("case", _case()), RED),
-        Visual(mesh_shape("dial", _disc(RADIUS - 0.006, FACE - 0.0005, 28)), PALE),
-        Visual(mesh_shape("marks", _marks()), INK),
-        Visual(mesh_shape("short_hand", _short_hand()), INK),
-        Visual(mesh_shape("back", _disc(RADIUS - 0.02, DEPTH / 2.0, 24)), PLATE),
+        Visual(
+            mesh_shape("dial", merge([_disc(RADIUS - 0.006, FACE - 0.0005, 28), _disc(RADIUS - 0.009, DEPTH / 2.0 + 0.001, 24)])),
+            PALE,
+        ),
+        Visual(mesh_shape("marks", merge([front, behind])), INK),
+        Visual(mesh_shape("short_hand", _short_hand()), HOUR_BLUE),
+        Visual(mesh_shape("rim_behind", _rim_behind()), RED),
         Visual(mesh_shape("stand", _stand()), PLATE),
         Visual(mesh_shape("bells", _bells()), BRASS),
     )
@@ -109,11 +153,12 @@ def _movement_link() -> Link:
     tail = 0.018
     hand = box((THIN, width, length + tail), (HAND_X, 0.0, (length - tail) / 2.0))
     boss = cylinder(0.010, THIN + 0.002, 12).moved((HAND_X, 0.0, 0.0), (0.0, HALF_PI, 0.0))
+    behind = box((0.002, width, length + tail), (DEPTH / 2.0 + 0.005, 0.0, (length - tail) / 2.0))
     low, high = DEPTH / 2.0, WING_X + WING[0] / 2.0
     axle = rod((low, 0.0, 0.0), (high - 0.004, 0.0, 0.0), 0.007, 10)
     wings = [box(WING, (WING_X, 0.0, 0.0)), cylinder(0.0075, WING[0], 10).moved((WING_X, 0.0, 0.0), (0.0, HALF_PI, 0.0))]
     visuals = (
-        Visual(mesh_shape("long_hand", merge([hand, boss])), INK),
+        Visual(mesh_shape("long_hand", merge([hand, boss, behind])), INK),
         Visual(mesh_shape("key", merge([axle, *wings])), BRASS),
     )
     shapes = (
@@ -132,7 +177,8 @@ def models() -> tuple[Model, ...]:
         f"link `movement` is the long hand, at twelve at 0, {HAND[0]} long from the axle, at x = {HAND_X:.3f}, and the key; "
         "the joint `hand` grows clockwise for a viewer in front",
         f"the key at the back, {WING[0]} x {WING[1]} x {WING[2]}, is upright at 0; its middle is at x = {WING_X}",
-        f"a glass that is not drawn closes the rim, {RIM} before the dial; the short hand is fixed at twelve",
+        f"a glass that is not drawn closes the rim, {RIM} before the dial; the short hands are fixed at twelve",
+        "the dial at the back runs the other way round, and has hands of its own that are only seen",
     )
     return (
         Model(

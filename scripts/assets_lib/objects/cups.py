@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from assets_lib.mesh import icosphere, lathe
-from assets_lib.urdf import Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, plastic, sphere_shape
+from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, plastic, sphere_shape
 
 SEGMENTS = 12
 DROP, SWELL = 0.005, 0.0025
 """Radius of a drop, and how much larger it is seen [m]."""
 WATER = (0.20, 0.62, 1.0)
+RIM, INSIDE = (0.93, 0.91, 0.86), (0.16, 0.15, 0.15)
 
 
 def leaning_walls(bottom: float, top: float, height: float, wall: float, floor: float) -> tuple[Shape, ...]:
@@ -44,15 +45,35 @@ def _cup(name: str, bottom: float, top: float, height: float, wall: float) -> Mo
     lip = wall / 2.0
     outer = [(0.0, 0.0), (bottom - 0.002, 0.0), (bottom, 0.002), (top, height - lip), (top - lip, height)]
     inner = [(top - wall, height - lip), (bottom - wall + (top - bottom) * floor / height, floor), (0.0, floor)]
-    body = Visual(mesh_shape("cup", lathe([*outer, *inner], 28)), plastic((0.85, 0.20, 0.18)))
+    body = Visual(mesh_shape("cup", lathe([*outer, *inner], 24)), plastic((0.85, 0.20, 0.18)))
     foot = cylinder_shape(bottom * float(np.cos(np.pi / SEGMENTS)), floor, (0.0, 0.0, floor / 2.0))
     shapes = (foot, *leaning_walls(bottom, top, height, wall, floor))
-    link = Link(name, 0.08, (body,), shapes, friction=0.8, center=(0.0, 0.0, 0.4 * height))
+    links = (
+        Link("cup", 0.079, (body,), shapes, friction=0.8, center=(0.0, 0.0, 0.4 * height)),
+        _lining(inner, top, height, wall),
+    )
+    holder = Joint("lining_holder", "fixed", "cup", "lining", (0.0, 0.0, 0.0))
     notes = (
         f"hollow, open above; outer radius {bottom} below and {top} at the rim (z = {height}), wall {wall}, floor at z = {floor}",
-        "one visual: recolour the whole body",
+        "recolour the link `cup`; the link `lining` is its pale rim and the dark lower half of its inside",
     )
-    return Model(name, f"objects/{name}", "bottom centre", (link,), notes=notes)
+    return Model(name, f"objects/{name}", "bottom centre", links, (holder,), notes)
+
+
+def _lining(inner: list[tuple[float, float]], top: float, height: float, wall: float) -> Link:
+    """Return the pale rim and the dark lower half of the inside, which keep their colours when a task colours the cup."""
+    t, (high, upper), (low, floor) = 0.0006, inner[0], inner[1]
+    middle = 0.55 * height
+    half = low + (high - low) * (middle - floor) / (upper - floor)
+    inside = [(low, floor), (half, middle), (half - t, middle), (low - t, floor + t), (0.0, floor + t)]
+    angles = np.linspace(-0.25 * np.pi, 1.75 * np.pi, 5)
+    tube = wall / 2.0 + 0.0012
+    rim = [(top - wall / 2.0 + tube * float(np.cos(a)), height - wall / 2.0 + tube * float(np.sin(a))) for a in angles]
+    visuals = (
+        Visual(mesh_shape("liner", lathe(inside, 14)), INSIDE),
+        Visual(mesh_shape("rim", lathe(rim, 24)), plastic(RIM), crease=1.2),
+    )
+    return Link("lining", 0.001, visuals, center=(0.0, 0.0, 0.4 * height))
 
 
 def _drop() -> Model:

@@ -1,4 +1,4 @@
-"""Bricks of a tower game: pale ones and blue ones for crossed layers, and a red one to take."""
+"""Wooden bricks of a tower game: pale ones and dark ones for crossed layers, and a red one to take."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from itertools import product
 import numpy as np
 
 from assets_lib.mesh import Mesh, box, hull_of, merge
+from assets_lib.prisms import mark, rectangle
 from assets_lib.urdf import Link, Model, Visual, box_shape, mesh_shape
 
 LENGTH, WIDTH, HEIGHT = 0.0975, 0.0325, 0.0195
@@ -14,7 +15,9 @@ THIN = 0.0185
 """Height of a brick without load: the loose one, and those in the middle of a layer, whose outer two carry the next [m]."""
 BEVEL = 0.001
 MASS = 0.04
-PALE, BLUE, RED = (0.96, 0.88, 0.70), (0.16, 0.42, 0.68), (0.86, 0.14, 0.10)
+PALE, WALNUT, RED = (0.96, 0.84, 0.60), (0.46, 0.26, 0.13), (0.80, 0.13, 0.10)
+GRAIN = 0.0005
+"""How far the grain stands out, for the eye only [m]."""
 
 
 def _brick(height: float) -> Mesh:
@@ -40,11 +43,25 @@ def _end_rings(height: float) -> Mesh:
     return merge(boxes)
 
 
+def _grain(height: float) -> Mesh:
+    """Return the lines of the grain along the four long sides."""
+    lines = []
+    for k, (start, end, at) in enumerate(((-0.46, 0.10, -0.30), (-0.20, 0.46, 0.02), (-0.44, 0.30, 0.33))):
+        length, x = LENGTH * (end - start), LENGTH * (start + end) / 2.0
+        for side in (-1.0, 1.0):
+            turned = (0.0 if side > 0.0 else np.pi, 0.0, 0.0)
+            lines.append(mark(rectangle(length, 0.0016) + (x, at * WIDTH), height / 2.0 + GRAIN, "z").moved(rpy=turned))
+            if k != 1:
+                line = mark(rectangle(length, 0.0014) + (x, at * height), WIDTH / 2.0 + GRAIN, "x")
+                lines.append(line.moved(rpy=(0.0, 0.0, side * np.pi / 2.0)))
+    return merge(lines)
+
+
 def _model(name: str, height: float, color: tuple[float, float, float]) -> Model:
     red, green, blue = color
     visuals = (
         Visual(mesh_shape(name, _brick(height)), color),
-        Visual(mesh_shape(f"{name}_rings", _end_rings(height)), (0.65 * red, 0.65 * green, 0.65 * blue)),
+        Visual(mesh_shape(f"{name}_grain", merge([_end_rings(height), _grain(height)])), (0.66 * red, 0.62 * green, 0.58 * blue)),
     )
     link = Link("brick", MASS, visuals, (box_shape((LENGTH, WIDTH, height)),), friction=0.4, anchored=True)
     notes = (f"{LENGTH} x {WIDTH} x {height} along x, y, z",)
@@ -56,7 +73,7 @@ def models() -> tuple[Model, ...]:
     return (
         _model("jenga_brick", HEIGHT, PALE),
         _model("jenga_inner_brick", THIN, PALE),
-        _model("jenga_blue_brick", HEIGHT, BLUE),
-        _model("jenga_blue_inner_brick", THIN, BLUE),
+        _model("jenga_dark_brick", HEIGHT, WALNUT),
+        _model("jenga_dark_inner_brick", THIN, WALNUT),
         _model("jenga_loose_brick", THIN, RED),
     )

@@ -1,10 +1,13 @@
-"""A cooker: four plates on top, six knobs, an oven with a grid behind a door that folds down."""
+"""A cooker: four plates on top, six knobs, an oven with a grid behind a door that folds down, and what glows when it is on."""
 
 from __future__ import annotations
 
+import numpy as np
+
 from assets_lib.cabinets import bevelled_box, cabinet, rectangle_at
-from assets_lib.mesh import Mesh, box, cylinder, merge, rod
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, glass, mesh_shape, metal
+from assets_lib.mesh import Mesh, box, cylinder, lathe, merge, rod
+from assets_lib.prisms import mark, rectangle
+from assets_lib.urdf import Joint, Link, Model, Paint, Shape, Visual, box_shape, cylinder_shape, glass, mesh_shape, metal
 
 DEPTH, WIDTH, HEIGHT, WALL = 0.36, 0.44, 0.42, 0.015
 FLOOR, CEILING = 0.10, 0.345
@@ -18,9 +21,12 @@ HANDLE = (-DOOR[0] - 0.068, 0.0, 0.235)
 BAR_RADIUS, BAR_LENGTH = 0.006, 0.28
 GRID = 0.16
 """Height of the upper side of the grid [m]."""
-KNOB_Z, KNOB_STEP = 0.387, 0.068
+KNOB_Z, KNOB_STEP, PILOT_Y = 0.387, 0.068, 0.204
 STEEL, DARK, GLASS, SILVER = metal((0.72, 0.73, 0.75)), (0.12, 0.12, 0.13), glass((0.30, 0.22, 0.16)), metal((0.88, 0.89, 0.91))
 BRUSHED = metal((0.78, 0.79, 0.81))
+PLATES = ((-0.085, 0.105, 0.07), (0.085, 0.105, 0.055), (-0.085, -0.105, 0.055), (0.085, -0.105, 0.07))
+"""x, y and radius of the cooking plates; the first belongs to the left-most knob [m]."""
+GLOW = (1.0, 0.42, 0.08)
 HALF_PI = 1.57079633
 
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]
@@ -75,14 +81,18 @@ def _lining() -> Mesh:
 
 def _plates() -> Mesh:
     """Return the four cooking plates."""
-    places = ((-0.085, 0.105, 0.07), (0.085, 0.105, 0.055), (-0.085, -0.105, 0.055), (0.085, -0.105, 0.07))
-    return merge(cylinder(r, 0.006, 11).moved((x, y, HEIGHT + 0.003)) for x, y, r in places)
+    return merge(lathe([(r, 0.0), (r, 0.006), (0.0, 0.006)], 12).moved((x, y, HEIGHT)) for x, y, r in PLATES)
 
 
-def _knob_mesh() -> Mesh:
-    """Return a knob; the origin is on the panel, -x points out of it, the raised bar is upright."""
-    disc = cylinder(0.0225, 0.012, 10).moved((-0.006, 0.0, 0.0), (0.0, HALF_PI, 0.0))
-    return merge([disc, box((0.018, 0.012, 0.042), (-0.021, 0.0, 0.0))])
+def _knob_discs(places: tuple[float, ...], x: float, z: float) -> Mesh:
+    """Return the discs of knobs on a panel at `x`, which faces -x."""
+    disc = lathe([(0.0225, 0.0), (0.0225, 0.012), (0.0, 0.012)], 10)
+    return merge(disc.moved((x, y, z), (0.0, -HALF_PI, 0.0)) for y in places)
+
+
+def _knob_bars(places: tuple[float, ...], x: float, z: float) -> Mesh:
+    """Return the upright bars on knobs."""
+    return merge(box((0.018, 0.012, 0.042), (x - 0.021, y, z)) for y in places)
 
 
 def _knob_shapes(y: float = 0.0, x: float = 0.0, z: float = 0.0) -> tuple[Shape, ...]:
@@ -96,25 +106,54 @@ def _knob_places() -> tuple[float, ...]:
 
 
 def _pointers(places: tuple[float, ...], x: float, z: float) -> Mesh:
-    """Return the marks on the bars of knobs."""
-    return merge(box((0.001, 0.004, 0.016), (x - 0.0305, y, z + 0.011)) for y in places)
+    """Return the marks of knobs: from the middle of the bar to its upper end, and over that end."""
+    front = mark(rectangle(0.007, 0.021) + (0.0, 0.0105), 0.0305, "x").moved(rpy=(0.0, 0.0, 2.0 * HALF_PI))
+    above = mark(rectangle(0.018, 0.007) + (-0.021, 0.0), 0.0214, "z")
+    return merge(part.moved((x, y, z)) for y in places for part in (front, above))
+
+
+def _ticks(x: float) -> Mesh:
+    """Return the marks around each knob, a longer one at the top, where it is off."""
+    marks = []
+    for k in range(6):
+        for angle in np.deg2rad((-135.0, -90.0, -45.0, 0.0, 45.0, 90.0, 135.0)):
+            length, width = (0.008, 0.004) if angle == 0.0 else (0.005, 0.0022)
+            turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+            corners = rectangle(width, length) @ turn.T + (0.0245 + length / 2.0) * turn[:, 1]
+            marks.append(mark(corners, -x, "x").moved((0.0, -KNOB_STEP * (2.5 - k), KNOB_Z)).moved(rpy=(0.0, 0.0, 2.0 * HALF_PI)))
+    return merge(marks)
+
+
+def _glow_link() -> Link:
+    """Return what glows while the oven is on: window of the shut door, pilot lamp, plate of the left-most knob."""
+    t, w, h = DOOR
+    window = box((0.0008, w - 0.11, h - 0.13), (HINGE[0] - t - 0.0024, 0.0, HINGE[2] + h / 2.0 - 0.015))
+    x, y, radius = PLATES[0]
+    rings = [
+        lathe([(r, 0.0), (r - 0.008, 0.0)], 12).moved((x, y, HEIGHT + 0.0068))
+        for r in (radius - 0.006, radius - 0.026, radius - 0.046)
+    ]
+    lamp = cylinder(0.006, 0.004, 6).moved((-DEPTH / 2.0 - 0.004, PILOT_Y, KNOB_Z), (0.0, HALF_PI, 0.0))
+    seen = Visual(mesh_shape("glow", merge([window, lamp, *rings])), Paint(GLOW, opacity=0.0, emission=GLOW, reach=0.0))
+    return Link("glow", 0.001, (seen,), ())
 
 
 def _body_link() -> Link:
     front = -DEPTH / 2.0
     panel = box((0.002, WIDTH, HEIGHT - 0.356), (front - 0.001, 0.0, (HEIGHT + 0.356) / 2.0))
-    ticks = merge(box((0.001, 0.003, 0.006), (front - 0.0025, KNOB_STEP * (2.5 - k), KNOB_Z + 0.0275)) for k in range(6))
     places = _knob_places()
-    knobs = merge(_knob_mesh().moved((front - 0.002, y, KNOB_Z)) for y in places)
+    pilot = cylinder(0.0075, 0.002, 8).moved((front - 0.003, PILOT_Y, KNOB_Z), (0.0, HALF_PI, 0.0))
     visuals = (
         Visual(mesh_shape("shell", _shell()), STEEL),
         Visual(mesh_shape("lining", _lining()), (0.20, 0.19, 0.19)),
         Visual(mesh_shape("panel", panel), DARK),
-        Visual(mesh_shape("ticks", ticks), (1.0, 1.0, 1.0)),
+        Visual(mesh_shape("ticks", _ticks(front - 0.0025)), (1.0, 1.0, 1.0)),
         Visual(mesh_shape("hob", box((DEPTH - 0.02, WIDTH - 0.02, 0.002), (0.0, 0.0, HEIGHT + 0.001))), DARK),
         Visual(mesh_shape("plates", _plates()), (0.33, 0.33, 0.35)),
-        Visual(mesh_shape("knobs", knobs), SILVER),
-        Visual(mesh_shape("pointers", _pointers(places, front - 0.002, KNOB_Z)), (0.75, 0.1, 0.1)),
+        Visual(mesh_shape("pilot", pilot), (0.30, 0.10, 0.07)),
+        Visual(mesh_shape("knobs", _knob_discs(places, front - 0.002, KNOB_Z)), SILVER),
+        Visual(mesh_shape("bars", _knob_bars(places, front - 0.002, KNOB_Z)), DARK),
+        Visual(mesh_shape("pointers", _pointers(places, front - 0.002, KNOB_Z)), (1.0, 1.0, 1.0)),
         Visual(mesh_shape("grid", _grid()), (0.60, 0.61, 0.63)),
         Visual(mesh_shape("feet", _merged(_feet())), DARK),
     )
@@ -151,13 +190,15 @@ def _door_link() -> Link:
 def models() -> tuple[Model, ...]:
     """Return the models of this family."""
     visuals = (
-        Visual(mesh_shape("knob", _knob_mesh()), SILVER),
-        Visual(mesh_shape("pointer", _pointers((0.0,), 0.0, 0.0)), (0.75, 0.1, 0.1)),
+        Visual(mesh_shape("knob", _knob_discs((0.0,), 0.0, 0.0)), SILVER),
+        Visual(mesh_shape("bar", _knob_bars((0.0,), 0.0, 0.0)), DARK),
+        Visual(mesh_shape("pointer", _pointers((0.0,), 0.0, 0.0)), (1.0, 1.0, 1.0)),
     )
     knob = Link("knob_link", 0.05, visuals, _knob_shapes(), friction=1.0)
     place = (-DEPTH / 2.0 - 0.002, 2.5 * KNOB_STEP, KNOB_Z)
     door = Joint("door", "revolute", "oven", "door_link", HINGE, (0.0, -1.0, 0.0), 0.0, 1.57, damping=0.05)
     turn = Joint("knob", "revolute", "oven", "knob_link", place, (-1.0, 0.0, 0.0), -2.5, 2.5, damping=0.002)
+    lights = Joint("glow_holder", "fixed", "oven", "glow", (0.0, 0.0, 0.0))
     inside = DEPTH / 2.0 - WALL
     notes = (
         "front faces -x; the door hangs on its lower edge and folds down towards -x",
@@ -170,5 +211,7 @@ def models() -> tuple[Model, ...]:
         f"the grid's upper side is at z = {GRID}",
         f"link `knob_link` is the left-most of six knobs for a viewer in front, {tuple(round(v, 4) for v in place)}; "
         "the joint `knob` grows anticlockwise for that viewer; its raised bar, 0.012 x 0.042, is upright at 0, x -0.030..-0.012",
+        f"link `glow` is not seen; coloured {GLOW} it shines: window of the shut door, pilot lamp, plate of the left-most knob",
     )
-    return (Model("oven", "objects/oven", "bottom centre", (_body_link(), _door_link(), knob), (door, turn), notes),)
+    links = (_body_link(), _door_link(), knob, _glow_link())
+    return (Model("oven", "objects/oven", "bottom centre", links, (door, turn, lights), notes),)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from assets_lib.mesh import Mesh, box, cylinder, hull_of, lathe, merge, rod
+from assets_lib.prisms import mark, rectangle
 from assets_lib.urdf import Joint, Link, Model, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic, sphere_shape
 
 BODY = (0.18, 0.20, 0.14)
@@ -39,13 +40,13 @@ def _facing(mesh: Mesh, depth: float) -> Mesh:
     return mesh.moved((DIAL[0] - depth, DIAL[1], DIAL[2]), (0.0, -np.pi / 2.0, 0.0))
 
 
-def _marks() -> Mesh:
-    """Return the strokes of the dial: at the top, then every 0.49 rad, long ones at every other."""
+def _marks(way: float) -> Mesh:
+    """Return the strokes of a dial towards +x: at the top, then every 0.49 rad, long ones at every other."""
     strokes = []
     for i in range(12):
-        length, angle = (0.014, 0.008)[i % 2], -0.49 * i
-        stroke = box((0.0008, 0.003, length), (0.0, 0.0, DIAL_RADIUS - 0.004 - length / 2.0))
-        strokes.append(stroke.moved(rpy=(-angle, 0.0, 0.0)).moved((DIAL[0] - 0.0026, DIAL[1], DIAL[2])))
+        length, angle = (0.016, 0.010)[i % 2], -0.49 * i
+        stroke = mark(rectangle(0.004, length) + (0.0, DIAL_RADIUS - 0.004 - length / 2.0), 0.001, "x")
+        strokes.append(stroke.moved(rpy=(way * angle, 0.0, 0.0)))
     return merge(strokes)
 
 
@@ -63,23 +64,34 @@ def _tray_link() -> Link:
 
 
 def _needle_link() -> Link:
-    hand = hull_of(np.array([(x, y, z) for x in (-0.004, -0.0032) for y, z in ((-0.003, -0.01), (0.003, -0.01), (0.0, NEEDLE))]))
+    hand = hull_of(
+        np.array([(x, y, z) for x in (-0.004, -0.0032) for y, z in ((-0.005, -0.012), (0.005, -0.012), (0.0, NEEDLE))])
+    )
+    behind = hand.moved((2.0 * BODY[0] / 2.0 + 0.0072, 0.0, 0.0))
     hub = cylinder(0.006, 0.003, 14).moved((-0.004, 0.0, 0.0), (0.0, np.pi / 2.0, 0.0))
-    return Link("needle_link", 0.02, (Visual(mesh_shape("needle", merge([hand, hub])), RED),), center=(0.0, 0.0, 0.0))
+    return Link("needle_link", 0.02, (Visual(mesh_shape("needle", merge([hand, hub, behind])), RED),), center=(0.0, 0.0, 0.0))
 
 
 def _scales() -> Model:
+    dial = _facing(lathe([(DIAL_RADIUS, 0.0), (DIAL_RADIUS, 0.002), (0.0, 0.002)], 24), 0.0)
+    behind = _marks(-1.0).moved((-DIAL[0] + 0.0022, 0.0, DIAL[2]))
+    marks = _marks(1.0).moved((-DIAL[0] + 0.0022, 0.0, DIAL[2])).moved(rpy=(0.0, 0.0, np.pi))
+    rim = _facing(
+        lathe([(DIAL_RADIUS + 0.003, 0.0), (DIAL_RADIUS + 0.003, 0.005), (DIAL_RADIUS, 0.005), (DIAL_RADIUS, 0.0)], 24), 0.0
+    )
+    far_rim = rim.moved(rpy=(0.0, 0.0, np.pi))
     visuals = (
         Visual(mesh_shape("shell", _shell()), SHELL, crease=0.3),
-        Visual(mesh_shape("dial", _facing(cylinder(DIAL_RADIUS, 0.004, 32), 0.0)), CREAM),
-        Visual(mesh_shape("marks", _marks()), DARK),
+        Visual(mesh_shape("dial", merge([dial, dial.moved(rpy=(0.0, 0.0, np.pi))])), CREAM),
+        Visual(mesh_shape("marks", merge([marks, behind])), DARK),
+        Visual(mesh_shape("rims", merge([rim, far_rim])), STEEL),
     )
     base = Link("scales", 3.0, visuals, (box_shape(BODY, (0.0, 0.0, BODY[2] / 2.0)),))
     tray = Joint("tray", "prismatic", "scales", "tray_link", (0.0, 0.0, TRAY_HEIGHT), (0.0, 0.0, -1.0), 0.0, TRAVEL)
     needle = Joint("needle", "revolute", "scales", "needle_link", DIAL, (-1.0, 0.0, 0.0), -6.3, 6.3)
     notes = (
-        "dial towards -x; joint `tray` grows as the tray sinks: give it a spring; joint `needle` points up at 0, less is "
-        "clockwise for a viewer in front; lock it and let the task set it",
+        "dials towards -x and, the other way round, towards x; joint `tray` grows as the tray sinks: give it a spring",
+        "joint `needle` points up at 0, less is clockwise for a viewer in front; lock it and let the task set it",
         f"tray {TRAY}: link `tray_link` has its origin at the middle of its underside, things lie at z = {SLAB} on it; mass 0.2",
         f"needle {NEEDLE} long, only seen; dial centre {DIAL}",
     )

@@ -8,7 +8,7 @@ import numpy as np
 
 from assets_lib.mesh import Mesh, box, hull_of, lathe, merge
 from assets_lib.prisms import bevelled_box, hull_prism, mark, rectangle
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic
+from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic, shining
 
 BLOCK = (0.08, 0.08, 0.06)
 HEAD_RADIUS, HEAD_BOTTOM, HEAD_FLOOR, HEAD_TOP, GAP = 0.01, 0.02, 0.024, 0.03, 0.001
@@ -20,7 +20,14 @@ BLADE = (0.0025, 0.016, 0.008)
 STAND, STAND_HEIGHT, STAND_HOLE, STAND_PLATE, POST = 0.05, 0.092, 0.02, 0.012, 0.007
 TIP = -HANDLE / 2.0 - SHAFT - BLADE[2]
 """z of the end of the blade [m]."""
-PALE, BLUE, STEEL, DARK = (0.90, 0.88, 0.80), (0.16, 0.36, 0.56), metal((0.80, 0.82, 0.86)), (0.20, 0.21, 0.24)
+WOOD, GRAIN, BLUE, STEEL, DARK = (
+    (0.58, 0.38, 0.21),
+    (0.40, 0.25, 0.13),
+    (0.16, 0.36, 0.56),
+    metal((0.80, 0.82, 0.86)),
+    (0.10, 0.10, 0.12),
+)
+ARROW, DONE = (0.95, 0.93, 0.86), (0.15, 0.95, 0.25)
 RED, YELLOW = plastic((0.82, 0.12, 0.10)), plastic((0.95, 0.80, 0.15))
 
 
@@ -62,13 +69,23 @@ def _dial() -> Mesh:
     return merge(mark(np.array(points), z, "z") for points in (*arc, tip))
 
 
+def _grain() -> Mesh:
+    """Return the lines of the grain on the sides of the block."""
+    lines = []
+    for z, start, end in ((0.012, -0.46, 0.2), (0.024, -0.2, 0.46), (0.036, -0.46, 0.35), (0.048, -0.3, 0.46)):
+        length, middle = BLOCK[0] * (end - start), BLOCK[0] * (start + end) / 2.0
+        line = mark(rectangle(length, 0.002) + (middle, z), BLOCK[0] / 2.0 + 0.0004, "x")
+        lines += [line.moved(rpy=(0.0, 0.0, quarter * np.pi / 2.0)) for quarter in range(4)]
+    return merge(lines)
+
+
 def _block() -> Model:
     plate = lathe([(0.0, HEAD_BOTTOM), (HEAD_RADIUS, HEAD_BOTTOM), (HEAD_RADIUS, HEAD_FLOOR), (0.0, HEAD_FLOOR)], 16)
     slot = mark(rectangle(SLOT, 2.0 * HEAD_RADIUS - 0.001), HEAD_FLOOR + 0.0004, "z")
     base = Link(
         "screw_block",
         1.5,
-        (Visual(mesh_shape("block", bevelled_box(BLOCK, 0.003)), PALE), Visual(mesh_shape("dial", _dial()), BLUE)),
+        (Visual(mesh_shape("block", bevelled_box(BLOCK, 0.003)), WOOD), Visual(mesh_shape("grain", _grain()), GRAIN)),
         (box_shape(BLOCK, (0.0, 0.0, BLOCK[2] / 2.0)),),
     )
     visuals = (
@@ -85,8 +102,11 @@ def _block() -> Model:
         f"joint `screw` grows when it is tightened; its slot lies along y at 0, {SLOT} wide, from z = {HEAD_FLOOR} to {HEAD_TOP} "
         "in `screw_link`",
         "the screw turns but does not go down; give it friction",
+        f"link `dial` is the arrow on the block; coloured {DONE} it shines",
     )
-    return Model("screw_block", "objects/screw_block", "bottom centre", (base, screw), (joint,), notes=notes)
+    dial = Link("dial", 0.001, (Visual(mesh_shape("dial", _dial()), shining(ARROW, emission=DONE)),), center=(0.0, 0.0, BLOCK[2]))
+    holder = Joint("dial_holder", "fixed", "screw_block", "dial", (0.0, 0.0, 0.0))
+    return Model("screw_block", "objects/screw_block", "bottom centre", (base, screw, dial), (joint, holder), notes=notes)
 
 
 def _handle() -> tuple[Mesh, Mesh]:
@@ -95,6 +115,12 @@ def _handle() -> tuple[Mesh, Mesh]:
     grip = [(0.0, -h), (0.007, -h), (r - 0.003, -h + 0.012), (r, -h + 0.024), (r, h - 0.016), (0.0, h - 0.016)]
     cap = [(0.0, h - 0.016), (r, h - 0.016), (r, h - 0.006), (r - 0.006, h), (0.0, h)]
     return lathe(grip, 12), lathe(cap, 12)
+
+
+def _grooves() -> Mesh:
+    """Return dark lines along the grip."""
+    line = mark(rectangle(0.0026, HANDLE - 0.044) + (0.0, 0.003), HANDLE_RADIUS + 0.0003, "x")
+    return merge(line.moved(rpy=(0.0, 0.0, k * np.pi / 4.0)) for k in range(8))
 
 
 def _steel() -> Mesh:
@@ -116,6 +142,7 @@ def _driver() -> Model:
     visuals = (
         Visual(mesh_shape("grip", grip), RED),
         Visual(mesh_shape("cap", cap), YELLOW),
+        Visual(mesh_shape("grooves", _grooves()), DARK),
         Visual(mesh_shape("steel", _steel()), STEEL),
     )
     collisions = (

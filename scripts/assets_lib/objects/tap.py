@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from assets_lib.mesh import Mesh, box, cylinder, lathe, merge, rod
-from assets_lib.urdf import Joint, Link, Model, Shape, Vec3, Visual, box_shape, cylinder_shape, glass, mesh_shape, metal
+from assets_lib.urdf import Joint, Link, Model, Shape, Vec3, Visual, box_shape, cylinder_shape, glass, mesh_shape, metal, pane
 
 FRONT, LEDGE, BACK = -0.20, -0.03, 0.05
 """x of the front of the basin, of the front and of the back of its ledge [m]."""
@@ -16,11 +16,12 @@ STEM_Y, STEM_RADIUS = 0.10, 0.012
 HANDLE_Z, SPAN, ARM, THICK = 0.125, 0.06, 0.014, 0.02
 """Height of the middle of a handle; length, width and thickness of an arm of its cross [m]."""
 CERAMIC, GLAZE, CHROME, GRATE = (
-    glass((0.13, 0.38, 0.42)),
-    glass((0.09, 0.27, 0.31)),
+    glass((0.93, 0.94, 0.94)),
+    glass((0.78, 0.84, 0.87)),
     metal((0.80, 0.82, 0.86)),
     (0.30, 0.31, 0.33),
 )
+WATER = (0.15, 0.52, 0.98)
 RED, BLUE, WHITE = (0.86, 0.10, 0.08), (0.08, 0.22, 0.80), (0.97, 0.97, 0.97)
 
 
@@ -63,7 +64,7 @@ def _spout_pieces() -> list[tuple[Vec3, Vec3]]:
 
 def _fittings() -> Mesh:
     """Return the spout with its foot, and the stems with theirs."""
-    feet = [cylinder(0.022, 0.012, 14).moved((0.0, y, RIM + 0.006)) for y in (-STEM_Y, 0.0, STEM_Y)]
+    feet = [cylinder(0.022, 0.012, 10).moved((0.0, y, RIM + 0.006)) for y in (-STEM_Y, 0.0, STEM_Y)]
     low, high = RIM, HANDLE_Z - THICK / 2.0 - 0.002
     stems = [
         lathe([(0.0, low), (0.016, low), (STEM_RADIUS, high), (0.0, high)], 12).moved((0.0, y, 0.0)) for y in (-STEM_Y, STEM_Y)
@@ -98,6 +99,21 @@ def _basin_link() -> Link:
     return Link("basin", 6.0, visuals, (*(box_shape(size, center) for size, center in _basin()), foot, *_spout_shapes(), *stems))
 
 
+def _stream_link() -> Link:
+    """Return the water from the mouth to the floor, and what spreads there; a task shows it."""
+    x, low = MOUTH[0], FLOOR + 0.0035
+    outline = [
+        (0.0, low),
+        (0.060, low),
+        (0.058, low + 0.004),
+        (0.009, low + 0.006),
+        (0.008, MOUTH[1] - 0.006),
+        (0.0, MOUTH[1] - 0.006),
+    ]
+    water = lathe(outline, 14).moved((x, 0.0, 0.0))
+    return Link("stream", 0.001, (Visual(mesh_shape("stream", water), pane(WATER, 0.0)),), center=(x, 0.0, FLOOR))
+
+
 def _cross() -> Mesh:
     """Return the cross of a handle with a round button in the middle; the origin is its middle."""
     arms = [box((SPAN, ARM, THICK)), box((ARM, SPAN, THICK))]
@@ -124,7 +140,13 @@ def models() -> tuple[Model, ...]:
         f"the spout points to -x, over a hollow basin with its rim at z = {RIM}; left and right are those of a viewer in front",
         f"links `left_handle` (red) and `right_handle` (blue) turn about upright axes at y = {STEM_Y} and {-STEM_Y}; "
         f"each is a cross of two arms {SPAN} x {ARM} x {THICK}, along x and y at 0, its middle at z = {HANDLE_Z}",
+        f"link `stream` is water that is not seen: colour it ({WATER[0]}, {WATER[1]}, {WATER[2]}, 0.7) when it runs",
         "fingers that close along a diagonal of a cross come to rest between its arms",
     )
+    stream = Joint("stream_holder", "fixed", "basin", "stream", (0.0, 0.0, 0.0))
     handles = (_handle_link(side, color) for side, _, color in sides)
-    return (Model("tap", "objects/tap", "bottom, below the stems", (_basin_link(), *handles), joints, notes),)
+    return (
+        Model(
+            "tap", "objects/tap", "bottom, below the stems", (_basin_link(), *handles, _stream_link()), (*joints, stream), notes
+        ),
+    )

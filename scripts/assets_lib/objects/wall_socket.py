@@ -6,7 +6,7 @@ import numpy as np
 
 from assets_lib.mesh import Mesh, box, cylinder, hull_of, merge, rod
 from assets_lib.prisms import bevelled_box, mark, regular_polygon
-from assets_lib.urdf import Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic
+from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic, shining
 
 WIDTH, HEIGHT, THICKNESS = 0.24, 0.20, 0.03
 FOOT = (0.09, 0.24, 0.012)
@@ -22,7 +22,7 @@ WALL, TRIM, WHITE, BLACK, METAL = (
     (0.08, 0.08, 0.09),
     metal((0.92, 0.92, 0.95)),
 )
-CASE, YELLOW = plastic((0.16, 0.16, 0.19)), (0.98, 0.80, 0.10)
+CASE, YELLOW, LIVE = plastic((0.16, 0.16, 0.19)), (0.98, 0.80, 0.10), (0.15, 0.95, 0.25)
 
 Span = tuple[tuple[float, float], tuple[float, float], tuple[float, float]]
 """Lowest and highest x, y, z [m]."""
@@ -62,13 +62,20 @@ def _back() -> tuple[Visual, ...]:
     upper = ((left - 0.004, z + 0.022), (left + 0.006, z + 0.022), (left - 0.012, z - 0.012), (left + 0.002, z - 0.006))
     lower = ((left - 0.002, z - 0.004), (left + 0.013, z - 0.002), (left - 0.004, z - 0.034))
     bolt = [mark(points, x + 0.0012, "x") for points in (upper, lower)]
-    triangle = ((left - 0.05, z - 0.04), (left + 0.05, z - 0.04), (left, z + 0.045))
     return (
         Visual(mesh_shape("back_box", merge([cover, pipe])), TRIM),
         Visual(mesh_shape("back_socket", mark(regular_polygon(0.031, 16) + (right, z), x + 0.0026, "x")), WHITE),
         Visual(mesh_shape("back_marks", merge([*holes, *bolt])), BLACK),
-        Visual(mesh_shape("back_sign", mark(triangle, x + 0.0006, "x")), YELLOW),
     )
+
+
+def _light() -> Link:
+    """Return the sign on the back and two lights beside the socket, which a task lights while the socket is in use."""
+    z, left = SOCKET_HEIGHT - 0.018, -0.055
+    triangle = ((left - 0.05, z - 0.04), (left + 0.05, z - 0.04), (left, z + 0.045))
+    sign = mark(triangle, THICKNESS + 0.0006, "x")
+    lights = [cylinder(0.012, 0.006, 12).moved((-0.002, s * 0.075, SOCKET_HEIGHT), (0.0, np.pi / 2.0, 0.0)) for s in (-1.0, 1.0)]
+    return Link("light", 0.001, (Visual(mesh_shape("light", merge([sign, *lights])), shining(YELLOW, emission=LIVE)),))
 
 
 def _panel() -> Model:
@@ -94,8 +101,10 @@ def _panel() -> Model:
         f"front faces -x; wall face at x = 0, socket plate to x = {-PLATE_THICKNESS}, top at z = {HEIGHT}",
         f"two holes {HOLE} wide, {DEPTH} deep at y = -{PITCH / 2.0} and {PITCH / 2.0}, z = {SOCKET_HEIGHT}; a charger fits, "
         f"pushed home its origin is at x = {-PLATE_THICKNESS - BODY[0] / 2.0}",
+        f"link `light`, two lights in front and a sign on the back: coloured {LIVE} it shines",
     )
-    return Model("socket_panel", "objects/socket_panel", "middle of the lower front edge", (link,), notes=notes)
+    holder = Joint("light_holder", "fixed", "socket_panel", "light", (0.0, 0.0, 0.0))
+    return Model("socket_panel", "objects/socket_panel", "middle of the lower front edge", (link, _light()), (holder,), notes)
 
 
 def _case() -> Mesh:

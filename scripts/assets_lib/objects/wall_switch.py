@@ -61,9 +61,13 @@ def _back() -> tuple[Visual, ...]:
 
 
 def _lamp() -> Link:
-    """Return the lamp on the back, which a task paints dark or bright as the switch asks for."""
+    """Return the lamps on the back and beside the switch, which a task paints dark or bright as the switch asks for."""
     bulb = mark(regular_polygon(0.026, 16) + (-0.055, 0.095), THICKNESS + 0.0012, "x")
-    return Link("lamp", 0.001, (Visual(mesh_shape("back_lamp", bulb), shining(YELLOW, emission=(1.0, 0.85, 0.2))),), ())
+    dome = lathe([(0.019, 0.0), (0.016, 0.006), (0.0, 0.009)], 14).moved(rpy=(0.0, -np.pi / 2.0, 0.0))
+    domes = [dome.moved((0.0, side * 0.08, SWITCH_HEIGHT)) for side in (-1.0, 1.0)]
+    return Link(
+        "lamp", 0.001, (Visual(mesh_shape("lamps", merge([bulb, *domes])), shining(YELLOW, emission=(1.0, 0.85, 0.2))),), ()
+    )
 
 
 def _half(sign: float) -> FloatArray:
@@ -133,7 +137,7 @@ def models() -> tuple[Model, ...]:
         f"front faces -x; wall face at x = 0, plate to x = {-PLATE_THICKNESS}, top at z = {HEIGHT}",
         f"rocker about the y axis at x = {AXLE}, z = {SWITCH_HEIGHT}: pushing its upper half in makes the joint grow; "
         "it rests at either end, because its centre of mass lies above the axle",
-        "recolour the link `lamp`, on the back: that is its light",
+        "recolour the link `lamp`, two domes in front and a disc on the back: that is its light",
     )
     links = (_panel(), _rocker(), _lamp())
     return (Model("switch_panel", "objects/switch_panel", "middle of the lower front edge", links, (joint, holder), notes),)
