@@ -6,14 +6,9 @@ import numpy as np
 
 from rlbench_pin.tasks import COLORS, NO_ROTATION, Detected, Grasped, SpawnBoundary, Task, distractor_colors
 
-SHINING, UNSEEN = (0.15, 0.95, 0.25, 1.0), (0.15, 0.95, 0.25, 0.0)
-
 
 class PickAndLift(Task):
-    """The block of the asked colour must be held at the marker. Blocks and marker are anywhere in a rectangle.
-
-    A halo around the marker shines while the block is held there.
-    """
+    """The block of the asked colour must be held at the marker. Blocks and marker stand anywhere in a rectangle."""
 
     def init_task(self) -> None:
         """The block may be grasped; success is that it is held at the marker."""
@@ -21,8 +16,7 @@ class PickAndLift(Task):
         self.distractors = [self.world.body("distractor0"), self.world.body("distractor1")]
         self.boundary = SpawnBoundary([self.world.region("boundary")])
         self.register_graspable_objects(["block"])
-        self.held, self.there = Grasped(self.gripper, self.block), Detected(self.block, self.world.sensor("goal"))
-        self.register_success_conditions([self.held, self.there])
+        self.register_success_conditions([Grasped(self.gripper, self.block), Detected(self.block, self.world.sensor("goal"))])
 
     def variation_count(self) -> int:
         """One for each colour of the block."""
@@ -32,7 +26,6 @@ class PickAndLift(Task):
         """Place the marker, then colour and place the three blocks."""
         name, rgb = COLORS[variation]
         others = distractor_colors(rng, variation, len(self.distractors))
-        self.world.body("guide").set_color(UNSEEN, "halo")
         self.boundary.clear()
         self.boundary.sample(self.marker, rng, min_rotation=NO_ROTATION, max_rotation=NO_ROTATION)
         for block, color in zip([self.block, *self.distractors], [rgb, *(c.rgb for c in others)], strict=True):
@@ -43,10 +36,6 @@ class PickAndLift(Task):
             f"There is a ring in the air: hold the {name} block in it.",
             f"Raise the {name} block to where the ring floats, and do not let go.",
         ]
-
-    def step(self) -> None:
-        """Let the halo shine while the goal is reached."""
-        self.world.body("guide").set_color(SHINING if self.held.met() and self.there.met() else UNSEEN, "halo")
 
     def get_low_dim_state(self) -> np.ndarray:
         """Return the positions of block and marker, shape (6,) [m]."""

@@ -6,7 +6,6 @@ import numpy as np
 
 from rlbench_pin.tasks import Detected, SpawnBoundary, Task, Waypoint, clearance
 
-BAND, LIT = (0.40, 0.26, 0.15), (0.15, 0.95, 0.25)
 FREE = 0.085
 """Distance of the asked shape from the others, so that the fingers fit in [m]."""
 
@@ -14,7 +13,7 @@ FREE = 0.085
 class PlaceShapeInShapeSorter(Task):
     """The asked one of five shapes must lie on the floor of the sorter box.
 
-    Which shape is asked for varies, and where the five lie. The band around the box shines while the goal is reached.
+    Which shape is asked for varies, and where the five lie.
     """
 
     shapes = ("cube", "cylinder", "prism", "star", "moon")
@@ -39,18 +38,12 @@ class PlaceShapeInShapeSorter(Task):
         self.boundary.scatter(shapes, rng, min_distance=0.05, accept=lambda: clearance(asked, shapes) > FREE)
         self._aim_at_shape()
         self._aim_at_hole()
-        self.inside = Detected(asked, self.world.sensor("inside"))
-        self.register_success_conditions([self.inside])
-        self.step()
+        self.register_success_conditions([Detected(asked, self.world.sensor("inside"))])
         return [
             f"Push the {word} through the hole it fits.",
             f"There is a hole for the {word} in the toy box, please drop it in.",
             f"Sort the {word} into the box.",
         ]
-
-    def step(self) -> None:
-        """Let the band shine while the asked shape is inside."""
-        self.world.body("sorter").set_color(LIT if self.inside.met() else BAND, "band")
 
     def _aim_at_shape(self, waypoint: Waypoint | None = None) -> None:
         self.world.frame("waypoint1").set_parent(f"grasp_{self.shape}")

@@ -6,14 +6,9 @@ import numpy as np
 
 from rlbench_pin.tasks import COLORS, NO_ROTATION, SpawnBoundary, Task, TipInside, distractor_colors
 
-SHINING, UNSEEN = (0.15, 0.95, 0.25, 1.0), (0.15, 0.95, 0.25, 0.0)
-
 
 class ReachTarget(Task):
-    """The ball of the asked colour is the goal; the tip has to be inside it. All three balls are anywhere in a box.
-
-    A halo around the target shines while the tip is inside.
-    """
+    """The ball of the asked colour is the goal; the tip has to be inside it. All three balls hang anywhere in a box."""
 
     solved_by_chance = True
 
@@ -22,8 +17,7 @@ class ReachTarget(Task):
         self.target = self.world.body("target")
         self.distractors = [self.world.body("distractor0"), self.world.body("distractor1")]
         self.boundary = SpawnBoundary([self.world.region("boundary")])
-        self.inside = TipInside(self.robot, self.world.sensor("goal"))
-        self.register_success_conditions([self.inside])
+        self.register_success_conditions([TipInside(self.robot, self.world.sensor("goal"))])
 
     def variation_count(self) -> int:
         """One for each colour of the target."""
@@ -33,7 +27,6 @@ class ReachTarget(Task):
         """Colour and place the three balls, 20 cm apart at least."""
         name, rgb = COLORS[variation]
         others = distractor_colors(rng, variation, len(self.distractors))
-        self.world.body("target_stem").set_color(UNSEEN, "halo")
         self.boundary.clear()
         for ball, color in zip([self.target, *self.distractors], [rgb, *(c.rgb for c in others)], strict=True):
             ball.set_color(color)
@@ -43,10 +36,6 @@ class ReachTarget(Task):
             f"Which ball is {name}? Touch it.",
             f"With the fingertips, go to the sphere that is {name}.",
         ]
-
-    def step(self) -> None:
-        """Let the halo shine while the goal is reached."""
-        self.world.body("target_stem").set_color(SHINING if self.inside.met() else UNSEEN, "halo")
 
     def reward(self) -> float:
         """Return minus the distance from the tip to the target [m]."""

@@ -8,8 +8,6 @@ from rlbench_pin.tasks import COLORS, DetectedSeveral, NothingGrasped, SpawnBoun
 
 CUBE = 0.05
 """Side of a block [m]."""
-GREEN, SHINING = (0.1, 0.75, 0.2), (0.15, 0.95, 0.25)
-"""Colours of the square."""
 NUMBER = {2: "two", 3: "three", 4: "four"}
 """Heights of the tower in words [blocks]."""
 CLEARANCE = 0.08
@@ -19,8 +17,7 @@ CLEARANCE = 0.08
 class StackBlocks(Task):
     """Two to four of the four blocks of the asked colour must stand on the green square, one on another, and be let go.
 
-    Four more blocks share another colour. All eight lie anywhere in four patches around the square, which shines while the
-    goal is reached.
+    Four more blocks share another colour. All eight lie anywhere in four patches around the square.
     """
 
     def init_task(self) -> None:
@@ -46,11 +43,9 @@ class StackBlocks(Task):
             for body in bodies:
                 body.set_color(body_color)
         self.boundary.scatter([*self.blocks, *self.distractors], rng, min_distance=0.1)
-        self.tower = DetectedSeveral(self.blocks, self.world.sensor("column"), self.height)
-        self.levels = [DetectedSeveral(self.blocks, self.world.sensor(f"level{k}"), 1) for k in range(self.height)]
-        self.let_go = NothingGrasped(self.gripper)
-        self.register_success_conditions([self.tower, *self.levels, self.let_go])
-        self.step()
+        tower = DetectedSeveral(self.blocks, self.world.sensor("column"), self.height)
+        levels = [DetectedSeveral(self.blocks, self.world.sensor(f"level{k}"), 1) for k in range(self.height)]
+        self.register_success_conditions([tower, *levels, NothingGrasped(self.gripper)])
         self.register_rounds(self.height)
         number = NUMBER[self.height]
         return [
@@ -58,11 +53,6 @@ class StackBlocks(Task):
             f"The green square needs a tower of {number} {name} blocks, so please build one.",
             f"Stack {name} blocks on the green square until there are {number}.",
         ]
-
-    def step(self) -> None:
-        """Let the square shine while the tower stands."""
-        stands = all(condition.met() for condition in (self.tower, *self.levels, self.let_go))
-        self.world.body("square").set_color(SHINING if stands else GREEN)
 
     def _aim_at_next_block(self, waypoint: Waypoint) -> None:
         self.world.frame("waypoint1").set_parent(f"block{self.round}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from assets_lib.mesh import cylinder, lathe
-from assets_lib.urdf import Joint, Link, Model, Visual, cylinder_shape, mesh_shape, shining
+from assets_lib.urdf import Joint, Link, Model, Visual, cylinder_shape, mesh_shape
 
 LINKS, RADIUS, PITCH = 18, 0.007, 0.022
 GAP = 0.001
@@ -13,7 +13,6 @@ LEVEL = (0.0, float(np.pi / 2.0), 0.0)
 BENT = (2, 8, 14)
 """Joints that bend up and down instead of sideways."""
 WHITE, BLUE, RED = (0.90, 0.87, 0.78), (0.16, 0.30, 0.62), (0.82, 0.14, 0.12)
-GREEN, LIT = (0.05, 0.50, 0.18), (0.15, 1.0, 0.25)
 
 
 def _link(number: int) -> Link:
@@ -46,10 +45,8 @@ def _rope() -> Model:
 def _mark() -> Model:
     ring = lathe([(0.028, 0.0), (0.028, 0.0012), (0.015, 0.0012), (0.015, 0.0), (0.028, 0.0)], 28)
     dot = cylinder(0.006, 0.0012, 14).moved((0.0, 0.0, 0.0006))
-    green = shining(GREEN, emission=LIT)
-    visuals = (Visual(mesh_shape("ring", ring), green), Visual(mesh_shape("dot", dot), green))
-    notes = (f"visual only; coloured {LIT} it shines",)
-    return Model("ring_mark", "objects/ring_mark", "bottom centre", (Link("ring_mark", 0.01, visuals),), notes=notes)
+    visuals = (Visual(mesh_shape("ring", ring), (0.05, 0.62, 0.22)), Visual(mesh_shape("dot", dot), (0.05, 0.62, 0.22)))
+    return Model("ring_mark", "objects/ring_mark", "bottom centre", (Link("ring_mark", 0.01, visuals),), notes=("visual only",))
 
 
 def models() -> tuple[Model, ...]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from assets_lib.mesh import Mesh, box, hull_of, lathe, merge
 from assets_lib.prisms import bevelled_box, hull_prism, mark, rectangle
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic, shining
+from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic
 
 BLOCK = (0.08, 0.08, 0.06)
 HEAD_RADIUS, HEAD_BOTTOM, HEAD_FLOOR, HEAD_TOP, GAP = 0.01, 0.02, 0.024, 0.03, 0.001
@@ -27,7 +27,7 @@ WOOD, GRAIN, BLUE, STEEL, DARK = (
     metal((0.80, 0.82, 0.86)),
     (0.10, 0.10, 0.12),
 )
-ARROW, DONE = (0.95, 0.93, 0.86), (0.15, 0.95, 0.25)
+ARROW = (0.95, 0.93, 0.86)
 RED, YELLOW = plastic((0.82, 0.12, 0.10)), plastic((0.95, 0.80, 0.15))
 
 
@@ -85,7 +85,11 @@ def _block() -> Model:
     base = Link(
         "screw_block",
         1.5,
-        (Visual(mesh_shape("block", bevelled_box(BLOCK, 0.003)), WOOD), Visual(mesh_shape("grain", _grain()), GRAIN)),
+        (
+            Visual(mesh_shape("block", bevelled_box(BLOCK, 0.003)), WOOD),
+            Visual(mesh_shape("grain", _grain()), GRAIN),
+            Visual(mesh_shape("dial", _dial()), ARROW),
+        ),
         (box_shape(BLOCK, (0.0, 0.0, BLOCK[2] / 2.0)),),
     )
     visuals = (
@@ -102,11 +106,8 @@ def _block() -> Model:
         f"joint `screw` grows when it is tightened; its slot lies along y at 0, {SLOT} wide, from z = {HEAD_FLOOR} to {HEAD_TOP} "
         "in `screw_link`",
         "the screw turns but does not go down; give it friction",
-        f"link `dial` is the arrow on the block; coloured {DONE} it shines",
     )
-    dial = Link("dial", 0.001, (Visual(mesh_shape("dial", _dial()), shining(ARROW, emission=DONE)),), center=(0.0, 0.0, BLOCK[2]))
-    holder = Joint("dial_holder", "fixed", "screw_block", "dial", (0.0, 0.0, 0.0))
-    return Model("screw_block", "objects/screw_block", "bottom centre", (base, screw, dial), (joint, holder), notes=notes)
+    return Model("screw_block", "objects/screw_block", "bottom centre", (base, screw), (joint,), notes=notes)
 
 
 def _handle() -> tuple[Mesh, Mesh]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from assets_lib.mesh import FloatArray, Mesh, box, cylinder, merge
 from assets_lib.prisms import Rectangle, bevelled_box, grown, hull_prism, pieces_around, prism, rectangle, regular_polygon
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, shining
+from assets_lib.urdf import Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape
 
 LOW, TALL = 0.025, 0.05
 """Heights of the pieces to lift and of those to sort [m]."""
@@ -25,7 +25,6 @@ SKIN = 0.001
 BLUE = (0.05, 0.15, 0.95)
 SIDE, HEIGHT, WALL, LID, FLOOR = 0.16, 0.10, 0.006, 0.008, 0.004
 WOOD = (0.87, 0.72, 0.50)
-BAND, LIT = (0.40, 0.26, 0.15), (0.15, 0.95, 0.25)
 
 
 @dataclass(frozen=True)
@@ -177,17 +176,12 @@ def _sorter() -> Model:
         solid = _around(hole, CLEARANCE[hole.shape] + SKIN, HEIGHT - LID + SKIN, HEIGHT - SKIN)
         lids += [mesh_shape(f"lid_{hole.shape}_part{i}", piece) for i, piece in enumerate(solid)]
     link = Link("shape_sorter", 0.8, tuple(visuals), (*walls, *lids))
-    sides = [box((0.0008, SIDE, 0.016), (s * SIDE / 2.0, 0.0, 0.07)) for s in (-1.0, 1.0)]
-    sides += [box((SIDE, 0.0008, 0.016), (0.0, s * SIDE / 2.0, 0.07)) for s in (-1.0, 1.0)]
-    band = Link("band", 0.001, (Visual(mesh_shape("band", merge(sides)), shining(BAND, emission=LIT)),))
-    holder = Joint("band_holder", "fixed", "shape_sorter", "band", (0.0, 0.0, 0.0))
     holes = ", ".join(f"{hole.shape} ({hole.center[0]:.3f}, {hole.center[1]:.3f})" for hole in HOLES)
     notes = (
         f"hollow; lid {LID} thick, its upper side at z = {HEIGHT}, floor at z = {FLOOR}; middles of the holes: {holes}",
         f"{min(CLEARANCE.values())} or more free all round a shape in its hole",
-        f"link `band` goes around the box; coloured {LIT} it shines",
     )
-    return Model("shape_sorter", "objects/shape_sorter", "bottom centre", (link, band), (holder,), notes)
+    return Model("shape_sorter", "objects/shape_sorter", "bottom centre", (link,), notes=notes)
 
 
 def models() -> tuple[Model, ...]:
