@@ -25,6 +25,9 @@ _OPEN = 0.9  # fraction of the range above which a finger counts as open
 _MOVED = 1e-3  # motion in a tick above which the gripper counts as moving [m]
 _GEAR_FORCE = 200.0  # of the coupling between the fingers [N]
 _GEAR_ERP, _STIFF_GEAR_ERP = 0.2, 0.9  # share of the difference between the fingers that the coupling removes in a physics step
+_SQUEEZE_SPEED = 1.0
+"""Closing speed that fingers which hold by friction are driven with [m/s]; so high that the object keeps them from it, and the
+motors reach their force in the first passes of the solver. At the speed of closing they press with 10 N of 40 N."""
 _PAD_TORSION = 0.02  # torsional friction of soft pads: torque about the line between them per force [m]
 
 
@@ -84,8 +87,7 @@ class SimGripper:
     def rely_on_friction(self) -> None:
         """Fix nothing to the gripper: friction alone holds, with pads that resist twisting and fingers that stay centred.
 
-        The pads press with less than the force of the fingers: with 9.5 N each on the broom of sweep_to_dustpan (seed 0), whether
-        40 N or 70 N are allowed, because the solver stops after `PASSES`; after 150 passes with 37 N.
+        Fingers that an object stops press on it with the whole force that `set_target` allows.
 
         To be called while the world is built, lest building it again undoes it.
         """
@@ -111,6 +113,17 @@ class SimGripper:
         """True when a finger moved by more than 1 mm, or by half of what its speed allows, in the last tick."""
         least = min(_MOVED, 0.5 * self._control.speed * self._robot.tick)
         return any(abs(way) > least for way in (self._robot.fingers - self._control.last).tolist())
+
+    @property
+    def squeezes(self) -> bool:
+        """True when friction alone holds and an object keeps both fingers from closing."""
+        control = self._control
+        lags = (self._robot.fingers - control.reference).tolist()
+        return not self.attaches and min(lags) > 0.5 * self._lead(control.speed)
+
+    def _lead(self, speed: float) -> float:
+        """How far the reference may be ahead of the fingers so that they catch up with `speed` [m/s] at most [m]."""
+        return speed * self._robot.timestep / _GAIN
 
     def set_target(self, amount: float, speed: float | None = None, force: float | None = None) -> None:
         """Drive the fingers to an opening fraction in the coming ticks.
@@ -218,7 +231,8 @@ class SimGripper:
         """Work out how far the fingers go in this tick."""
         control, robot = self._control, self._robot
         here = robot.fingers
-        lead, most = control.speed * robot.timestep / _GAIN, control.speed * robot.tick
+        lead, most = self._lead(control.speed), control.speed * robot.tick
+        self._squeezing = self.squeezes
         fingers = zip(control.target.tolist(), control.reference.tolist(), here.tolist(), strict=True)  # few: no arrays
         starts, ends = [], []
         for target, reference, at in fingers:
@@ -232,7 +246,17 @@ class SimGripper:
 
     def drive(self, substep: int) -> None:
         """Command the finger motors for physics step `substep` of this tick; stationary fingers keep their command."""
-        if substep and not any(self._feed):
+        if substep and (self._squeezing or not any(self._feed)):
+            return
+        if self._squeezing:
+            bullet.setJointMotorControlArray(
+                self._model.uid,
+                self._joints,
+                bullet.VELOCITY_CONTROL,
+                targetVelocities=[-_SQUEEZE_SPEED] * 2,
+                forces=[self._control.force] * 2,
+                physicsClientId=self._client.id,
+            )
             return
         bullet.setJointMotorControlArray(
             self._model.uid,
