@@ -28,7 +28,11 @@ _GEAR_ERP, _STIFF_GEAR_ERP = 0.2, 0.9  # share of the difference between the fin
 _SQUEEZE_SPEED = 1.0
 """Closing speed that fingers which hold by friction are driven with [m/s]; so high that the object keeps them from it, and the
 motors reach their force in the first passes of the solver. At the speed of closing they press with 10 N of 40 N."""
-_PAD_TORSION = 0.02  # torsional friction of soft pads: torque about the line between them per force [m]
+_SQUEEZE_PASSES = 100
+"""Passes of the solver while friction alone holds: with `PASSES` of them objects turn between the pads when the arm turns fast."""
+_BLOCKED = 1.5e-3
+"""How far both fingers have to be behind the reference to count as blocked [m]; without an object they are less than 1 mm behind."""
+_PAD_TORSION = 0.007  # torsional friction: torque about the line between the pads per force, for pads of 18 mm [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,8 +78,8 @@ class SimGripper:
         self._fingers = [self._model.link_index(link) for link in description.finger_links]
         for index in self._fingers:  # anchors keep a friction grip from creeping
             self._client.change(bullet.changeDynamics, self._model.uid, index, lateralFriction=_PAD_FRICTION, frictionAnchor=1)
-        self.hold()
-        robot.on_reset.append(lambda fingers_too: self.hold() if fingers_too else None)
+        self._stop()
+        robot.on_reset.append(lambda fingers_too: self._stop() if fingers_too else None)
 
     def _couple(self) -> None:
         """Make the fingers move alike, as the gear of a real gripper does."""
@@ -117,13 +121,7 @@ class SimGripper:
     @property
     def squeezes(self) -> bool:
         """True when friction alone holds and an object keeps both fingers from closing."""
-        control = self._control
-        lags = (self._robot.fingers - control.reference).tolist()
-        return not self.attaches and min(lags) > 0.5 * self._lead(control.speed)
-
-    def _lead(self, speed: float) -> float:
-        """How far the reference may be ahead of the fingers so that they catch up with `speed` [m/s] at most [m]."""
-        return speed * self._robot.timestep / _GAIN
+        return not self.attaches and bool((self._robot.fingers - self._control.reference > _BLOCKED).all())
 
     def set_target(self, amount: float, speed: float | None = None, force: float | None = None) -> None:
         """Drive the fingers to an opening fraction in the coming ticks.
@@ -142,11 +140,16 @@ class SimGripper:
             strength = self._default_force if force is None else as_number(force, "The force of a finger [N]", above=0.0)
         except InvalidValue as error:
             raise InvalidActionError(str(error)) from error
-        here = self._robot.fingers
-        self._control = FingerControl(np.full(2, amount * self._range), here, speed, strength, here)
+        here, target = self._robot.fingers, np.full(2, amount * self._range)
+        reference = self._control.reference if self.squeezes and (target < here).all() else here
+        self._control = FingerControl(target, reference, speed, strength, here)
 
     def hold(self) -> None:
-        """Keep the fingers where they are."""
+        """Keep the fingers where they are; those that squeeze go on squeezing."""
+        if not self.squeezes:
+            self._stop()
+
+    def _stop(self) -> None:
         here = self._robot.fingers
         self._control = FingerControl(here, here, self._default_speed, self._default_force, here)
 
@@ -197,7 +200,7 @@ class SimGripper:
         if name in self.grasped or body.fixed:
             return False
         self._attachments.attach(body)
-        self.hold()
+        self._stop()
         return True
 
     def release(self) -> None:
@@ -231,8 +234,10 @@ class SimGripper:
         """Work out how far the fingers go in this tick."""
         control, robot = self._control, self._robot
         here = robot.fingers
-        lead, most = self._lead(control.speed), control.speed * robot.tick
+        lead, most = control.speed * robot.timestep / _GAIN, control.speed * robot.tick
         self._squeezing = self.squeezes
+        if self._squeezing:
+            self._client.allow_passes(_SQUEEZE_PASSES)
         fingers = zip(control.target.tolist(), control.reference.tolist(), here.tolist(), strict=True)  # few: no arrays
         starts, ends = [], []
         for target, reference, at in fingers:

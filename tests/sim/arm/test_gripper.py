@@ -163,6 +163,19 @@ def test_fingers_that_rely_on_friction_press_with_their_force():
         np.testing.assert_allclose(world.robot.fingers, 0.025, atol=2e-4)
 
 
+def test_a_friction_grip_outlasts_commands_of_one_tick():
+    """Commanded to close anew in every tick, and to hold in between, the fingers go on pressing."""
+    with build() as world:
+        world.gripper.rely_on_friction()
+        close_on_cube(world)
+        for _ in range(10):
+            world.gripper.set_target(0.0, 0.2)
+            world.step()
+            world.gripper.hold()
+            world.step()
+        assert world.robot.touch_forces().reshape(2, 3)[0, 1] == pytest.approx(40.0, rel=0.05)
+
+
 def test_a_friction_grip_is_restored_exactly():
     """Going on from a saved state in the middle of a squeeze is the same to the last bit."""
     with build() as world:
