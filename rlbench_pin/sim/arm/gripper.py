@@ -29,9 +29,9 @@ _SQUEEZE_SPEED = 1.0
 """Closing speed that fingers which hold by friction are driven with [m/s]; so high that the object keeps them from it, and the
 motors reach their force in the first passes of the solver. At the speed of closing they press with 10 N of 40 N."""
 _SQUEEZE_PASSES = 100
-"""Passes of the solver while friction alone holds: with `PASSES` of them objects turn between the pads when the arm turns fast."""
+"""Most passes of the solver while the fingers squeeze: with `PASSES` objects turn between the pads when the arm turns fast."""
 _BLOCKED = 1.5e-3
-"""How far both fingers have to be behind the reference to count as blocked [m]; without an object they are less than 1 mm behind."""
+"""How far both fingers are behind the reference when they count as blocked [m]; without an object it is 0.01 mm at most."""
 _PAD_TORSION = 0.007  # torsional friction: torque about the line between the pads per force, for pads of 18 mm [m]
 
 
@@ -78,6 +78,7 @@ class SimGripper:
         self._fingers = [self._model.link_index(link) for link in description.finger_links]
         for index in self._fingers:  # anchors keep a friction grip from creeping
             self._client.change(bullet.changeDynamics, self._model.uid, index, lateralFriction=_PAD_FRICTION, frictionAnchor=1)
+        self._control: FingerControl
         self._stop()
         robot.on_reset.append(lambda fingers_too: self._stop() if fingers_too else None)
 

@@ -112,7 +112,7 @@ def _lip() -> Mesh:
 
 
 def _ramp() -> Mesh:
-    """Return what of the bevelled edge is touched: its slope goes on below the table, so that no rounded edge stops a crumb."""
+    """Return the collision shape of the bevelled edge; its slope continues below the table, so that no edge stops a crumb."""
     x, y, _ = PAN
     ends = ((x / 2.0 - LIP, PAN_FLOOR), (x / 2.0 - LIP, -PAN_FLOOR), (x / 2.0 + LIP, -PAN_FLOOR))
     return hull_of(np.array([[u, v, h] for v in (-y / 2.0, y / 2.0) for u, h in ends]))
