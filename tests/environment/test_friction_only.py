@@ -7,7 +7,7 @@ import pytest
 
 from rlbench_pin.environment import Discrete, Environment, JointPosition, MoveArmThenGripper
 from rlbench_pin.environment.presets import low_dim_config
-from rlbench_pin.spatial import rotation_distance
+from rlbench_pin.spatial import relative, rotation_distance
 
 pytestmark = pytest.mark.simulation
 
@@ -31,19 +31,19 @@ def test_a_lifted_block_is_held_by_friction(by_mode: bool) -> None:
 
 
 def test_a_broom_is_held_while_it_sweeps() -> None:
-    """The broom does not swing between the pads by more than 2 degrees while it pushes crumbs over the edge of the pan."""
+    """The broom swings by less than 5 degrees between the pads while it pushes crumbs over the edge of the pan."""
     with friction_only() as environment:
         task = environment.get_task("sweep_to_dustpan")
-        world, tilts = task.runtime.world, []
+        world, in_hand = task.runtime.world, []
 
         def measure() -> None:
             if task.runtime.gripper.squeezes:
-                tilts.append(rotation_distance(world.body("broom").pose, world.robot.link_pose("panda_hand")))
+                in_hand.append(relative(world.body("broom").pose, world.robot.link_pose("panda_hand")))
 
         task.runtime.register_step_callback(measure)
         outcome = task.try_demo(seed=0, variation=0)
         assert outcome.success, outcome.cause
-        assert np.ptp(tilts) < np.radians(2.0)
+        assert max(rotation_distance(pose, in_hand[0]) for pose in in_hand) < np.radians(5.0)
 
 
 @pytest.mark.parametrize("name", ["meat_on_grill", "close_jar"])
