@@ -46,6 +46,13 @@ def test_a_broom_is_held_while_it_sweeps() -> None:
         assert max(rotation_distance(pose, in_hand[0]) for pose in in_hand) < np.radians(5.0)
 
 
+def test_a_rope_is_not_flung_away() -> None:
+    """The fingers press on a chain of light links, and it stays on the table."""
+    with friction_only() as environment:
+        outcome = environment.get_task("straighten_rope").try_demo(seed=4, variation=0)
+        assert outcome.success, outcome.cause
+
+
 @pytest.mark.parametrize("name", ["meat_on_grill", "close_jar"])
 def test_success_needs_an_open_gripper(name: str) -> None:
     """`NothingGrasped` does not hold while the fingers are closed on the object, in its place already."""
