@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from rlbench_pin.environment import Discrete, Environment, JointPosition, MoveArmThenGripper
 from rlbench_pin.environment.presets import low_dim_config
+from rlbench_pin.spatial import relative, rotation_distance
 
 pytestmark = pytest.mark.simulation
 
@@ -26,6 +28,29 @@ def test_a_lifted_block_is_held_by_friction(by_mode: bool) -> None:
         outcome = task.try_demo(seed=0, variation=0)
         assert outcome.success, outcome.cause
         assert not attached and task.runtime.gripper.held == ("block",)
+
+
+def test_a_broom_is_held_while_it_sweeps() -> None:
+    """The broom swings by less than 5 degrees between the pads while it pushes crumbs over the edge of the pan."""
+    with friction_only() as environment:
+        task = environment.get_task("sweep_to_dustpan")
+        world, in_hand = task.runtime.world, []
+
+        def measure() -> None:
+            if task.runtime.gripper.squeezes:
+                in_hand.append(relative(world.body("broom").pose, world.robot.link_pose("panda_hand")))
+
+        task.runtime.register_step_callback(measure)
+        outcome = task.try_demo(seed=0, variation=0)
+        assert outcome.success, outcome.cause
+        assert max(rotation_distance(pose, in_hand[0]) for pose in in_hand) < np.radians(5.0)
+
+
+def test_a_rope_is_not_flung_away() -> None:
+    """The fingers press on a chain of light links, and it stays on the table."""
+    with friction_only() as environment:
+        outcome = environment.get_task("straighten_rope").try_demo(seed=4, variation=0)
+        assert outcome.success, outcome.cause
 
 
 @pytest.mark.parametrize("name", ["meat_on_grill", "close_jar"])

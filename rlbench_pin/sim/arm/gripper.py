@@ -25,7 +25,14 @@ _OPEN = 0.9  # fraction of the range above which a finger counts as open
 _MOVED = 1e-3  # motion in a tick above which the gripper counts as moving [m]
 _GEAR_FORCE = 200.0  # of the coupling between the fingers [N]
 _GEAR_ERP, _STIFF_GEAR_ERP = 0.2, 0.9  # share of the difference between the fingers that the coupling removes in a physics step
-_PAD_TORSION = 0.02  # torsional friction of soft pads: torque about the line between them per force [m]
+_SQUEEZE_SPEED = 0.3
+"""Closing speed that fingers which hold by friction are driven with [m/s]. The object keeps them from it, so that the motors reach
+their force in 40 passes of the solver; at the speed of closing they press with 10 N of 40 N. At 1 m/s they fling ropes away."""
+_SQUEEZE_PASSES = 100
+"""Most passes of the solver while the fingers squeeze: with `PASSES` objects turn between the pads when the arm turns fast."""
+_BLOCKED = 1.5e-3
+"""How far both fingers are behind the reference when they count as blocked [m]; without an object it is 0.01 mm at most."""
+_PAD_TORSION = 0.007  # torsional friction: torque about the line between the pads per force, for pads of 18 mm [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,8 +78,9 @@ class SimGripper:
         self._fingers = [self._model.link_index(link) for link in description.finger_links]
         for index in self._fingers:  # anchors keep a friction grip from creeping
             self._client.change(bullet.changeDynamics, self._model.uid, index, lateralFriction=_PAD_FRICTION, frictionAnchor=1)
-        self.hold()
-        robot.on_reset.append(lambda fingers_too: self.hold() if fingers_too else None)
+        self._control: FingerControl
+        self._stop()
+        robot.on_reset.append(lambda fingers_too: self._stop() if fingers_too else None)
 
     def _couple(self) -> None:
         """Make the fingers move alike, as the gear of a real gripper does."""
@@ -84,8 +92,7 @@ class SimGripper:
     def rely_on_friction(self) -> None:
         """Fix nothing to the gripper: friction alone holds, with pads that resist twisting and fingers that stay centred.
 
-        The pads press with less than the force of the fingers: with 9.5 N each on the broom of sweep_to_dustpan (seed 0), whether
-        40 N or 70 N are allowed, because the solver stops after `PASSES`; after 150 passes with 37 N.
+        Fingers that an object stops press on it with the whole force that `set_target` allows.
 
         To be called while the world is built, lest building it again undoes it.
         """
@@ -112,6 +119,11 @@ class SimGripper:
         least = min(_MOVED, 0.5 * self._control.speed * self._robot.tick)
         return any(abs(way) > least for way in (self._robot.fingers - self._control.last).tolist())
 
+    @property
+    def squeezes(self) -> bool:
+        """True when friction alone holds and an object keeps both fingers from closing."""
+        return not self.attaches and bool((self._robot.fingers - self._control.reference > _BLOCKED).all())
+
     def set_target(self, amount: float, speed: float | None = None, force: float | None = None) -> None:
         """Drive the fingers to an opening fraction in the coming ticks.
 
@@ -129,11 +141,16 @@ class SimGripper:
             strength = self._default_force if force is None else as_number(force, "The force of a finger [N]", above=0.0)
         except InvalidValue as error:
             raise InvalidActionError(str(error)) from error
-        here = self._robot.fingers
-        self._control = FingerControl(np.full(2, amount * self._range), here, speed, strength, here)
+        here, target = self._robot.fingers, np.full(2, amount * self._range)
+        reference = self._control.reference if self.squeezes and (target < here).all() else here
+        self._control = FingerControl(target, reference, speed, strength, here)
 
     def hold(self) -> None:
-        """Keep the fingers where they are."""
+        """Keep the fingers where they are; those that squeeze go on squeezing."""
+        if not self.squeezes:
+            self._stop()
+
+    def _stop(self) -> None:
         here = self._robot.fingers
         self._control = FingerControl(here, here, self._default_speed, self._default_force, here)
 
@@ -184,7 +201,7 @@ class SimGripper:
         if name in self.grasped or body.fixed:
             return False
         self._attachments.attach(body)
-        self.hold()
+        self._stop()
         return True
 
     def release(self) -> None:
@@ -219,6 +236,9 @@ class SimGripper:
         control, robot = self._control, self._robot
         here = robot.fingers
         lead, most = control.speed * robot.timestep / _GAIN, control.speed * robot.tick
+        self._squeezing = self.squeezes
+        if self._squeezing:
+            self._client.allow_passes(_SQUEEZE_PASSES)
         fingers = zip(control.target.tolist(), control.reference.tolist(), here.tolist(), strict=True)  # few: no arrays
         starts, ends = [], []
         for target, reference, at in fingers:
@@ -232,7 +252,17 @@ class SimGripper:
 
     def drive(self, substep: int) -> None:
         """Command the finger motors for physics step `substep` of this tick; stationary fingers keep their command."""
-        if substep and not any(self._feed):
+        if substep and (self._squeezing or not any(self._feed)):
+            return
+        if self._squeezing:
+            bullet.setJointMotorControlArray(
+                self._model.uid,
+                self._joints,
+                bullet.VELOCITY_CONTROL,
+                targetVelocities=[-_SQUEEZE_SPEED] * 2,
+                forces=[self._control.force] * 2,
+                physicsClientId=self._client.id,
+            )
             return
         bullet.setJointMotorControlArray(
             self._model.uid,

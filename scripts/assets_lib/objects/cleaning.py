@@ -111,6 +111,13 @@ def _lip() -> Mesh:
     return hull_of(np.array(points))
 
 
+def _ramp() -> Mesh:
+    """Return the collision shape of the bevelled edge; its slope continues below the table, so that no edge stops a crumb."""
+    x, y, _ = PAN
+    ends = ((x / 2.0 - LIP, PAN_FLOOR), (x / 2.0 - LIP, -PAN_FLOOR), (x / 2.0 + LIP, -PAN_FLOOR))
+    return hull_of(np.array([[u, v, h] for v in (-y / 2.0, y / 2.0) for u, h in ends]))
+
+
 def _dustpan() -> Model:
     x, y, z = PAN
     flat = x - LIP
@@ -125,7 +132,7 @@ def _dustpan() -> Model:
         Visual(mesh_shape("pan", body), (0.16, 0.60, 0.62), crease=0.1),
         Visual(mesh_shape("grip", handle), (0.10, 0.36, 0.38)),
     )
-    link = Link("dustpan", 0.3, visuals, (*shapes, mesh_shape("lip", _lip()), grip), friction=0.5)
+    link = Link("dustpan", 0.3, visuals, (*shapes, mesh_shape("lip", _ramp()), grip), friction=0.5)
     notes = (
         f"open towards +x; floor {PAN_FLOOR} thick, bevelled over the last {LIP} m",
         f"inside y +-{y / 2.0 - PAN_WALL}, walls {z} high",

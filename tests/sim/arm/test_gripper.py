@@ -8,7 +8,7 @@ import pytest
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.scene.spec import BodySpec
 from rlbench_pin.spatial import above_table, relative, rotation_distance
-from tests.sim.support import ABOVE, AROUND, UPRIGHT, build, close_on_cube, cube, cube_scene, fingers, move, steps
+from tests.sim.support import ABOVE, AROUND, UPRIGHT, build, close_on_cube, cube, cube_scene, digest, fingers, move, steps
 
 RAISED = np.array([0.0, 0.534744, 0.0, -2.118635, 0.0, 2.65338, 0.785398])
 """As `AROUND`, 0.052 m above the table: around the glass of a bulb that stands there."""
@@ -146,6 +146,47 @@ def test_friction_alone_holds(world):
     assert world.gripper.grasped == ()
     assert np.abs(in_hand(world) - start)[:3].max() < 2e-3
     assert world.body("cube").position[2] > above_table(0.128)
+
+
+def test_fingers_that_rely_on_friction_press_with_their_force():
+    """The pads press on the cube with the 40 N of the fingers, also while it is swung, and do not sink into it."""
+    with build() as world:
+        world.gripper.rely_on_friction()
+        close_on_cube(world)
+        move(world, ABOVE)
+        move(world, ABOVE + [0.8, 0, 0, 0, 0, 0, 0.5])
+        steps(world, 5)
+        assert world.gripper.squeezes
+        left, right = world.robot.touch_forces().reshape(2, 3)
+        assert left[1] == pytest.approx(40.0, rel=0.05)
+        assert right[1] == pytest.approx(-40.0, rel=0.05)
+        np.testing.assert_allclose(world.robot.fingers, 0.025, atol=2e-4)
+
+
+def test_a_friction_grip_outlasts_commands_of_one_tick():
+    """Commanded to close anew in every tick, and to hold in between, the fingers go on pressing."""
+    with build() as world:
+        world.gripper.rely_on_friction()
+        close_on_cube(world)
+        for _ in range(10):
+            world.gripper.set_target(0.0, 0.2)
+            world.step()
+            world.gripper.hold()
+            world.step()
+        assert world.robot.touch_forces().reshape(2, 3)[0, 1] == pytest.approx(40.0, rel=0.05)
+
+
+def test_a_friction_grip_is_restored_exactly():
+    """Going on from a saved state in the middle of a squeeze is the same to the last bit."""
+    with build() as world:
+        world.gripper.rely_on_friction()
+        close_on_cube(world)
+        saved = world.save()
+        move(world, ABOVE)
+        first = digest(world)
+        world.restore(saved)
+        move(world, ABOVE)
+        assert digest(world) == first
 
 
 def test_fixed_bodies_are_not_grasped():
