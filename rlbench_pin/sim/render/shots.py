@@ -98,23 +98,24 @@ def _shot(drawn: Drawn, parts: Parts, materials: Materials, is_lit: bool) -> Sho
     """The pixels of one camera."""
     triangles = drawn.triangles
     shape = parts.shape.take(triangles)
-    shot = Shot(drawn.pixels, drawn.inverse, drawn.depth, parts.segments, parts.link.take(triangles), _DULL, drawn.normals, shape)
+    own = (drawn.pixels, drawn.inverse, drawn.depth, parts.segments, parts.link.take(triangles))
     if not is_lit:
-        return shot
+        return Shot(*own, _DULL, drawn.normals, shape)
     glossy = materials.is_glossy.take(shape).nonzero()[0] if materials.is_glossy.any() else _NONE
-    shot = replace(
-        shot,
-        colors=materials.colors.take(shape, axis=1),
+    has_glass = materials.opacity.min() < 1.0
+    glass = (materials.opacity.take(shape) < 1.0).nonzero()[0] if has_glass else _NONE
+    return Shot(
+        *own,
+        materials.colors.take(shape, axis=1),
+        drawn.normals,
+        shape,
         glossy=glossy,
         gloss=materials.gloss.take(shape.take(glossy), axis=1),
         shining=materials.shines.take(shape).nonzero()[0] if materials.shines.any() else _NONE,
+        glass=glass,
+        opacity=materials.opacity.take(shape.take(glass)),
+        behind=None if drawn.behind is None else _shot(drawn.behind, parts, materials, is_lit),
     )
-    opacity = materials.opacity
-    if opacity.min() == 1.0:
-        return shot
-    glass = (opacity.take(shape) < 1.0).nonzero()[0]
-    behind = None if drawn.behind is None else _shot(drawn.behind, parts, materials, is_lit)
-    return replace(shot, glass=glass, opacity=opacity.take(shape.take(glass)), behind=behind)
 
 
 class BulletRasterizer:

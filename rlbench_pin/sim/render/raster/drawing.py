@@ -87,9 +87,14 @@ def draw(
     views = [*(sight.view for sight in sights), *([] if light is None else [light])]
     projection = Projection(placed, views)
     starts = np.cumsum([0, *(view.size[0] * view.size[1] for view in views)])
+    used = [slice(0, view.size[0] * view.size[1]) for view in views]
+    if light is not None:
+        # most of its image is empty
+        (_, begin), (_, end) = projection.bounds(len(sights))
+        used[-1] = slice(begin * light.size[0], (end + 1) * light.size[0])
     solid, glass = opacity >= _SOLID, (opacity > 0.0) & (opacity < _SOLID)
     nearest = np.empty(int(starts[-1]), dtype=np.int64)
-    _draw_into(nearest, starts, projection, solid & _from_layers(nearest, starts, projection, placed, layers, solid))
+    _draw_into(nearest, starts, projection, solid & _from_layers(nearest, starts, used, projection, placed, layers, solid))
     blocked = None if light is None else _blocked(nearest[starts[len(sights)] :], projection)
     keys = nearest[: starts[len(sights)]]
     if not glass.any():
@@ -133,31 +138,37 @@ def _blocked(nearest: NDArray[np.int64], projection: Projection) -> Blocked:
 def _from_layers(
     nearest: NDArray[np.int64],
     starts: NDArray[np.int64],
+    used: Sequence[slice],
     projection: Projection,
     placed: Placed,
     layers: Layers,
     shown: NDArray[np.bool_],
 ) -> NDArray[np.bool_]:
-    """Fill `nearest` with what cameras at rest see of links at rest, and return what has still to be drawn, (c, m)."""
+    """Fill the `used` pixels of all images with what cameras at rest see of links at rest.
+
+    Returns:
+        What has still to be drawn, (c, m).
+    """
+    keys = [nearest[start + part.start : start + part.stop] for start, part in zip(starts, used)]
     kept = layers.of(projection.views, shown, placed.still)
     link = placed.parts.link
     missing = np.zeros((len(kept), len(placed.still)), dtype=np.bool_)
-    for number, layer in enumerate(kept):
+    for number, (layer, own) in enumerate(zip(kept, keys, strict=True)):
         if layer is not None:
             missing[number] = placed.still & ~layer.links
         if layer is None or missing[number].any():
-            nearest[starts[number] : starts[number + 1]] = 0
+            own[:] = 0
     if missing.any():
         _draw_into(nearest, starts, projection, shown & missing.take(link, axis=1))
     left = np.ones((len(kept), len(placed.still)), dtype=np.bool_)
-    for number, layer in enumerate(kept):
+    for number, (layer, own, part) in enumerate(zip(kept, keys, used, strict=True)):
         if layer is None:
             continue
-        own = nearest[starts[number] : starts[number + 1]]
+        resting = layer.nearest[part]
         if missing[number].any():
-            np.maximum(layer.nearest, own, out=layer.nearest)
+            np.maximum(resting, own, out=resting)
             layer.links[missing[number]] = True
-        own[:] = layer.nearest
+        own[:] = resting
         left[number] = ~layer.links
     return (left & projection.reached).take(link, axis=1)
 
