@@ -341,7 +341,9 @@ def colors_in_light(
             spots = [own.spots(shadows, chosen - end) for own, chosen, end in zip(surfaces, each, ends)]
             share = np.zeros_like(cosine)
             share[facing] = shadows.lit(joined_spots(spots), _bias(cosine.take(facing)))
-        light = _light(normals, cosine, share, lighting, shadows is not None)
+        has_shades = any(each.shot.shades is not None for each in surfaces)
+        shades = np.concatenate([_shades(each.shot) for each in surfaces]) if has_shades else None
+        light = _light(normals, cosine, share, shades, lighting, shadows is not None)
         if is_lit:
             light /= np.float32(lighting.ambient) + cosine * np.float32(lighting.key.intensity)
         if shadows is not None and lamps:
@@ -413,6 +415,7 @@ def _light(
     normals: NDArray[np.float32],
     cosine: NDArray[np.float32],
     share: NDArray[np.float32] | None,
+    shades: NDArray[np.float32] | None,
     lighting: Lighting,
     has_fills: bool,
 ) -> NDArray[np.float32]:
@@ -422,6 +425,7 @@ def _light(
         normals: Unit normals (3, n) in the world.
         cosine: Of the angle to the key light (n,), 0 where they point away.
         share: Share of the key light that reaches the points (n,); all of it when None.
+        shades: Share of all other light that reaches them (n,); all of it when None.
         lighting: The lights.
         has_fills: Whether fills shine; otherwise they are part of the ambient light, and all lights are white.
     """
@@ -436,19 +440,28 @@ def _light(
     if share is not None:
         key *= share
     if not has_fills:
-        return key + np.float32(lighting.ambient + lighting.mean_fill)
+        return key + np.float32(lighting.ambient + lighting.mean_fill) * (np.float32(1.0) if shades is None else shades)
     ambient = normals[2] * _SKY
     ambient += np.float32(lighting.ambient)
     if lighting.is_white:
-        key += ambient
         for fill in lighting.fills:
-            key += _on(normals, fill) * np.float32(fill.intensity)
+            ambient += _on(normals, fill) * np.float32(fill.intensity)
+        if shades is not None:
+            ambient *= shades
+        key += ambient
         return key
     tint = np.array(key_light.color, dtype=np.float32)
-    mixed = ambient * (tint * np.float32(0.5) + np.float32(0.5))[:, None] + key * tint[:, None]
+    mixed = ambient * (tint * np.float32(0.5) + np.float32(0.5))[:, None]
     for fill in lighting.fills:
         mixed += _on(normals, fill) * np.array(fill.color, dtype=np.float32)[:, None] * np.float32(fill.intensity)
+    if shades is not None:
+        mixed *= shades
+    mixed += key * tint[:, None]
     return mixed
+
+
+def _shades(shot: Shot) -> NDArray[np.float32]:
+    return np.ones(len(shot.pixels), dtype=np.float32) if shot.shades is None else shot.shades
 
 
 def _on(normals: NDArray[np.float32], light: Light) -> NDArray[np.float32]:

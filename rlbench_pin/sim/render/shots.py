@@ -55,6 +55,8 @@ class Shot:
     """Which of the pixels see glass (g,)."""
     opacity: NDArray[np.float32] = field(default_factory=lambda: _DULL[0])
     """How much of what is behind it the glass hides (g,), 0..1."""
+    shades: NDArray[np.float32] | None = None
+    """How much of the ambient light reaches the points (n,), 0..1; all of it when None."""
     behind: Shot | None = None
     """Surfaces behind the glass, where it is no part of the room."""
 
@@ -90,23 +92,26 @@ class NumpyRasterizer:
             return self._other.shoot(sights, lighting, light)
         materials = self._stage.materials
         drawn, blocked = draw(placed, self._stage.layers, materials.opacity.take(placed.parts.shape), sights, light)
-        shots = [_shot(image, placed.parts, materials, sight.is_lit) for image, sight in zip(drawn, sights, strict=True)]
+        shots = [_shot(image, placed.parts, materials, sight) for image, sight in zip(drawn, sights, strict=True)]
         return Shooting(shots, blocked, self._stage.lamps())
 
 
-def _shot(drawn: Drawn, parts: Parts, materials: Materials, is_lit: bool) -> Shot:
+def _shot(drawn: Drawn, parts: Parts, materials: Materials, sight: Sight) -> Shot:
     """The pixels of one camera."""
     triangles = drawn.triangles
     shape = parts.shape.take(triangles)
     own = (drawn.pixels, drawn.inverse, drawn.depth, parts.segments, parts.link.take(triangles))
-    if not is_lit:
+    if not sight.is_lit:
         return Shot(*own, _DULL, drawn.normals, shape)
     glossy = materials.is_glossy.take(shape).nonzero()[0] if materials.is_glossy.any() else _NONE
     has_glass = materials.opacity.min() < 1.0
     glass = (materials.opacity.take(shape) < 1.0).nonzero()[0] if has_glass else _NONE
+    colors = materials.colors.take(shape, axis=1)
+    if materials.patterns:
+        _put_patterns(colors, drawn, materials, shape, sight)
     return Shot(
         *own,
-        materials.colors.take(shape, axis=1),
+        colors,
         drawn.normals,
         shape,
         glossy=glossy,
@@ -114,8 +119,23 @@ def _shot(drawn: Drawn, parts: Parts, materials: Materials, is_lit: bool) -> Sho
         shining=materials.shines.take(shape).nonzero()[0] if materials.shines.any() else _NONE,
         glass=glass,
         opacity=materials.opacity.take(shape.take(glass)),
-        behind=None if drawn.behind is None else _shot(drawn.behind, parts, materials, is_lit),
+        shades=drawn.surface[0] if len(drawn.surface) else None,
+        behind=None if drawn.behind is None else _shot(drawn.behind, parts, materials, sight),
     )
+
+
+def _put_patterns(
+    colors: NDArray[np.float32], drawn: Drawn, materials: Materials, shape: NDArray[np.int64], sight: Sight
+) -> None:
+    """Multiply colours (3, n) of visuals (n,) by their patterns, whose mean is 1."""
+    pattern = materials.pattern.take(shape)
+    focal = np.float32(-sight.view.intrinsics()[0, 0])
+    for number, (texture, size) in enumerate(materials.patterns):
+        chosen = (pattern == number).nonzero()[0]
+        if len(chosen):
+            u, v = drawn.surface[1:].take(chosen, axis=1) * np.float32(1.0 / size)
+            density = drawn.depth.take(chosen) * np.float32(1.4 * texture.size / size / focal)
+            colors[:, chosen] *= texture.relative.take(texture.indices(u, v, density), axis=1)
 
 
 class BulletRasterizer:

@@ -44,13 +44,15 @@ class Projection:
     Attributes:
         views: The same.
         normals: Normals of the corners in the world, (3 corners, 3, m).
+        surface: What `Parts.surface` says of the corners, (3 corners, c, m).
         corner_points: Numbers (3, m) of the points at the corners of the triangles.
         facing: Whether each camera (c, m) is on the side from which a triangle is seen.
         reached: Whether something of each link (l,) may be in the image of each camera, (c, l).
     """
 
     def __init__(self, placed: Placed, views: Sequence[CameraView]) -> None:
-        self.views, self.normals, self.corner_points = views, placed.normals, placed.parts.corners
+        self.views, self.corner_points = views, placed.parts.corners
+        self.normals, self.surface = placed.normals, placed.parts.surface
         cameras = np.stack([view.to_image for view in views]).astype(np.float32)
         # one product for each camera: larger ones are rounded otherwise
         points = np.matmul(cameras, placed.points)
