@@ -8,13 +8,13 @@ import numpy as np
 
 from assets_lib.mesh import FloatArray, Mesh
 
-_DIRECTIONS = 96
+_DIRECTIONS = 64
 _REACH = 0.35
 """What is farther away keeps no light [m]."""
-_INSET, _LIFT = 0.12, 0.0005
-"""A corner is judged so far towards the middle of its face, and so far above it [m]."""
-_BOUNCE = 0.5
-"""Share of the light that surfaces throw back into a hollow."""
+_INSETS, _LIFT = (0.15, 0.45, 0.75), 0.0005
+"""A corner is judged at points so far towards the middle of its face, and so far above it [m]."""
+_BOUNCE, _LEAST = 0.65, 0.4
+"""Share of the light that surfaces throw back into a hollow, and how much reaches its darkest corner."""
 _STEPS = 20
 """Shades are rounded to so many steps."""
 
@@ -31,7 +31,8 @@ def _directions() -> FloatArray:
 def shades_of(meshes: Sequence[Mesh], is_opaque: Sequence[bool]) -> list[FloatArray]:
     """Return for each corner of each face of the meshes of one link how much light reaches it, (m, 3) in 0..1.
 
-    With v the share of directions that are free, light that is thrown back in the hollow makes it v / (1 - b (1 - v)).
+    With v the share of directions that are free, light that is thrown back in the hollow makes it v / (1 - b (1 - v)). As a large
+    face has few corners, each stands for some of what lies between it and the middle of the face.
 
     Args:
         meshes: Visual meshes in the frame of the link.
@@ -44,9 +45,12 @@ def shades_of(meshes: Sequence[Mesh], is_opaque: Sequence[bool]) -> list[FloatAr
     every = np.concatenate(corners)
     normals = np.cross(every[:, 1] - every[:, 0], every[:, 2] - every[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
-    points = every + _INSET * (every.mean(axis=1, keepdims=True) - every) + _LIFT * normals[:, None]
-    free = _free(points.reshape(-1, 3), np.repeat(normals, 3, axis=0), blockers).reshape(-1, 3)
-    shades = np.round(free / (1.0 - _BOUNCE * (1.0 - free)) * _STEPS) / _STEPS
+    shades = np.zeros((len(every), 3))
+    for inset in _INSETS:
+        points = every + inset * (every.mean(axis=1, keepdims=True) - every) + _LIFT * normals[:, None]
+        free = _free(points.reshape(-1, 3), np.repeat(normals, 3, axis=0), blockers).reshape(-1, 3)
+        shades += free / (1.0 - _BOUNCE * (1.0 - free)) / len(_INSETS)
+    shades = np.round((_LEAST + (1.0 - _LEAST) * shades) * _STEPS) / _STEPS
     shades[shades > 0.9] = 1.0
     return np.split(shades, np.cumsum(counts)[:-1])
 

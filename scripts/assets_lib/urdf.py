@@ -274,7 +274,7 @@ def urdf_text(model: Model) -> str:
 
 
 def _shades(link: Link) -> list[FloatArray | None]:
-    """Return the shades of each visual; none where a visual has a texture, as those of the room have, which are dark themselves."""
+    """Return the shades of each visual; none where textures have them, as those of the room."""
     if not link.visuals or any(visual.texture is not None for visual in link.visuals):
         return [None] * len(link.visuals)
     meshes = [visual.shape.mesh() for visual in link.visuals]

@@ -106,16 +106,18 @@ def _shot(drawn: Drawn, parts: Parts, materials: Materials, sight: Sight) -> Sho
     glossy = materials.is_glossy.take(shape).nonzero()[0] if materials.is_glossy.any() else _NONE
     has_glass = materials.opacity.min() < 1.0
     glass = (materials.opacity.take(shape) < 1.0).nonzero()[0] if has_glass else _NONE
-    colors = materials.colors.take(shape, axis=1)
+    colors, gloss = materials.colors.take(shape, axis=1), materials.gloss.take(shape.take(glossy), axis=1)
     if materials.patterns:
-        _put_patterns(colors, drawn, materials, shape, sight)
+        shades = _patterns(drawn, materials, shape, sight)
+        colors *= shades
+        gloss *= shades.take(glossy, axis=1)
     return Shot(
         *own,
         colors,
         drawn.normals,
         shape,
         glossy=glossy,
-        gloss=materials.gloss.take(shape.take(glossy), axis=1),
+        gloss=gloss,
         shining=materials.shines.take(shape).nonzero()[0] if materials.shines.any() else _NONE,
         glass=glass,
         opacity=materials.opacity.take(shape.take(glass)),
@@ -124,18 +126,18 @@ def _shot(drawn: Drawn, parts: Parts, materials: Materials, sight: Sight) -> Sho
     )
 
 
-def _put_patterns(
-    colors: NDArray[np.float32], drawn: Drawn, materials: Materials, shape: NDArray[np.int64], sight: Sight
-) -> None:
-    """Multiply colours (3, n) of visuals (n,) by their patterns, whose mean is 1."""
+def _patterns(drawn: Drawn, materials: Materials, shape: NDArray[np.int64], sight: Sight) -> NDArray[np.float32]:
+    """Factors (3, n) of the colours of visuals (n,) from their patterns, with mean 1."""
     pattern = materials.pattern.take(shape)
-    focal = np.float32(-sight.view.intrinsics()[0, 0])
+    factors = np.ones((3, len(shape)), dtype=np.float32)
+    focal = -sight.view.intrinsics()[0, 0]
     for number, (texture, size) in enumerate(materials.patterns):
         chosen = (pattern == number).nonzero()[0]
         if len(chosen):
             u, v = drawn.surface[1:].take(chosen, axis=1) * np.float32(1.0 / size)
-            density = drawn.depth.take(chosen) * np.float32(1.4 * texture.size / size / focal)
-            colors[:, chosen] *= texture.relative.take(texture.indices(u, v, density), axis=1)
+            texels_per_pixel = drawn.depth.take(chosen) * np.float32(1.4 * texture.size / (size * focal))
+            factors[:, chosen] = texture.relative.take(texture.indices(u, v, texels_per_pixel), axis=1)
+    return factors
 
 
 class BulletRasterizer:

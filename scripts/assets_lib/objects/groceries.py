@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from assets_lib.mesh import Mesh, box, lathe, merge
 from assets_lib.prisms import bevelled_box
-from assets_lib.urdf import Link, Model, Shape, Vec3, Visual, box_shape, cylinder_shape, mesh_shape, metal
+from assets_lib.urdf import Link, Model, Shape, Vec3, Visual, box_shape, cylinder_shape, mesh_shape, metal, patterned
 
 WIDTH, DEPTH, HEIGHT, BOARD, LEGS = 0.45, 0.25, 0.50, 0.015, 0.15
 RAIL = 0.045
@@ -39,7 +39,7 @@ def _cupboard() -> Model:
     lower, upper, *boards = _boards()
     legs = _legs()
     visuals = (
-        Visual(mesh_shape("boards", _seen(tuple(boards))), WOOD),
+        Visual(mesh_shape("boards", _seen(tuple(boards))), patterned(WOOD, "wood")),
         Visual(mesh_shape("rails", _seen((lower, upper))), BACK),
         Visual(mesh_shape("legs", _seen(legs)), LEG),
     )

@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 
 from assets_lib.mesh import Mesh, box, hull_of, merge
-from assets_lib.urdf import Link, Model, Visual, box_shape, mesh_shape
+from assets_lib.urdf import Link, Model, Visual, box_shape, mesh_shape, patterned
 
 LENGTH, WIDTH, HEIGHT = 0.0975, 0.0325, 0.0195
 THIN = 0.0185
@@ -43,7 +43,7 @@ def _end_rings(height: float) -> Mesh:
 def _model(name: str, height: float, color: tuple[float, float, float]) -> Model:
     red, green, blue = color
     visuals = (
-        Visual(mesh_shape(name, _brick(height)), color),
+        Visual(mesh_shape(name, _brick(height)), patterned(color, "wood")),
         Visual(mesh_shape(f"{name}_rings", _end_rings(height)), (0.65 * red, 0.65 * green, 0.65 * blue)),
     )
     link = Link("brick", MASS, visuals, (box_shape((LENGTH, WIDTH, height)),), friction=0.4, anchored=True)

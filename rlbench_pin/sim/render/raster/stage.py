@@ -91,7 +91,8 @@ def join(shapes: Mapping[Link, Sequence[tuple[int, Triangles]]], segments: Seque
     shades = [np.ones((len(t.corners), 3)) if t.shades is None else t.shades for _, t in every]
     surface = np.concatenate([np.zeros((0, 3)), *shades])[..., None]
     if has_pattern:
-        surface = np.concatenate([surface, _on_plane(at_corners)], axis=2)
+        on_planes = np.concatenate([np.zeros((0, 3, 2)), *(_on_plane(t.corners) for _, t in every if len(t.corners))])
+        surface = np.concatenate([surface, on_planes], axis=2)
     elif all(t.shades is None for _, t in every):
         surface = surface[..., :0]
     return Parts(
@@ -111,12 +112,12 @@ def join(shapes: Mapping[Link, Sequence[tuple[int, Triangles]]], segments: Seque
 
 
 def _on_plane(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Coordinates (m, 3, 2) of the corners (m, 3, 3) of triangles along the two axes that each is most parallel to, the first of
-    them the longer side of all.
+    """Coordinates (m, 3, 2) of the corners (m, 3, 3) of one visual along the two axes that each triangle is most parallel to, first
+    that along which the visual is longer.
     """
-    longest = int(np.argmax(np.ptp(corners.reshape(-1, 3), axis=0))) if len(corners) else 0
+    sizes = np.ptp(corners.reshape(-1, 3), axis=0).round(3)
     across = np.abs(flat_normals(corners)[:, 0]).argmax(axis=1)
-    axes = np.array([sorted({0, 1, 2} - {axis}, key=lambda other: other != longest) for axis in range(3)])[across]
+    axes = np.array([sorted({0, 1, 2} - {axis}, key=lambda other: -sizes[other]) for axis in range(3)])[across]
     return np.take_along_axis(corners, np.repeat(axes[:, None], 3, axis=1), axis=2)
 
 
