@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from math import cos, sin, tan
 
-from assets_lib.cabinets import bevelled_box, cabinet
-from assets_lib.mesh import Mesh, box, cylinder, lathe, merge, rod
+from assets_lib.cabinets import bevelled_box, cabinet, rectangle_at
+from assets_lib.mesh import Mesh, box, lathe, merge, rod
 from assets_lib.prisms import mark, rectangle, regular_polygon
 from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, patterned
 
@@ -60,9 +60,9 @@ def _shell() -> Mesh:
 
 def _seal() -> Mesh:
     """Return the dark seal around the opening, which the door touches."""
-    x, half, wide, middle = -DEPTH / 2.0 - 0.0004, WIDTH / 2.0 - WALL, 0.008, (FLOOR + CEILING) / 2.0
-    sides = [box((0.0008, wide, CEILING - FLOOR), (x, side * (half + wide / 2.0 - 0.004), middle)) for side in (-1, 1)]
-    return merge([*sides, box((0.0008, 2.0 * half, wide), (x, 0.0, CEILING + wide / 2.0 - 0.004))])
+    x, half, wide = -DEPTH / 2.0 - 0.0006, WIDTH / 2.0 - WALL, 0.004
+    sides = [rectangle_at(x, (side * half - wide, side * half + wide), (FLOOR, CEILING)) for side in (-1, 1)]
+    return merge([*sides, rectangle_at(x, (-half, half), (CEILING - wide, CEILING + wide))])
 
 
 def _lining() -> Mesh:
@@ -109,13 +109,11 @@ def _door_link() -> Link:
     x, _, z = HANDLE
     posts = tuple(rod((x, side * 0.10, z), (-t, side * 0.10, z), 0.005, 8) for side in (-1, 1))
     bar = rod((x, -BAR_LENGTH / 2.0, z), (x, BAR_LENGTH / 2.0, z), BAR_RADIUS, 12)
-    bolts = merge(cylinder(0.009, 0.003, 8).moved((-t - 0.0005, side * 0.10, z), (0.0, HALF_PI, 0.0)) for side in (-1, 1))
     visuals = (
         Visual(mesh_shape("door", bevelled_box(DOOR, (-t / 2.0, 0.0, h / 2.0))), STEEL),
         Visual(mesh_shape("door_inside", box((0.001, w - 0.03, h - 0.03), (0.0003, 0.0, h / 2.0))), (0.55, 0.57, 0.60)),
         Visual(mesh_shape("badge", box((0.001, 0.06, 0.014), (-t - 0.0005, 0.0, 0.06))), (0.20, 0.35, 0.60)),
         Visual(mesh_shape("handle", merge([bar, *posts])), SILVER),
-        Visual(mesh_shape("bolts", bolts), DARK),
     )
     length = -x - t - BAR_RADIUS + 0.002
     stays = tuple(box_shape((length, 0.009, 0.009), (-t - length / 2.0, side * 0.10, z)) for side in (-1, 1))

@@ -242,7 +242,7 @@ def _forms(inverses: NDArray[np.float64], values: NDArray[np.float32]) -> NDArra
     forms = weights[0][:, None] * values[0]
     for i in (1, 2):
         forms += weights[i][:, None] * values[i]
-    return np.ascontiguousarray(forms.reshape(-1, forms.shape[-1]).T)
+    return np.ascontiguousarray(forms.reshape(3 * values.shape[1], -1).T)
 
 
 def _between(

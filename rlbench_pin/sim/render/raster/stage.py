@@ -112,7 +112,7 @@ def join(shapes: Mapping[Link, Sequence[tuple[int, Triangles]]], segments: Seque
 
 
 def _on_plane(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Coordinates (m, 3, 2) of the corners (m, 3, 3) of one visual along the two axes that each triangle is most parallel to, first
+    """Coordinates (m, 3, 2) of the corners (m, 3, 3) of one visual along the two axes that each is most parallel to, first
     that along which the visual is longer.
     """
     sizes = np.ptp(corners.reshape(-1, 3), axis=0).round(3)
