@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from assets_lib.cabinets import bevelled
 from assets_lib.mesh import Mesh, box, lathe, merge
 from assets_lib.prisms import bevelled_box
 from assets_lib.urdf import Link, Model, Shape, Vec3, Visual, box_shape, cylinder_shape, mesh_shape, metal, patterned
@@ -32,7 +33,7 @@ def _legs() -> tuple[Shape, ...]:
 
 
 def _seen(shapes: tuple[Shape, ...]) -> Mesh:
-    return merge(box(shape.size, shape.xyz) for shape in shapes)
+    return bevelled([(shape.size, shape.xyz) for shape in shapes], 0.002)
 
 
 def _cupboard() -> Model:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from assets_lib.cabinets import bevelled_box, cabinet, rectangle_at
 from assets_lib.mesh import Mesh, box, cylinder, merge, rod
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, glass, mesh_shape, metal
+from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, glass, mesh_shape, metal, patterned
 
 DEPTH, WIDTH, HEIGHT, WALL = 0.36, 0.44, 0.42, 0.015
 FLOOR, CEILING = 0.10, 0.345
@@ -20,7 +20,7 @@ GRID = 0.16
 """Height of the upper side of the grid [m]."""
 KNOB_Z, KNOB_STEP = 0.387, 0.068
 STEEL, DARK, GLASS, SILVER = metal((0.72, 0.73, 0.75)), (0.12, 0.12, 0.13), glass((0.30, 0.22, 0.16)), metal((0.88, 0.89, 0.91))
-BRUSHED = metal((0.78, 0.79, 0.81))
+BRUSHED = patterned(metal((0.78, 0.79, 0.81)), "brushed")
 HALF_PI = 1.57079633
 
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]

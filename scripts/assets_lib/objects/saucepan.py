@@ -81,7 +81,7 @@ def _lid() -> Model:
     )
     links = (
         Link("knob", 0.02, (Visual(mesh_shape("knob", merge([knob, neck])), DARK),), grip, friction=1.0),
-        Link("cover", 0.23, (Visual(mesh_shape("lid", plate), (0.70, 0.72, 0.75)),), cover, friction=1.0),
+        Link("cover", 0.23, (Visual(mesh_shape("lid", plate), patterned((0.70, 0.72, 0.75), "brushed")),), cover, friction=1.0),
     )
     joint = Joint("weld", "fixed", "knob", "cover", (0.0, 0.0, 0.0))
     return Model("saucepan_lid", "objects/saucepan_lid", "centre of the knob", links, (joint,), notes=notes)
