@@ -92,12 +92,14 @@ class NumpyRasterizer:
             return self._other.shoot(sights, lighting, light)
         materials = self._stage.materials
         drawn, blocked = draw(placed, self._stage.layers, materials.opacity.take(placed.parts.shape), sights, light)
-        shots = [_shot(image, placed.parts, materials, sight) for image, sight in zip(drawn, sights, strict=True)]
+        patterns = _patterns(drawn, placed.parts, materials, sights)
+        each = zip(drawn, sights, patterns, strict=True)
+        shots = [_shot(image, placed.parts, materials, sight, pattern) for image, sight, pattern in each]
         return Shooting(shots, blocked, self._stage.lamps())
 
 
-def _shot(drawn: Drawn, parts: Parts, materials: Materials, sight: Sight) -> Shot:
-    """The pixels of one camera."""
+def _shot(drawn: Drawn, parts: Parts, materials: Materials, sight: Sight, pattern: NDArray[np.float32] | None) -> Shot:
+    """The pixels of one camera; the colours are multiplied by a pattern (3, n)."""
     triangles = drawn.triangles
     shape = parts.shape.take(triangles)
     own = (drawn.pixels, drawn.inverse, drawn.depth, parts.segments, parts.link.take(triangles))
@@ -107,10 +109,12 @@ def _shot(drawn: Drawn, parts: Parts, materials: Materials, sight: Sight) -> Sho
     has_glass = materials.opacity.min() < 1.0
     glass = (materials.opacity.take(shape) < 1.0).nonzero()[0] if has_glass else _NONE
     colors, gloss = materials.colors.take(shape, axis=1), materials.gloss.take(shape.take(glossy), axis=1)
-    if materials.patterns:
-        shades = _patterns(drawn, materials, shape, sight)
-        colors *= shades
-        gloss *= shades.take(glossy, axis=1)
+    if pattern is not None:
+        colors *= pattern
+        gloss *= pattern.take(glossy, axis=1)
+    behind = None
+    if drawn.behind is not None:
+        behind = _shot(drawn.behind, parts, materials, sight, _patterns([drawn.behind], parts, materials, [sight])[0])
     return Shot(
         *own,
         colors,
@@ -122,22 +126,33 @@ def _shot(drawn: Drawn, parts: Parts, materials: Materials, sight: Sight) -> Sho
         glass=glass,
         opacity=materials.opacity.take(shape.take(glass)),
         shades=drawn.surface[0] if len(drawn.surface) else None,
-        behind=None if drawn.behind is None else _shot(drawn.behind, parts, materials, sight),
+        behind=behind,
     )
 
 
-def _patterns(drawn: Drawn, materials: Materials, shape: NDArray[np.int64], sight: Sight) -> NDArray[np.float32]:
-    """Factors (3, n) of the colours of visuals (n,) from their patterns, with mean 1."""
-    pattern = materials.pattern.take(shape)
-    factors = np.ones((3, len(shape)), dtype=np.float32)
-    focal = -sight.view.intrinsics()[0, 0]
+def _patterns(
+    drawn: Sequence[Drawn], parts: Parts, materials: Materials, sights: Sequence[Sight]
+) -> Sequence[NDArray[np.float32] | None]:
+    """Factors (3, n) of the colours that each camera sees, with mean 1; None where there is no pattern."""
+    lit = [n for n, sight in enumerate(sights) if sight.is_lit]
+    found: list[NDArray[np.float32] | None] = [None] * len(drawn)
+    if not materials.patterns or not lit:
+        return found
+    pattern = materials.pattern.take(parts.shape.take(np.concatenate([drawn[n].triangles for n in lit])))
+    factors = np.ones((3, len(pattern)), dtype=np.float32)
+    patterned = (pattern >= 0).nonzero()[0]
+    places = np.concatenate([drawn[n].surface[1:] for n in lit], axis=1).take(patterned, axis=1)
+    widths = np.concatenate([drawn[n].depth * np.float32(-1.4 / sights[n].view.intrinsics()[0, 0]) for n in lit]).take(patterned)
+    pattern = pattern.take(patterned)
     for number, (texture, size) in enumerate(materials.patterns):
-        chosen = (pattern == number).nonzero()[0]
-        if len(chosen):
-            u, v = drawn.surface[1:].take(chosen, axis=1) * np.float32(1.0 / size)
-            texels_per_pixel = drawn.depth.take(chosen) * np.float32(1.4 * texture.size / (size * focal))
-            factors[:, chosen] = texture.relative.take(texture.indices(u, v, texels_per_pixel), axis=1)
-    return factors
+        own = (pattern == number).nonzero()[0] if len(materials.patterns) > 1 else slice(None)
+        u, v = places[:, own] * np.float32(1.0 / size)
+        texels = texture.indices(u, v, widths[own] * np.float32(texture.size / size))
+        factors[:, patterned[own]] = texture.relative.take(texels, axis=1)
+    ends = np.cumsum([0, *(len(drawn[n].pixels) for n in lit)])
+    for n, begin, end in zip(lit, ends, ends[1:]):
+        found[n] = factors[:, begin:end]
+    return found
 
 
 class BulletRasterizer:
