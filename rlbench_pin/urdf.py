@@ -33,7 +33,7 @@ class UrdfOrigin:
 
 @dataclass(frozen=True)
 class Finish:
-    """Material of a visual without its colour: gloss, emission."""
+    """Material of a visual without its colour: gloss, emission, pattern."""
 
     gloss: Vector = ZERO
     """Share of red, green, blue that it throws back like a mirror, `<specular rgb>`."""
@@ -41,6 +41,10 @@ class Finish:
     """Colour in which it shines, `<emission rgb>`; in other colours it does not."""
     reach: float = 0.0
     """How far its light reaches over the table when it shines, `<emission reach>` [m]."""
+    pattern: Path | None = None
+    """Image file that brightens and darkens the colour, `<pattern filename>`."""
+    pattern_size: float = 0.25
+    """Side of that image on the surface, `<pattern size>` [m]."""
 
 
 DULL = Finish()
@@ -222,7 +226,8 @@ def _read_urdf(path: Path, written: int) -> Urdf:
         joints = tuple(_joint(element) for element in root.iterfind("joint"))
     except ValueError as error:
         raise AssetInvalid(path, str(error)) from error
-    meshes, textures = (tuple(dict.fromkeys(_file(path, e) for e in root.iter(tag))) for tag in ("mesh", "texture"))
+    meshes = tuple(dict.fromkeys(_file(path, e) for e in root.iter("mesh")))
+    textures = tuple(dict.fromkeys(_file(path, e) for tag in ("texture", "pattern") for e in root.iter(tag)))
     return Urdf(path, links, joints, meshes, textures)
 
 
@@ -261,19 +266,24 @@ def _shape(path: Path, element: ET.Element) -> UrdfShape:
     geometry, color = element.find("geometry"), element.find("material/color")
     shape = geometry[0] if geometry is not None and len(geometry) else None
     rgba = None if color is None else _numbers(color, "rgba", "1 1 1 1")
-    finish = _finish(element)
+    finish = _finish(path, element)
     if shape is None:
         return UrdfShape("", (), None, _origin(element), rgba, finish)
     mesh = _file(path, shape) if shape.tag == "mesh" else None
     return UrdfShape(shape.tag, _size(shape), mesh, _origin(element), rgba, finish)
 
 
-def _finish(element: ET.Element) -> Finish:
-    specular, emission = element.find("material/specular"), element.find("material/emission")
+def _finish(path: Path, element: ET.Element) -> Finish:
+    specular, emission, pattern = (element.find(f"material/{tag}") for tag in ("specular", "emission", "pattern"))
+    size = 0.25 if pattern is None else _numbers(pattern, "size", "0.25")[0]
+    if size <= 0.0:
+        raise ValueError(f"'size' of a <pattern> is above 0, not {size}")
     return Finish(
         gloss=ZERO if specular is None else _vector(specular, "rgb"),
         emission=None if emission is None else _vector(emission, "rgb"),
         reach=0.0 if emission is None else _numbers(emission, "reach", "0")[0],
+        pattern=None if pattern is None else _file(path, pattern),
+        pattern_size=size,
     )
 
 

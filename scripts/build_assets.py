@@ -17,7 +17,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from assets_lib.catalogue import write_catalogue, write_licences
 from assets_lib.families import all_models, models_of
-from assets_lib.textures import ROOM, write_room_textures, write_texture_set
+from assets_lib.textures import ROOM, write_patterns, write_room_textures, write_texture_set
 from assets_lib.urdf import write_model
 
 ASSETS = Path(__file__).parents[1] / "rlbench_pin" / "assets"
@@ -30,6 +30,7 @@ def build_objects(out: Path) -> None:
         write_model(model, out)
     write_room_textures(out)
     write_texture_set(out)
+    write_patterns(out)
     write_catalogue(models, out)
     write_licences(models, out)
 

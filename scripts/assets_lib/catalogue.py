@@ -67,5 +67,5 @@ example-robot-data; changed by us: meshes decimated, recoloured and hulled, mimi
 def write_licences(models: tuple[Model, ...], assets: Path) -> None:
     """Write `LICENSES.md` below `assets`."""
     lines = [f"| {m.folder if m.folder != 'room' else 'room/' + m.name} | MIT | ours |" for m in models]
-    lines.append("| room/wood.png, room/tiles.png, room/wall.png, textures/*.png | MIT | ours |")
+    lines.append("| room/wood.png, room/tiles.png, room/wall.png, textures/*.png, patterns/*.png | MIT | ours |")
     write_text(assets / "LICENSES.md", LICENCES + "\n".join(lines) + "\n")

@@ -30,7 +30,14 @@ def numbers(values: Iterable[float], digits: int = 6) -> str:
     return " ".join(number(value, digits) for value in values)
 
 
-def obj_text(mesh: Mesh, *, crease: float | None, texture: str | None = None, normals: FloatArray | None = None) -> str:
+def obj_text(
+    mesh: Mesh,
+    *,
+    crease: float | None,
+    texture: str | None = None,
+    normals: FloatArray | None = None,
+    shades: FloatArray | None = None,
+) -> str:
     """Return a mesh as OBJ.
 
     Args:
@@ -38,18 +45,24 @@ def obj_text(mesh: Mesh, *, crease: float | None, texture: str | None = None, no
         crease: Angle below which neighbouring faces are shaded smoothly [rad]; None writes no normals (collision).
         texture: Name of the MTL file and material, without ending.
         normals: Of the corners of the faces, shape (m, 3, 3), in place of those of the mesh.
+        shades: How much light reaches the corners of the faces (m, 3), written as colours of the vertices.
     """
+    if crease is not None and normals is None:
+        normals = corner_normals(mesh, crease)
+    ends = [""] * len(mesh.vertices)
+    if shades is not None and shades.min() < 1.0:
+        mesh, shade = _split(mesh, shades)
+        ends = [f" {text} {text} {text}" for text in map(number, shade)]
     lines = ["# made by scripts/build_assets.py"]
     if texture is not None:
         lines += [f"mtllib {texture}.mtl", f"usemtl {texture}"]
-    lines += [f"v {numbers(v, 5)}" for v in mesh.vertices]
+    lines += [f"v {numbers(v, 5)}{end}" for v, end in zip(mesh.vertices, ends, strict=True)]
     if mesh.uv is not None:
         lines += [f"vt {numbers(v, 4)}" for v in mesh.uv]
-    if crease is None:
+    if normals is None:
         lines += ["f {} {} {}".format(*(face + 1)) for face in mesh.faces]
         return "\n".join(lines) + "\n"
-    at_corners = corner_normals(mesh, crease) if normals is None else normals
-    rows = [numbers(n, 3) for n in at_corners.reshape(-1, 3)]
+    rows = [numbers(n, 3) for n in normals.reshape(-1, 3)]
     order = {row: i + 1 for i, row in enumerate(dict.fromkeys(rows))}
     lines += [f"vn {row}" for row in order]
     for face, corners in enumerate(mesh.faces.tolist()):
@@ -59,6 +72,14 @@ def obj_text(mesh: Mesh, *, crease: float | None, texture: str | None = None, no
             words.append(f"{corner + 1}/{middle}/{order[rows[3 * face + k]]}")
         lines.append("f " + " ".join(words))
     return "\n".join(lines) + "\n"
+
+
+def _split(mesh: Mesh, shades: FloatArray) -> tuple[Mesh, FloatArray]:
+    """Return a mesh with a vertex for each shade (m, 3) that a vertex has in its faces, and the shades of these."""
+    pairs = np.column_stack([mesh.faces.ravel(), np.round(shades.ravel() * 1000.0).astype(np.int64)])
+    own, faces = np.unique(pairs, axis=0, return_inverse=True)
+    uv = None if mesh.uv is None else mesh.uv[own[:, 0]]
+    return Mesh(mesh.vertices[own[:, 0]], faces.reshape(-1, 3), uv), own[:, 1] / 1000.0
 
 
 def mtl_text(texture: str) -> str:

@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 from assets_lib.files import png_bytes
 from assets_lib.mesh import FloatArray
 
-ROOM, SET = "room", "textures"
+ROOM, SET, PATTERNS = "room", "textures", "patterns"
+PATTERN_SIZES = {"wood": 0.24, "brushed": 0.16, "cardboard": 0.12, "cloth": 0.06}
+"""Side of each pattern on a surface [m]."""
 TABLE_X, TABLE_Y = (-0.65, 0.95), (-0.75, 0.75)
 ROOM_X, ROOM_Y = (-1.75, 2.25), (-2.0, 2.0)
 """Area of table and floor; no wall is farther from the work than the cameras see [m]."""
@@ -147,3 +149,35 @@ def _bricks(x: FloatArray, y: FloatArray) -> FloatArray:
 def write_texture_set(assets: Path) -> None:
     """Write the patterns for domain randomization below `assets`."""
     _write(assets / SET, texture_set())
+
+
+# Surfaces of objects -------------------------------------------------------------------------------------------------
+
+
+def patterns(size: int = 64) -> dict[str, NDArray[np.uint8]]:
+    """Return what brightens and darkens colours: grain along x, brushing along x, corrugation along y, and a weave."""
+    rng = np.random.default_rng(29)
+    x, y = _grid(size)
+    tau = 2.0 * np.pi
+    bend = y + 0.03 * _noise(rng, size, size, (3, 2)) + 0.012 * np.sin(tau * x)
+    rings = 0.5 + 0.5 * np.sin(tau * 6.0 * bend + 2.0 * _noise(rng, size, size, (4, 1)))
+    shades = {
+        "wood": 0.07 * (rings**2 - 0.4) + 0.03 * _noise(rng, size, size, (32, 3)) + 0.04 * _noise(rng, size, size, (3, 2)),
+        "brushed": 0.07 * _noise(rng, size, size, (size, 2)) + 0.04 * _noise(rng, size, size, (16, 1)),
+        "cardboard": 0.03 * np.sin(tau * 16.0 * x)
+        + 0.06 * _noise(rng, size, size, (16, 16))
+        + 0.04 * _noise(rng, size, size, (3, 3)),
+        "cloth": 0.10 * np.sin(tau * 8.0 * x) * np.sin(tau * 8.0 * y) + 0.05 * _noise(rng, size, size, (8, 8)),
+    }
+    tints = {"wood": (0.6, 1.0, 1.5)}
+    return {
+        name: np.round(200.0 * (1.0 + np.round(shade, 2)[:, :, None] * np.array(tints.get(name, (1.0, 1.0, 1.0))))).astype(
+            np.uint8
+        )
+        for name, shade in shades.items()
+    }
+
+
+def write_patterns(assets: Path) -> None:
+    """Write the patterns of the surfaces of objects below `assets`."""
+    _write(assets / PATTERNS, patterns())

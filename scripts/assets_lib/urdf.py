@@ -6,7 +6,7 @@ A `Model` has links with coloured visual parts and convex collision parts, and j
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
@@ -14,6 +14,8 @@ import numpy as np
 
 from assets_lib.files import mtl_text, number, numbers, obj_text, significant, write_text
 from assets_lib.mesh import FloatArray, Mesh, box, cylinder, icosphere, mass_properties
+from assets_lib.occlusion import shades_of
+from assets_lib.textures import PATTERN_SIZES, PATTERNS
 
 Vec3 = tuple[float, float, float]
 ZERO: Vec3 = (0.0, 0.0, 0.0)
@@ -81,6 +83,13 @@ class Paint:
     """Colour in which it shines."""
     reach: float = 0.0
     """How far its light reaches when it shines [m]."""
+    pattern: str = ""
+    """Image of `assets/patterns` that brightens and darkens its colour, without ending."""
+
+
+def patterned(paint: Vec3 | Paint, pattern: str) -> Paint:
+    """Return a colour or a finish with a pattern."""
+    return replace(paint if isinstance(paint, Paint) else Paint(paint), pattern=pattern)
 
 
 def metal(color: Vec3) -> Paint:
@@ -235,6 +244,9 @@ def _link_lines(link: Link) -> list[str]:
         if finish.emission is not None:
             reach = f' reach="{number(finish.reach)}"' if finish.reach else ""
             more += f'<emission rgb="{numbers(finish.emission, 4)}"{reach}/>'
+        if finish.pattern:
+            size = number(PATTERN_SIZES[finish.pattern])
+            more += f'<pattern filename="../../{PATTERNS}/{finish.pattern}.png" size="{size}"/>'
         lines += [f'      <material name="{link.name}_{i}"><color rgba="{rgba}"/>{more}</material>', "    </visual>"]
     for shape in link.collisions:
         lines += ["    <collision>", f"      {_origin(shape.xyz, shape.rpy)}", f"      {_geometry(shape)}", "    </collision>"]
@@ -261,14 +273,22 @@ def urdf_text(model: Model) -> str:
     return "\n".join([*lines, "</robot>"]) + "\n"
 
 
+def _shades(link: Link) -> list[FloatArray | None]:
+    """Return the shades of each visual; none where textures have them, as those of the room."""
+    if not link.visuals or any(visual.texture is not None for visual in link.visuals):
+        return [None] * len(link.visuals)
+    meshes = [visual.shape.mesh() for visual in link.visuals]
+    return [*shades_of(meshes, [visual.finish.opacity == 1.0 for visual in link.visuals])]
+
+
 def write_model(model: Model, assets: Path) -> None:
     """Write the URDF and the meshes of a model below `assets`."""
     folder = assets / model.folder
     write_text(folder / f"{model.name}.urdf", urdf_text(model))
     for link in model.links:
-        for visual in link.visuals:
+        for visual, own in zip(link.visuals, _shades(link), strict=True):
             if visual.shape.data is not None:
-                text = obj_text(visual.shape.data, crease=visual.crease, texture=visual.texture)
+                text = obj_text(visual.shape.data, crease=visual.crease, texture=visual.texture, shades=own)
                 write_text(folder / f"{visual.shape.name}.obj", text)
             if visual.texture is not None:
                 write_text(folder / f"{visual.texture}.mtl", mtl_text(visual.texture))

@@ -87,7 +87,7 @@ def geometry(path: Path) -> tuple[pin.Model, pin.GeometryModel]:
 def read_obj(path: Path) -> tuple[np.ndarray, np.ndarray]:
     """Return vertices (n, 3) and faces (m, 3) of one of our OBJ files."""
     lines = path.read_text().splitlines()
-    vertices = np.array([line.split()[1:] for line in lines if line.startswith("v ")], dtype=float)
+    vertices = np.array([line.split()[1:4] for line in lines if line.startswith("v ")], dtype=float)
     faces = [[int(word.split("/")[0]) - 1 for word in line.split()[1:]] for line in lines if line.startswith("f ")]
     return vertices, np.array(faces)
 

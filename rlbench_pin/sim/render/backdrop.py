@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,16 +89,18 @@ class Canvas:
         for sight in sights:
             self._add(sight)
 
-    def draw_alone(self, sights: Sequence[PanelSight], number: int) -> bool:
-        """Draw a rectangle, before which there is no other, if it fills the image, and return whether it does.
+    def draw_alone(self, corner: NDArray[np.float64], bases: NDArray[np.float64], number: int) -> bool:
+        """Draw a rectangle that faces the camera and that nothing hides, if it fills the image, and return whether it does.
 
         Args:
-            sights: Where it can be seen, if it can.
+            corner: Its first corner in the frame of the camera (3,) [m].
+            bases: Its normal, and vectors whose products with one of its points give s and t, (3, 3).
             number: Its number.
         """
-        if not sights or not self._hides(sights[0], ()):
+        sight = PanelSight(number, (slice(None), slice(None)), _forms(corner[None], bases[None])[0], 0.0)
+        if not self._hides(sight, ()):
             return False
-        self.draw([replace(sights[0], number=number)])
+        self.draw([sight])
         return True
 
     def _hides(self, sight: PanelSight, others: Sequence[PanelSight]) -> bool:
@@ -177,10 +179,7 @@ def sights_of(canvas: Canvas, corners: NDArray, edges: NDArray, bases: NDArray) 
     points = corners[:, None] + np.stack([0.0 * corners, edges[:, 0], edges[:, 1], edges[:, 0] + edges[:, 1]], axis=1)
     chosen = _in_sight(view, np.einsum("ij,ij->i", bases[:, 0], corners) < 0.0, points)
     corners, bases, points = corners[chosen], bases[chosen], points[chosen]
-    along = np.einsum("ijk,ik->ij", bases, corners)
-    forms = bases.copy()
-    forms[:, 0] /= along[:, :1]
-    forms[:, 1:] -= along[:, 1:, None] * forms[:, :1]
+    forms = _forms(corners, bases)
     low, high = _windows(view, points)
     rows, columns = (rays[np.stack([low[:, axis], high[:, axis] - 1])] for rays, axis in ((canvas.rows, 1), (canvas.columns, 0)))
     nearest = (forms[:, 0, 1] * rows).max(axis=0) + (forms[:, 0, 0] * columns).max(axis=0) + forms[:, 0, 2]
@@ -189,6 +188,15 @@ def sights_of(canvas: Canvas, corners: NDArray, edges: NDArray, bases: NDArray) 
         for i in np.argsort(-nearest, kind="stable").tolist()
         if (low[i] < high[i]).all()
     ]
+
+
+def _forms(corners: NDArray[np.float64], bases: NDArray[np.float64]) -> NDArray[np.float64]:
+    """How 1/z, s/z and t/z follow from a ray (m, 3, 3), from the first corners and the bases of rectangles."""
+    along = np.einsum("ijk,ik->ij", bases, corners)
+    forms = bases.copy()
+    forms[:, 0] /= along[:, :1]
+    forms[:, 1:] -= along[:, 1:, None] * forms[:, :1]
+    return forms
 
 
 def _in_sight(view: CameraView, facing: NDArray[np.bool_], points: NDArray[np.float64]) -> NDArray[np.int64]:
@@ -295,21 +303,15 @@ class Painter:
         normals, offsets, sides = self._aside
         return bool(eye[2] > self.table_height and ((normals @ eye - offsets) * sides > 0.0).all())
 
-    def _alone(self, *arrays: NDArray[np.float64]) -> Iterator[NDArray[np.float64]]:
-        """The part (1, ...) of arrays (m, ...) that belongs to the table top."""
-        return (values[self._top : self._top + 1] for values in arrays)
-
     def draw(self, view: CameraView) -> Backdrop:
         """Draw all rectangles as a camera sees them."""
         canvas = Canvas(view)
         to_camera = np.linalg.inv(view.extrinsics())
         rotation, shift = to_camera[:3, :3], to_camera[:3, 3]
-        corners, edges = self._corners @ rotation.T + shift, self._edges @ rotation.T
-        bases = self._bases @ rotation.T
-        if not (
-            self._is_clear(view.pose[:3]) and canvas.draw_alone(sights_of(canvas, *self._alone(corners, edges, bases)), self._top)
-        ):
-            canvas.draw(sights_of(canvas, corners, edges, bases))
+        corners, bases = self._corners @ rotation.T + shift, self._bases @ rotation.T
+        top = self._top
+        if not (self._is_clear(view.pose[:3]) and canvas.draw_alone(corners[top], bases[top], top)):
+            canvas.draw(sights_of(canvas, corners, self._edges @ rotation.T, bases))
         owner, inverse = canvas.owner, canvas.inverse
         texel = np.zeros(owner.size, dtype=np.int32)
         for number, pixels in canvas.visible():

@@ -81,6 +81,14 @@ class CameraView:
         return self._intrinsics @ np.linalg.inv(self._extrinsics)[:3]
 
     @cached_property
+    def from_image(self) -> FloatArray:
+        """Matrix (3, 4) from u z, v z, z and 1 to world coordinates."""
+        world_camera = self._extrinsics[:3]
+        result = world_camera.copy()
+        result[:, :3] = world_camera[:, :3] @ np.linalg.inv(self._intrinsics)
+        return result
+
+    @cached_property
     def sides(self) -> FloatArray:
         """Planes (5, 4) of all that is seen and a pixel more: products with (x, y, z, 1) are the distances inside them [m]."""
         (x, y, z), (width, height) = self.to_image, self.size

@@ -93,11 +93,10 @@ _DISTANCE = 30.0  # far away, so that its rays are almost parallel [m]
 _FAR = np.float32(np.inf)
 _BORDER, _MARGIN = 4, 24
 """So many texels at the border of the image stay free, and so far a shadow on the table reaches beyond what casts it [px]."""
-_TOUCHING = np.float32(0.002)  # so little above the table objects cast no shadow on it [m]
-_ON_TABLE = np.float32(0.001)  # so near the table top points count as its own [m]
+_TOUCHING = np.float32(0.002)  # so little above the table objects cast no shadow on it; the next heights begin there [m]
 _SHARP, _SOFT = 0.02, 0.30
 """Heights of casters above the table up to which their shadows are sharp, and from which on they are soft [m]."""
-_LOW, _HIGH = (0.002, 0.014), (0.02, 0.09)
+_LOW, _HIGH = (0.0, 0.012), (0.018, 0.088)
 """Between these heights above the table objects begin to darken it, and cease to [m]."""
 _DARKENING = np.float32(1.1)
 _TAPS = tuple((row, column) for row in range(-2, 3) for column in range(-2, 3) if (row + column) % 2 == 0)
@@ -135,12 +134,28 @@ class TableSpots:
 
     pixels: NDArray[np.int64]
     """Flat indices of the pixels (n,)."""
-    texel: NDArray[np.int64]
-    """Texel (n,)."""
-    right: NDArray[np.float32] | None
-    """How far to the right of its middle (n,) [px]; None where no pixel is as small as a texel."""
-    down: NDArray[np.float32] | None
-    """How far below its middle (n,) [px]; None where no pixel is as small as a texel."""
+    right: NDArray[np.float32]
+    """Column (n,), the middle of the first texel at 0.5 [px]."""
+    down: NDArray[np.float32]
+    """Row (n,) [px]."""
+    block: NDArray[np.int32]
+    """Block of four by four texels (n,)."""
+    is_fine: bool
+    """Whether some pixels are as small as a texel."""
+
+
+@dataclass(frozen=True, eq=False)
+class TableShade:
+    """How much of the key light the table misses: `soft` plus `sharpness` times `sharp` / 255."""
+
+    sharp: NDArray[np.uint8]
+    """Texels that are blocked, smoothed by 5 x 5, (h, w)."""
+    sharpness: NDArray[np.float32]
+    """How sharp the shadow is, of every four by four texels, 0..1, (h / 4, w / 4)."""
+    soft: NDArray[np.float32]
+    """What is soft of it, and the darkening at the feet of objects, of every four by four texels (h / 4, w / 4)."""
+    reached: NDArray[np.bool_]
+    """Of every four by four texels of the whole image, whether any shadow may be there, flat."""
 
 
 class ShadowMap:
@@ -153,11 +168,12 @@ class ShadowMap:
 
     Attributes:
         view: The same.
+        height: The same.
         is_empty: Whether nothing stands in the light.
     """
 
     def __init__(self, view: CameraView, height: float, blocked: Blocked) -> None:
-        self.view, self._height = view, height
+        self.view, self.height = view, height
         rows, columns = (
             slice(max(first, _BORDER), min(first + count, _SIZE - _BORDER))
             for first, count in zip((blocked.row, blocked.column), blocked.depth.shape, strict=True)
@@ -218,70 +234,98 @@ class ShadowMap:
         return found[0], found[1]
 
     @cached_property
-    def on_table(self) -> NDArray[np.float32]:
-        """How much of the key light the table misses at each texel (n * n,): 1 in full shadow, more at the feet of objects.
-
-        Two filters: one of 5 x 5 texels for what is low above the table, one four times as wide for what is high; between them by
-        the mean height of what casts the shadow.
+    def _shade(self) -> TableShade:
+        """Two filters: one of 5 x 5 texels for what is low above the table, one four times as wide for what is high; between them
+        by the mean height of what casts the shadow.
         """
-        result = np.zeros((_SIZE, _SIZE), dtype=np.float32)
-        if self.is_empty:
-            return result.ravel()
-        height = ground_distance(self.view, self._height)[self._rows, self._columns] - self._image
-        blocked = height > _TOUCHING
-        np.maximum(height, np.float32(0.0), out=height)
-        lowness = _lowness(height[0::4, 0::4], self.view)
-        lowness += _lowness(height[2::4, 2::4], self.view)
-        sums = (_by_four(blocked.view(np.uint8)).astype(np.float32), _by_four(height), lowness)
-        coarse, lifted, contact = (_smooth(_smooth(values).T).T for values in sums)
-        lifted /= np.maximum(coarse, np.float32(1e-6))
-        lifted -= np.float32(_SHARP)
-        lifted *= np.float32(1.0 / (_SOFT - _SHARP))
+        limit = table_distance(self.view, self.height)[self._rows, self._columns]
+        blocked = (self._image < limit).view(np.uint8)
+        above = limit[0::2, 0::2] - self._image[0::2, 0::2]
+        np.maximum(above, np.float32(0.0), out=above)
+        count = _by_two(_by_two(blocked))
+        fields = np.empty((3, *count.shape), dtype=np.float32)
+        fields[0] = count
+        fields[1] = _by_two(above)
+        np.add(_lowness(above[0::2, 0::2], self.view), _lowness(above[1::2, 0::2], self.view), out=fields[2])
+        soft, lifted, contact = _smooth(fields)
+        # four of sixteen texels have a height
+        lifted /= np.maximum(soft, np.float32(1e-6))
+        lifted *= np.float32(4.0 / (_SOFT - _SHARP))
+        lifted -= np.float32(_SHARP / (_SOFT - _SHARP))
         softness = np.minimum(np.maximum(lifted, np.float32(0.0), out=lifted), np.float32(1.0), out=lifted)
-        coarse *= softness
-        coarse *= np.float32(1.0 / (16.0 * 256.0))
+        soft *= softness
+        soft *= np.float32(1.0 / (16.0 * 256.0))
         contact *= np.float32(0.5 / 256.0) * _DARKENING
-        coarse += contact
-        # 3 x 3 before and after both are put together make 5 x 5, and no steps are seen of the coarse one
-        fine = _smooth(_smooth(blocked.view(np.uint8)[7:-7, 7:-7], 2).T, 2).T.astype(np.float32, order="C")
-        pairs = fine.reshape(len(fine) // 2, 2, -1)
-        pairs *= _four_times((np.float32(1.0) - softness) * np.float32(1.0 / 256.0))
-        pairs += _four_times(coarse * np.float32(1.0 / 16.0))
-        fine = _smooth(_smooth(fine, 2).T, 2).T
-        result[self._rows.start + 9 : self._rows.stop - 9, self._columns.start + 9 : self._columns.stop - 9] = fine
-        return result.ravel()
+        soft += contact
+        reached = soft > np.float32(0.003)
+        reached |= count[2:-2, 2:-2] > 0
+        reached[:-1] |= reached[1:]
+        reached[1:] |= reached[:-1]
+        reached[:, :-1] |= reached[:, 1:]
+        reached[:, 1:] |= reached[:, :-1]
+        everywhere = np.zeros((_SIZE // 4, _SIZE // 4), dtype=np.bool_)
+        first, left = self._rows.start // 4 + 3, self._columns.start // 4 + 3
+        inner = reached[1:-1, 1:-1]
+        everywhere[first : first + inner.shape[0], left : left + inner.shape[1]] = inner
+        return TableShade(_smooth_bytes(blocked), np.float32(1.0) - softness, soft, everywhere.ravel())
 
     def at(self, spots: Sequence[TableSpots]) -> tuple[list[NDArray[np.int64]], NDArray[np.float32]]:
-        """Return which points of the table are darker, of each of some cameras, and how much of the key light these miss (k,)."""
-        values = self.on_table
-        found = [values.take(each.texel) for each in spots]
-        chosen = [(each > np.float32(0.004)).nonzero()[0] for each in found]
-        missing = [each.take(points) for each, points in zip(found, chosen, strict=True)]
-        fine = [n for n, each in enumerate(spots) if each.right is not None]
-        if fine:
-            texel = np.concatenate([spots[n].texel.take(chosen[n]) for n in fine])
-            total = np.concatenate([missing[n] for n in fine])
-            for name, step in (("right", 1), ("down", _SIZE)):
-                slope = values.take(texel + step)
-                slope -= values.take(texel - step)
-                slope *= np.concatenate([getattr(spots[n], name).take(chosen[n]) for n in fine])
-                slope *= np.float32(0.5)
-                total += slope
-            for n, part in zip(fine, np.split(total, np.cumsum([len(missing[n]) for n in fine])[:-1]), strict=True):
-                missing[n] = part
-        return chosen, np.concatenate(missing)
+        """Return which points of the table may be darker, of each camera, and how much of the key light these miss (k,)."""
+        shade = self._shade
+        chosen = [shade.reached.take(each.block).nonzero()[0] for each in spots]
+        right = np.concatenate([each.right.take(points) for each, points in zip(spots, chosen, strict=True)])
+        down = np.concatenate([each.down.take(points) for each, points in zip(spots, chosen, strict=True)])
+        # the filters take two texels, and two blocks, at the borders
+        right -= np.float32(self._columns.start + 2)
+        down -= np.float32(self._rows.start + 2)
+        if any(each.is_fine for each in spots):
+            (sharp,) = _between([shade.sharp], right - np.float32(0.5), down - np.float32(0.5))
+        else:
+            place = down.astype(np.int64) * shade.sharp.shape[1]
+            place += right.astype(np.int64)
+            sharp = shade.sharp.take(place).astype(np.float32)
+        for values in (right, down):
+            values *= np.float32(0.25)
+            values -= np.float32(2.0)
+        sharpness, missing = _between([shade.sharpness, shade.soft], right, down)
+        sharp *= sharpness
+        sharp *= np.float32(1.0 / 255.0)
+        missing += sharp
+        return chosen, missing
+
+
+def _between(fields: Sequence[NDArray], x: NDArray[np.float32], y: NDArray[np.float32]) -> list[NDArray[np.float32]]:
+    """Values (k,) of fields (n, m) at columns x and rows y (k,), between those of four cells."""
+    column, row = x.astype(np.int64), y.astype(np.int64)
+    right, down = (values - whole.astype(np.float32) for values, whole in ((x, column), (y, row)))
+    width = fields[0].shape[1]
+    row *= width
+    row += column
+    found = []
+    for values in fields:
+        corners = [values.take(row + step).astype(np.float32, copy=False) for step in (0, 1, width, width + 1)]
+        for first, second in (corners[:2], corners[2:]):
+            second -= first
+            second *= right
+            first += second
+        upper, lower = corners[0], corners[2]
+        lower -= upper
+        lower *= down
+        upper += lower
+        found.append(upper)
+    return found
 
 
 @lru_cache(maxsize=4)
-def ground_distance(view: CameraView, height: float) -> NDArray[np.float32]:
-    """Distance (n, n) along the light to a level plane [m].
+def table_distance(view: CameraView, height: float) -> NDArray[np.float32]:
+    """Distance (n, n) along the light to which what is nearer casts a shadow on the table [m].
 
     Args:
         view: Camera of the light.
-        height: z of the plane [m].
+        height: z of the table top [m].
     """
     rays = view.rays[:, 2].reshape(_SIZE, _SIZE)
-    return (np.float32(height - view.pose[2]) / np.minimum(rays, np.float32(-1e-3))).astype(np.float32)
+    return (np.float32(height - view.pose[2]) / np.minimum(rays, np.float32(-1e-3)) - _TOUCHING).astype(np.float32)
 
 
 def _lowness(above: NDArray[np.float32], view: CameraView) -> NDArray[np.float32]:
@@ -293,37 +337,30 @@ def _lowness(above: NDArray[np.float32], view: CameraView) -> NDArray[np.float32
     return np.maximum(share, np.float32(0.0), out=share)
 
 
-def _smooth(values: NDArray, times: int = 4) -> NDArray:
-    """Sums (n - times, m) of rows of (n, m), weighted by 1, 2 and 1, or by 1, 4, 6, 4 and 1."""
-    for _ in range(times):
+def _smooth(fields: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Sums (c, n - 4, m - 4) of five by five of fields (c, n, m), weighted by 1, 4, 6, 4 and 1 both ways."""
+    for _ in range(4):
+        fields = fields[:, :-1] + fields[:, 1:]
+    for _ in range(4):
+        fields = fields[:, :, :-1] + fields[:, :, 1:]
+    return fields
+
+
+def _smooth_bytes(values: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """The same sums (n - 4, m - 4) of values 0 and 1 (n, m), 255 in place of 256."""
+    for _ in range(4):
         values = values[:-1] + values[1:]
-    return values
-
-
-def _by_four(values: NDArray) -> NDArray:
-    """Sums (n / 4, m / 4) of four by four."""
-    rows = values[0::4] + values[1::4]
-    rows += values[2::4]
-    rows += values[3::4]
-    result = rows[:, 0::4] + rows[:, 1::4]
-    result += rows[:, 2::4]
-    result += rows[:, 3::4]
+    for _ in range(3):
+        values = values[:, :-1] + values[:, 1:]
+    result = values[:, 1:] - (values[:, 1:] >> 7)
+    result += values[:, :-1]
     return result
 
 
-def _four_times(values: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Pairs of rows (2 n, 1, 4 m) for each of (n, m): twice as fine with values between them, then each column twice."""
-    rows = np.repeat(values * np.float32(0.75), 2, axis=0)
-    quarter = values * np.float32(0.25)
-    rows[2::2] += quarter[:-1]
-    rows[1:-1:2] += quarter[1:]
-    own, quarter = rows * np.float32(0.75), rows * np.float32(0.25)
-    left, right = own, own.copy()
-    left[:, 1:] += quarter[:, :-1]
-    right[:, :-1] += quarter[:, 1:]
-    result = np.empty((len(rows), 1, 4 * rows.shape[1]), dtype=np.float32)
-    for start, part in enumerate((left, left, right, right)):
-        result[:, 0, start::4] = part
+def _by_two(values: NDArray) -> NDArray:
+    """Sums (n / 2, m / 2) of two by two."""
+    rows = values[0::2] + values[1::2]
+    result: NDArray = rows[:, 0::2] + rows[:, 1::2]
     return result
 
 
@@ -337,21 +374,29 @@ def _moved(own: slice, start: int) -> slice:
     return slice(own.start - start, own.stop - start)
 
 
-def spots_of(light: CameraView, view: CameraView, points: NDArray[np.float32]) -> LightSpots:
-    """Find points (3, n) [m] in the frame of a camera in the image that `light` takes."""
-    x, y, z = points
-    found = []
-    for a, b, c, shift in (light.to_image @ view.extrinsics()).astype(np.float32):
-        value = x * a
-        value += y * b
-        value += z * c
-        value += shift
-        found.append(value)
-    right, down, depth = found
+def spots_of(
+    light: CameraView, view: CameraView, column: NDArray[np.float32], row: NDArray[np.float32], depth: NDArray[np.float32]
+) -> LightSpots:
+    """Find what a camera sees in the image that `light` takes.
+
+    Args:
+        light: Camera of the light.
+        view: The camera.
+        column: Columns of pixels (n,).
+        row: Their rows (n,).
+        depth: What they see (n,) [m].
+    """
+    to_light = light.to_image[:, :3] @ view.from_image
+    to_light[:, 3] += light.to_image[:, 3]
+    points = np.empty((4, len(depth)), dtype=np.float32)
+    np.multiply(column, depth, out=points[0])
+    np.multiply(row, depth, out=points[1])
+    points[2], points[3] = depth, 1.0
+    right, down, along = to_light.astype(np.float32) @ points
     for values in (right, down):
-        values /= depth
+        values /= along
         values += np.float32(0.5)
-    return LightSpots(right, down, depth)
+    return LightSpots(right, down, along)
 
 
 def joined_spots(spots: Sequence[LightSpots]) -> LightSpots:
@@ -359,30 +404,33 @@ def joined_spots(spots: Sequence[LightSpots]) -> LightSpots:
     return LightSpots(*(np.concatenate([getattr(s, name) for s in spots]) for name in ("right", "down", "depth")))
 
 
-def table_spots(light: CameraView, view: CameraView, depth: NDArray[np.float32], pixels: NDArray[np.int64]) -> TableSpots:
+def table_spots(light: CameraView, view: CameraView, height: float, pixels: NDArray[np.int64]) -> TableSpots:
     """Find the pixels of a camera that see the table in the image that `light` takes.
 
     Args:
         light: Camera of the light.
         view: The camera.
-        depth: What it sees of the room, (h, w) [m].
+        height: z of the table top [m].
         pixels: Flat indices of the pixels that see the table (n,).
     """
-    row = pixels // view.size[0]
-    column = (pixels - row * view.size[0]).astype(np.float32)
-    k = view.intrinsics().astype(np.float32)
-    z = depth.ravel().take(pixels)
-    points = np.empty((3, len(pixels)), dtype=np.float32)
-    np.multiply(column - k[0, 2], z / k[0, 0], out=points[0])
-    np.multiply(row.astype(np.float32) - k[1, 2], z / k[1, 1], out=points[1])
-    points[2] = z
-    spots = spots_of(light, view, points)
-    right, down = spots.right, spots.down
+    # a pixel with ray d sees the point eye + d (height - eye_z) / d_z: times d_z, all is linear in (u, v, 1)
+    rays, eye = view.from_image[:, :3], view.from_image[:, 3]
+    up = height - eye[2]
+    forms = light.to_image[:, :3] @ (np.outer(eye, rays[2]) + up * rays) + np.outer(light.to_image[:, 3], rays[2])
+    columns, rows = np.arange(view.size[0]), np.arange(view.size[1])
+    every = len(pixels) == len(rows) * len(columns)
+    found = []
+    for form in forms:
+        values = ((form[1] * rows + form[2]).astype(np.float32)[:, None] + (form[0] * columns).astype(np.float32)).ravel()
+        found.append(values if every else values.take(pixels))
+    right, down, along = found
     for values in (right, down):
+        values /= along
+        values += np.float32(0.5)
         np.maximum(values, np.float32(1.0), out=values)
         np.minimum(values, np.float32(_SIZE - 1.501), out=values)
-    texel = down.astype(np.int64) * _SIZE
-    texel += right.astype(np.int64)
-    if not len(z) or float(z.min()) > -_TEXEL * float(k[0, 0]):
-        return TableSpots(pixels, texel, None, None)
-    return TableSpots(pixels, texel, right - np.floor(right) - np.float32(0.5), down - np.floor(down) - np.float32(0.5))
+    block = down.astype(np.int32) >> 2
+    block *= np.int32(_SIZE // 4)
+    block += right.astype(np.int32) >> 2
+    steepest = min(rays[2] @ [u, v, 1.0] for u in (0, view.size[0]) for v in (0, view.size[1]))
+    return TableSpots(pixels, right, down, block, bool(up >= -_TEXEL * view.intrinsics()[0, 0] * steepest))

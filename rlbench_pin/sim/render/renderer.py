@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import accumulate
 
 import numpy as np
 from numpy.typing import NDArray
@@ -232,15 +233,18 @@ class Renderer:
                 shade_tables(chosen_images, views, shadows, room.table_key)
                 if shooting.lamps:
                     for image, view in zip(chosen_images, views, strict=True):
-                        put_pools(image, view, view.table(shadows.view), shooting.lamps)
+                        put_pools(image, view, view.table(shadows), shooting.lamps)
             # what is seen through glass first
             layers = [(n, shot.behind) for n, shot in enumerate(shots) if shot.behind is not None] + list(enumerate(shots))
             surfaces = [surfaces_of(views[n], shot) for n, shot in layers]
             colors = colors_in_light(surfaces, self.lighting, shadows if is_shaded else None, shooting.lamps)
-            for (n, shot), own, seen in zip(layers, colors, surfaces, strict=True):
-                if self._link_textures:
-                    put_textures(own, seen, self._link_textures, self._frame)
-                put_shot(chosen_images[n], shot, toned_pixels(own))
+            ends = list(accumulate((len(shot.pixels) for _, shot in layers), initial=0))
+            if self._link_textures:
+                for seen, begin, end in zip(surfaces, ends, ends[1:]):
+                    put_textures(colors[:, begin:end], seen, self._link_textures, self._frame)
+            pixels = toned_pixels(colors)
+            for (n, shot), begin, end in zip(layers, ends, ends[1:]):
+                put_shot(chosen_images[n], shot, pixels[begin:end])
         self._smooth(requests, backdrops, shooting.shots, images)
         return images
 

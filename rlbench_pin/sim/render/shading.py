@@ -59,10 +59,11 @@ class KeptBackdrop:
         """Which surface each pixel sees, counted down from 255, (h, w); of 256 surfaces apart two look like one."""
         return (255 - self.image.owner).astype(np.uint8)
 
-    def table(self, light: CameraView) -> TableSpots:
+    def table(self, shadows: ShadowMap) -> TableSpots:
         """Where its pixels that see the table lie in the image that the key light takes."""
+        light = shadows.view
         if self._spots is None or self._spots[0] is not light:
-            self._spots = light, table_spots(light, self.view, self.image.depth, self.image.table)
+            self._spots = light, table_spots(light, self.view, shadows.height, self.image.table)
         return self._spots[1]
 
 
@@ -82,7 +83,7 @@ def shade_tables(
     """
     if shadows.is_empty:
         return
-    tables = [backdrop.table(shadows.view) for backdrop in backdrops]
+    tables = [backdrop.table(shadows) for backdrop in backdrops]
     darker, missing = shadows.at(tables)
     pixels = [spots.pixels.take(chosen) for spots, chosen in zip(tables, darker, strict=True)]
     own = np.concatenate([image.reshape(-1).view(PIXEL).take(each) for image, each in zip(images, pixels, strict=True)])
@@ -148,12 +149,8 @@ def smoothed(images: NDArray[np.uint8], surfaces: NDArray[np.uint8]) -> None:
     Of a row of pixels along such an edge, one line goes from where it steps to one side to where it steps to the next; each pixel
     takes from the other side what lies there of it. A. Reshetov, Morphological Antialiasing, 2009.
     """
-    found = [_crossings(surfaces), _crossings(np.ascontiguousarray(surfaces.transpose(0, 2, 1)))]
-    count, height, width = surfaces.shape
     flat = images.reshape(-1, 3)
-    for (first, second, share), is_turned in zip(found, (False, True)):
-        if is_turned:
-            first, second = (_turned_back(pixels, height, width) for pixels in (first, second))
+    for first, second, share in _crossings_both_ways(surfaces):
         for own, other, sign in ((first, second, 1.0), (second, first, -1.0)):
             chosen = (share * np.float32(sign) > np.float32(0.02)).nonzero()[0]
             weight = np.abs(share.take(chosen))[:, None]
@@ -162,6 +159,20 @@ def smoothed(images: NDArray[np.uint8], surfaces: NDArray[np.uint8]) -> None:
             colors += (flat.take(other.take(chosen), axis=0) - colors) * weight
             colors += np.float32(0.5)
             put_pixels(images, pixels, colors.astype(np.uint8))
+
+
+def _crossings_both_ways(surfaces: NDArray[np.uint8]) -> list[tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float32]]]:
+    """Crossings as in `_crossings`, of pixels with those below them and of pixels with those to their right."""
+    count, height, width = surfaces.shape
+    turned = surfaces.transpose(0, 2, 1)
+    if height != width:
+        upright, (first, second, share) = _crossings(surfaces), _crossings(np.ascontiguousarray(turned))
+    else:
+        upper, lower, every = _crossings(np.concatenate([surfaces, turned]))
+        end = int(np.searchsorted(upper, surfaces.size))
+        upright = upper[:end], lower[:end], every[:end]
+        first, second, share = upper[end:] - surfaces.size, lower[end:] - surfaces.size, every[end:]
+    return [upright, (_turned_back(first, height, width), _turned_back(second, height, width), share)]
 
 
 def _turned_back(pixels: NDArray[np.int64], height: int, width: int) -> NDArray[np.int64]:
@@ -175,37 +186,43 @@ def _crossings(surfaces: NDArray[np.uint8]) -> tuple[NDArray[np.int64], NDArray[
     """Pixels (n,) of images (c, h, w) that see another surface than those below them, these, and how far the edge lies above
     their border as a share of a pixel (n,), negative where it lies below.
     """
-    _, height, width = surfaces.shape
+    width = surfaces.shape[2]
     flat = surfaces.ravel()
-    differs = surfaces[:, :-1] != surfaces[:, 1:]
-    place = differs.ravel().nonzero()[0]
-    image = place // ((height - 1) * width)
-    upper = place + image * width
+    differs = np.zeros(surfaces.shape, dtype=np.bool_)
+    np.not_equal(surfaces[:, :-1], surfaces[:, 1:], out=differs[:, :-1])
+    is_same = np.zeros(surfaces.shape, dtype=np.bool_)
+    np.equal(surfaces[:, :, 1:], surfaces[:, :, :-1], out=is_same[:, :, 1:])
+    # an edge goes on where neither surface is another one than beside it
+    goes_on = is_same.ravel()
+    goes_on[:-width] &= goes_on[width:]
+    goes_on[1:] &= differs.ravel()[:-1]
+    upper = differs.ravel().nonzero()[0]
     lower = upper + width
     above, below = flat.take(upper), flat.take(lower)
     begins = np.ones(len(upper) + 1, dtype=np.bool_)
-    inner = begins[1:-1]
-    np.not_equal(upper[1:] - upper[:-1], 1, out=inner)
-    inner |= above[1:] != above[:-1]
-    inner |= below[1:] != below[:-1]
-    column = upper % width
-    inner |= column[1:] == 0
+    np.logical_not(goes_on.take(upper), out=begins[:-1])
     ends = begins.nonzero()[0]
     first, length = ends[:-1], np.diff(ends)
-    last = ends[1:] - 1
     bends = []
-    for end, step, is_border in ((first, -1, column.take(first) == 0), (last, 1, column.take(last) == width - 1)):
-        beside = np.where(is_border, upper.take(end), upper.take(end) + step)
-        up = flat.take(beside) == below.take(end)
-        down = flat.take(beside + width) == above.take(end)
-        bends.append((up.astype(np.float32) - down.astype(np.float32)) * (np.float32(0.5) * ~is_border))
+    for end, step, border in ((first, -1, 0), (ends[1:] - 1, 1, width - 1)):
+        place = upper.take(end)
+        inside = place % width != border
+        place += inside * step
+        up = flat.take(place) == below.take(end)
+        down = flat.take(place + width) == above.take(end)
+        bend = up.astype(np.float32)
+        bend -= down
+        bend *= inside * np.float32(0.5)
+        bends.append(bend)
     run = np.cumsum(begins[:-1], dtype=np.int64)
     run -= 1
-    place = (np.arange(len(upper)) - first.take(run) + np.float32(0.5)) / length.take(run)
+    along = (np.arange(len(upper)) - first.take(run) + np.float32(0.5)) / length.take(run)
+    way = (np.float32(1.0) - np.float32(2.0) * along).astype(np.float32)
     left, right = (bend.take(run) for bend in bends)
-    way = (np.float32(1.0) - np.float32(2.0) * place).astype(np.float32)
-    share = np.where(way > 0.0, left * way, right * -way)
-    return upper, lower, share
+    left *= np.maximum(way, np.float32(0.0))
+    right *= np.minimum(way, np.float32(0.0))
+    left -= right
+    return upper, lower, left
 
 
 def halved(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
@@ -258,16 +275,19 @@ class Surfaces:
     normals: NDArray[np.float32]
     """Unit normals (3, n) in the world."""
 
+    def _rays(self, chosen: NDArray[np.int64] | slice) -> NDArray[np.float32]:
+        """Directions of depth 1 in the frame of the camera in which some of them are seen (3, k)."""
+        k = self.backdrop.view.intrinsics().astype(np.float32)
+        row, column = _places(self.shot.pixels[chosen], self.backdrop.view.size[0])
+        rays = np.ones((3, len(row)), dtype=np.float32)
+        np.multiply(column - k[0, 2], np.float32(1.0) / k[0, 0], out=rays[0])
+        np.multiply(row - k[1, 2], np.float32(1.0) / k[1, 1], out=rays[1])
+        return rays
+
     @cached_property
     def points(self) -> NDArray[np.float32]:
         """Where they are (3, n), in the frame of the camera [m]."""
-        k, depth = self.backdrop.view.intrinsics().astype(np.float32), self.shot.depth
-        row, column = _places(self.shot.pixels, self.backdrop.view.size[0])
-        points = np.empty((3, len(depth)), dtype=np.float32)
-        np.multiply(column - k[0, 2], depth / k[0, 0], out=points[0])
-        np.multiply(row - k[1, 2], depth / k[1, 1], out=points[1])
-        points[2] = depth
-        return points
+        return self._rays(slice(None)) * self.shot.depth
 
     def in_world(self) -> NDArray[np.float32]:
         """Where they are (3, n), in the world [m]."""
@@ -276,9 +296,15 @@ class Surfaces:
 
     def rays(self) -> NDArray[np.float32]:
         """Unit directions (3, k) in the world in which the camera sees what is glossy."""
-        points = self.points.take(self.shot.glossy, axis=1)
-        points /= np.sqrt((points * points).sum(axis=0))
-        return self.backdrop.view.extrinsics()[:3, :3].astype(np.float32) @ points
+        rays = self._rays(self.shot.glossy)
+        rays /= np.sqrt((rays * rays).sum(axis=0))
+        return self.backdrop.view.extrinsics()[:3, :3].astype(np.float32) @ rays
+
+    def spots(self, shadows: ShadowMap, chosen: NDArray[np.int64]) -> LightSpots:
+        """Where some of them lie in the image that the key light takes."""
+        view = self.backdrop.view
+        row, column = _places(self.shot.pixels.take(chosen), view.size[0])
+        return spots_of(shadows.view, view, column, row, self.shot.depth.take(chosen))
 
 
 def surfaces_of(backdrop: KeptBackdrop, shot: Shot) -> Surfaces:
@@ -288,8 +314,8 @@ def surfaces_of(backdrop: KeptBackdrop, shot: Shot) -> Surfaces:
 
 def colors_in_light(
     surfaces: Sequence[Surfaces], lighting: Lighting, shadows: ShadowMap | None, lamps: Sequence[Lamp]
-) -> list[NDArray[np.float32]]:
-    """Return the colours (3, n) in 0..255 of what each of some cameras sees.
+) -> NDArray[np.float32]:
+    """Return the colours (3, n) in 0..255 of what some cameras see, one after the other.
 
     Args:
         surfaces: What they see; all from the same renderer.
@@ -309,8 +335,15 @@ def colors_in_light(
     if not is_lit or shadows is not None:
         cosine = _on(normals, lighting.key)
         if shadows is not None and not shadows.is_empty:
-            share = shadows.lit(joined_spots([_spots(each, shadows) for each in surfaces]), _bias(cosine))
-        light = _light(normals, cosine, share, lighting, shadows is not None)
+            # what faces away from the light has none in any case
+            facing = cosine.nonzero()[0]
+            each = np.split(facing, np.searchsorted(facing, ends[1:-1]))
+            spots = [own.spots(shadows, chosen - end) for own, chosen, end in zip(surfaces, each, ends)]
+            share = np.zeros_like(cosine)
+            share[facing] = shadows.lit(joined_spots(spots), _bias(cosine.take(facing)))
+        has_shades = any(each.shot.shades is not None for each in surfaces)
+        shades = np.concatenate([_shades(each.shot) for each in surfaces]) if has_shades else None
+        light = _light(normals, cosine, share, shades, lighting, shadows is not None)
         if is_lit:
             light /= np.float32(lighting.ambient) + cosine * np.float32(lighting.key.intensity)
         if shadows is not None and lamps:
@@ -324,7 +357,7 @@ def colors_in_light(
         gloss = np.concatenate([each.shot.gloss for each in surfaces], axis=1)
         own = colors.take(glossy, axis=1)
         colors[:, glossy] = _mirrored(own, gloss, rays, normals.take(glossy, axis=1), lit, lighting)
-    return [colors[:, a:b] for a, b in zip(ends, ends[1:])]
+    return colors
 
 
 def _lamp_light(points: NDArray[np.float32], normals: NDArray[np.float32], lamps: Sequence[Lamp]) -> NDArray[np.float32]:
@@ -382,6 +415,7 @@ def _light(
     normals: NDArray[np.float32],
     cosine: NDArray[np.float32],
     share: NDArray[np.float32] | None,
+    shades: NDArray[np.float32] | None,
     lighting: Lighting,
     has_fills: bool,
 ) -> NDArray[np.float32]:
@@ -391,6 +425,7 @@ def _light(
         normals: Unit normals (3, n) in the world.
         cosine: Of the angle to the key light (n,), 0 where they point away.
         share: Share of the key light that reaches the points (n,); all of it when None.
+        shades: Share of all other light that reaches them (n,); all of it when None.
         lighting: The lights.
         has_fills: Whether fills shine; otherwise they are part of the ambient light, and all lights are white.
     """
@@ -405,19 +440,28 @@ def _light(
     if share is not None:
         key *= share
     if not has_fills:
-        return key + np.float32(lighting.ambient + lighting.mean_fill)
+        return key + np.float32(lighting.ambient + lighting.mean_fill) * (np.float32(1.0) if shades is None else shades)
     ambient = normals[2] * _SKY
     ambient += np.float32(lighting.ambient)
     if lighting.is_white:
-        key += ambient
         for fill in lighting.fills:
-            key += _on(normals, fill) * np.float32(fill.intensity)
+            ambient += _on(normals, fill) * np.float32(fill.intensity)
+        if shades is not None:
+            ambient *= shades
+        key += ambient
         return key
     tint = np.array(key_light.color, dtype=np.float32)
-    mixed = ambient * (tint * np.float32(0.5) + np.float32(0.5))[:, None] + key * tint[:, None]
+    mixed = ambient * (tint * np.float32(0.5) + np.float32(0.5))[:, None]
     for fill in lighting.fills:
         mixed += _on(normals, fill) * np.array(fill.color, dtype=np.float32)[:, None] * np.float32(fill.intensity)
+    if shades is not None:
+        mixed *= shades
+    mixed += key * tint[:, None]
     return mixed
+
+
+def _shades(shot: Shot) -> NDArray[np.float32]:
+    return np.ones(len(shot.pixels), dtype=np.float32) if shot.shades is None else shot.shades
 
 
 def _on(normals: NDArray[np.float32], light: Light) -> NDArray[np.float32]:
@@ -427,10 +471,6 @@ def _on(normals: NDArray[np.float32], light: Light) -> NDArray[np.float32]:
     cosine += normals[1] * y
     cosine += normals[2] * z
     return np.maximum(cosine, np.float32(0.0), out=cosine)
-
-
-def _spots(surfaces: Surfaces, shadows: ShadowMap) -> LightSpots:
-    return spots_of(shadows.view, surfaces.backdrop.view, surfaces.points)
 
 
 def _bias(cosine: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -55,6 +55,8 @@ class Shot:
     """Which of the pixels see glass (g,)."""
     opacity: NDArray[np.float32] = field(default_factory=lambda: _DULL[0])
     """How much of what is behind it the glass hides (g,), 0..1."""
+    shades: NDArray[np.float32] | None = None
+    """How much of the ambient light reaches the points (n,), 0..1; all of it when None."""
     behind: Shot | None = None
     """Surfaces behind the glass, where it is no part of the room."""
 
@@ -90,31 +92,67 @@ class NumpyRasterizer:
             return self._other.shoot(sights, lighting, light)
         materials = self._stage.materials
         drawn, blocked = draw(placed, self._stage.layers, materials.opacity.take(placed.parts.shape), sights, light)
-        shots = [_shot(image, placed.parts, materials, sight.is_lit) for image, sight in zip(drawn, sights, strict=True)]
+        patterns = _patterns(drawn, placed.parts, materials, sights)
+        each = zip(drawn, sights, patterns, strict=True)
+        shots = [_shot(image, placed.parts, materials, sight, pattern) for image, sight, pattern in each]
         return Shooting(shots, blocked, self._stage.lamps())
 
 
-def _shot(drawn: Drawn, parts: Parts, materials: Materials, is_lit: bool) -> Shot:
-    """The pixels of one camera."""
+def _shot(drawn: Drawn, parts: Parts, materials: Materials, sight: Sight, pattern: NDArray[np.float32] | None) -> Shot:
+    """The pixels of one camera; the colours are multiplied by a pattern (3, n)."""
     triangles = drawn.triangles
     shape = parts.shape.take(triangles)
-    shot = Shot(drawn.pixels, drawn.inverse, drawn.depth, parts.segments, parts.link.take(triangles), _DULL, drawn.normals, shape)
-    if not is_lit:
-        return shot
+    own = (drawn.pixels, drawn.inverse, drawn.depth, parts.segments, parts.link.take(triangles))
+    if not sight.is_lit:
+        return Shot(*own, _DULL, drawn.normals, shape)
     glossy = materials.is_glossy.take(shape).nonzero()[0] if materials.is_glossy.any() else _NONE
-    shot = replace(
-        shot,
-        colors=materials.colors.take(shape, axis=1),
+    has_glass = materials.opacity.min() < 1.0
+    glass = (materials.opacity.take(shape) < 1.0).nonzero()[0] if has_glass else _NONE
+    colors, gloss = materials.colors.take(shape, axis=1), materials.gloss.take(shape.take(glossy), axis=1)
+    if pattern is not None:
+        colors *= pattern
+        gloss *= pattern.take(glossy, axis=1)
+    behind = None
+    if drawn.behind is not None:
+        behind = _shot(drawn.behind, parts, materials, sight, _patterns([drawn.behind], parts, materials, [sight])[0])
+    return Shot(
+        *own,
+        colors,
+        drawn.normals,
+        shape,
         glossy=glossy,
-        gloss=materials.gloss.take(shape.take(glossy), axis=1),
+        gloss=gloss,
         shining=materials.shines.take(shape).nonzero()[0] if materials.shines.any() else _NONE,
+        glass=glass,
+        opacity=materials.opacity.take(shape.take(glass)),
+        shades=drawn.surface[0] if len(drawn.surface) else None,
+        behind=behind,
     )
-    opacity = materials.opacity
-    if opacity.min() == 1.0:
-        return shot
-    glass = (opacity.take(shape) < 1.0).nonzero()[0]
-    behind = None if drawn.behind is None else _shot(drawn.behind, parts, materials, is_lit)
-    return replace(shot, glass=glass, opacity=opacity.take(shape.take(glass)), behind=behind)
+
+
+def _patterns(
+    drawn: Sequence[Drawn], parts: Parts, materials: Materials, sights: Sequence[Sight]
+) -> Sequence[NDArray[np.float32] | None]:
+    """Factors (3, n) of the colours that each camera sees, with mean 1; None where there is no pattern."""
+    lit = [n for n, sight in enumerate(sights) if sight.is_lit]
+    found: list[NDArray[np.float32] | None] = [None] * len(drawn)
+    if not materials.patterns or not lit:
+        return found
+    pattern = materials.pattern.take(parts.shape.take(np.concatenate([drawn[n].triangles for n in lit])))
+    factors = np.ones((3, len(pattern)), dtype=np.float32)
+    patterned = (pattern >= 0).nonzero()[0]
+    places = np.concatenate([drawn[n].surface[1:] for n in lit], axis=1).take(patterned, axis=1)
+    widths = np.concatenate([drawn[n].depth * np.float32(-1.4 / sights[n].view.intrinsics()[0, 0]) for n in lit]).take(patterned)
+    pattern = pattern.take(patterned)
+    for number, (texture, size) in enumerate(materials.patterns):
+        own = (pattern == number).nonzero()[0] if len(materials.patterns) > 1 else slice(None)
+        u, v = places[:, own] * np.float32(1.0 / size)
+        texels = texture.indices(u, v, widths[own] * np.float32(texture.size / size))
+        factors[:, patterned[own]] = texture.relative.take(texels, axis=1)
+    ends = np.cumsum([0, *(len(drawn[n].pixels) for n in lit)])
+    for n, begin, end in zip(lit, ends, ends[1:]):
+        found[n] = factors[:, begin:end]
+    return found
 
 
 class BulletRasterizer:

@@ -51,6 +51,11 @@ class Texture:
         twin.texels = np.repeat(0.7 + 0.3 * (shades - low) / max(high - low, 1e-3), 3, axis=1).astype(np.float32)
         return twin
 
+    @cached_property
+    def relative(self) -> NDArray[np.float32]:
+        """Its texels (3, n) over their mean."""
+        return np.ascontiguousarray((self.texels / np.maximum(self.mean, 1e-3)).T)
+
     @property
     def mean(self) -> NDArray[np.float32]:
         """Mean colour (3,)."""

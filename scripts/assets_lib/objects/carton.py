@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from assets_lib.cabinets import bevelled, bevelled_box
 from assets_lib.mesh import Mesh, box, merge
-from assets_lib.urdf import Joint, Link, Model, Visual, box_shape, mesh_shape
+from assets_lib.urdf import Joint, Link, Model, Visual, box_shape, mesh_shape, patterned
 
 DEPTH, WIDTH, HEIGHT, WALL = 0.16, 0.22, 0.10, 0.005
 OVERHANG = 0.015
@@ -13,9 +14,9 @@ GAP = 0.001
 """Between the walls and the shut lid [m]."""
 HINGE = (DEPTH / 2.0, 0.0, HEIGHT)
 CARDBOARD, INSIDE, LID_COLOR, TAPE, INK = (
-    (0.70, 0.51, 0.31),
-    (0.55, 0.39, 0.23),
-    (0.82, 0.64, 0.42),
+    patterned((0.70, 0.51, 0.31), "cardboard"),
+    patterned((0.55, 0.39, 0.23), "cardboard"),
+    patterned((0.82, 0.64, 0.42), "cardboard"),
     (0.93, 0.87, 0.66),
     (0.30, 0.16, 0.09),
 )
@@ -70,7 +71,7 @@ def _lid_link() -> Link:
     x, z = -LID[0] / 2.0, GAP + LID[2] / 2.0
     top = GAP + LID[2] + 0.0004
     visuals = (
-        Visual(mesh_shape("lid", box(LID, (x, 0.0, z))), LID_COLOR),
+        Visual(mesh_shape("lid", bevelled_box(LID, (x, 0.0, z), 0.002)), LID_COLOR),
         Visual(mesh_shape("lid_tape", box((LID[0], 0.036, 0.0008), (x, 0.0, top))), TAPE),
         Visual(mesh_shape("lid_label", box((0.05, 0.06, 0.0008), (x, -0.062, top))), (0.95, 0.95, 0.93)),
         Visual(mesh_shape("lid_inside", box((LID[0] - 0.01, LID[1] - 0.012, 0.0006), (x, 0.0, GAP - 0.0003))), INSIDE),
@@ -81,7 +82,7 @@ def _lid_link() -> Link:
 def models() -> tuple[Model, ...]:
     """Return the models of this family."""
     visuals = (
-        Visual(mesh_shape("walls", _merged(_walls())), CARDBOARD),
+        Visual(mesh_shape("walls", bevelled(_walls(), 0.002)), CARDBOARD),
         Visual(mesh_shape("lining", _merged(_lining())), INSIDE),
         Visual(mesh_shape("print", _merged(_print())), INK),
     )

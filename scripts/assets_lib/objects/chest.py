@@ -6,7 +6,7 @@ from itertools import pairwise
 
 from assets_lib.cabinets import bevelled, bevelled_box, cabinet
 from assets_lib.mesh import Mesh, box, cylinder, merge, rod
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic
+from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, patterned, plastic
 
 DEPTH, WIDTH, HEIGHT, LEG = 0.26, 0.34, 0.36, 0.045
 SIDE, PANEL, BACK = 0.018, 0.012, 0.008
@@ -17,8 +17,9 @@ TRAVEL, SHORT_TRAVEL = 0.22, 0.15
 BAR_RADIUS, BAR_LENGTH = 0.006, 0.10
 HANDLE = (-0.045, 0.0, 0.015)
 """Centre of the handle bar in the drawer frame [m]."""
-OAK, DARK_OAK, PALE, STEEL = (0.62, 0.42, 0.24), (0.46, 0.29, 0.15), (0.84, 0.69, 0.48), metal((0.30, 0.30, 0.32))
-TOP = plastic((0.66, 0.46, 0.27))
+OAK, DARK_OAK, PALE = (patterned(color, "wood") for color in ((0.62, 0.42, 0.24), (0.46, 0.29, 0.15), (0.84, 0.69, 0.48)))
+STEEL = metal((0.30, 0.30, 0.32))
+TOP = patterned(plastic((0.66, 0.46, 0.27)), "wood")
 DRAWERS = ("drawer_bottom", "drawer_middle", "drawer_top")
 HALF_PI = 1.5707963267948966
 
@@ -100,7 +101,7 @@ def _drawer(name: str) -> Link:
     visuals = (
         Visual(mesh_shape("front", bevelled((_front(),), 0.003)), PALE),
         Visual(mesh_shape("rosettes", _rosettes()), STEEL),
-        Visual(mesh_shape("tray", _merged(_tray())), (0.90, 0.82, 0.68)),
+        Visual(mesh_shape("tray", _merged(_tray())), patterned((0.90, 0.82, 0.68), "wood")),
         Visual(mesh_shape("handle", _handle_mesh()), STEEL),
     )
     shapes = tuple(box_shape(size, center) for size, center in (_front(), *_tray()))

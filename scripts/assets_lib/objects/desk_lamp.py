@@ -17,6 +17,7 @@ from assets_lib.urdf import (
     cylinder_shape,
     mesh_shape,
     metal,
+    patterned,
     plastic,
     shining,
     sphere_shape,
@@ -101,7 +102,7 @@ def models() -> tuple[Model, ...]:
         cylinder_shape(STEM_RADIUS, SOCKET_LOW - FOOT_HEIGHT, (0.0, 0.0, (SOCKET_LOW + FOOT_HEIGHT) / 2.0)),
         cylinder_shape(SOCKET_RADIUS, SOCKET_TOP - SOCKET_LOW, (0.0, 0.0, (SOCKET_TOP + SOCKET_LOW) / 2.0)),
     )
-    shade = Visual(mesh_shape("shade", _shade()), shining(CLOTH, emission=(1.0, 0.91, 0.5)))
+    shade = Visual(mesh_shape("shade", _shade()), patterned(shining(CLOTH, emission=(1.0, 0.91, 0.5)), "cloth"))
     bulb = Visual(mesh_shape("bulb", _bulb()), shining(WHITE, reach=0.28), crease=1.2)
     links = (
         Link("stand", 1.2, visuals, solid, friction=0.5),

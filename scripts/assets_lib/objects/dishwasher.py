@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from math import cos, sin, tan
 
+from assets_lib.cabinets import bevelled_box, cabinet, rectangle_at
 from assets_lib.mesh import Mesh, box, lathe, merge, rod
 from assets_lib.prisms import mark, rectangle, regular_polygon
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal
+from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, patterned
 
 DEPTH, WIDTH, HEIGHT, WALL = 0.36, 0.40, 0.42, 0.015
 FLOOR, CEILING = 0.10, 0.345
@@ -23,7 +24,12 @@ RIM_RADIUS = 0.005
 PLATE_PLACE, CRADLE = (-0.053, 0.06), 0.031
 """Where the plate stands in the rack, beside the place where a hand pulls; half the distance of the rods that carry it [m]."""
 PLATE_RADIUS, PLATE_HEIGHT = 0.08, 0.015
-STEEL, DARK, WIRE, SILVER = metal((0.86, 0.87, 0.88)), (0.16, 0.17, 0.19), (0.30, 0.45, 0.70), metal((0.70, 0.71, 0.74))
+STEEL, DARK, WIRE, SILVER = (
+    patterned(metal((0.86, 0.87, 0.88)), "brushed"),
+    (0.16, 0.17, 0.19),
+    (0.30, 0.45, 0.70),
+    metal((0.70, 0.71, 0.74)),
+)
 HALF_PI = 1.57079633
 
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]
@@ -43,6 +49,20 @@ def _body() -> tuple[Box, ...]:
         ((DEPTH, WALL, inner), (0.0, -side, middle)),
         ((WALL, WIDTH - 2 * WALL, inner), ((DEPTH - WALL) / 2.0, 0.0, middle)),
     )
+
+
+def _shell() -> Mesh:
+    """Return what is seen of the body: a case that is open to the front, its outer edges bevelled."""
+    spans = ((-DEPTH / 2.0, DEPTH / 2.0), (-WIDTH / 2.0, WIDTH / 2.0), (0.0, HEIGHT))
+    inner = WIDTH / 2.0 - WALL
+    return cabinet(*spans, (-inner, inner), ((FLOOR, CEILING),), DEPTH - WALL)
+
+
+def _seal() -> Mesh:
+    """Return the dark seal around the opening, which the door touches."""
+    x, half, wide = -DEPTH / 2.0 - 0.0006, WIDTH / 2.0 - WALL, 0.004
+    sides = [rectangle_at(x, (side * half - wide, side * half + wide), (FLOOR, CEILING)) for side in (-1, 1)]
+    return merge([*sides, rectangle_at(x, (-half, half), (CEILING - wide, CEILING + wide))])
 
 
 def _lining() -> Mesh:
@@ -72,8 +92,9 @@ def _body_link() -> Link:
     front = -DEPTH / 2.0
     lamps = merge(box((0.002, 0.012, 0.006), (front - 0.003, 0.13 - 0.025 * k, 0.388)) for k in range(3))
     visuals = (
-        Visual(mesh_shape("shell", _merged(_body())), STEEL),
+        Visual(mesh_shape("shell", _shell()), STEEL),
         Visual(mesh_shape("lining", _lining()), (0.55, 0.57, 0.60)),
+        Visual(mesh_shape("seal", _seal()), (0.10, 0.10, 0.11)),
         Visual(mesh_shape("panel", box((0.002, WIDTH, HEIGHT - 0.36), (front - 0.001, 0.0, (HEIGHT + 0.352) / 2.0))), DARK),
         Visual(mesh_shape("lamps", lamps), (0.3, 0.9, 0.4)),
         Visual(mesh_shape("display", box((0.002, 0.08, 0.03), (front - 0.002, -0.10, 0.388))), (0.25, 0.65, 0.95)),
@@ -89,7 +110,7 @@ def _door_link() -> Link:
     posts = tuple(rod((x, side * 0.10, z), (-t, side * 0.10, z), 0.005, 8) for side in (-1, 1))
     bar = rod((x, -BAR_LENGTH / 2.0, z), (x, BAR_LENGTH / 2.0, z), BAR_RADIUS, 12)
     visuals = (
-        Visual(mesh_shape("door", box(DOOR, (-t / 2.0, 0.0, h / 2.0))), STEEL),
+        Visual(mesh_shape("door", bevelled_box(DOOR, (-t / 2.0, 0.0, h / 2.0))), STEEL),
         Visual(mesh_shape("door_inside", box((0.001, w - 0.03, h - 0.03), (0.0003, 0.0, h / 2.0))), (0.55, 0.57, 0.60)),
         Visual(mesh_shape("badge", box((0.001, 0.06, 0.014), (-t - 0.0005, 0.0, 0.06))), (0.20, 0.35, 0.60)),
         Visual(mesh_shape("handle", merge([bar, *posts])), SILVER),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from assets_lib.mesh import Mesh, box, lathe, merge
 from assets_lib.prisms import bevelled_box
-from assets_lib.urdf import Link, Model, Visual, box_shape, mesh_shape
+from assets_lib.urdf import Link, Model, Visual, box_shape, mesh_shape, patterned
 
 BOARD = (0.40, 0.40, 0.015)
 SQUARE = 0.046
@@ -15,7 +15,7 @@ BAR = (2.0 * RADIUS, 0.8 * RADIUS)
 """Sides of the two crossed boxes that stand for a disc: a cylinder on a board rocks forever in the physics, boxes rest [m]."""
 LIFT = 0.0002
 """How far the second box is off the board, so that a disc rests on four corners, not on eight [m]."""
-FRAME, DARK, LIGHT = (0.20, 0.11, 0.06), (0.13, 0.26, 0.20), (0.80, 0.72, 0.54)
+FRAME, DARK, LIGHT = (patterned(color, "wood") for color in ((0.20, 0.11, 0.06), (0.13, 0.26, 0.20), (0.80, 0.72, 0.54)))
 """Green and sand, so that white and red pieces stand out from both."""
 COLORS = {"light": ((0.98, 0.97, 0.94), (0.80, 0.78, 0.72)), "dark": ((0.80, 0.10, 0.08), (0.55, 0.05, 0.04))}
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from assets_lib.mesh import Mesh, box, hull_of, icosphere, lathe, merge, rod
-from assets_lib.urdf import Link, Model, Visual, box_shape, mesh_shape, metal
+from assets_lib.urdf import Link, Model, Visual, box_shape, mesh_shape, metal, patterned
 
 LENGTH, WIDTH, HEIGHT = 0.36, 0.26, 0.14
 TUB = 0.06
 """Height of the tub's underside [m]."""
-IRON, STEEL = (0.13, 0.13, 0.14), metal((0.55, 0.56, 0.58))
+IRON, STEEL = (0.13, 0.13, 0.14), patterned(metal((0.55, 0.56, 0.58)), "brushed")
 HALF_PI = 1.5707963267948966
 
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from assets_lib.cabinets import bevelled
 from assets_lib.mesh import Mesh, box, lathe, merge
 from assets_lib.prisms import bevelled_box, mark, rectangle, regular_polygon
-from assets_lib.urdf import Link, Model, Shape, Vec3, Visual, box_shape, cylinder_shape, mesh_shape, metal
+from assets_lib.urdf import Link, Model, Shape, Vec3, Visual, box_shape, cylinder_shape, mesh_shape, metal, patterned
 
 WIDTH, DEPTH, HEIGHT, BOARD, LEGS = 0.45, 0.25, 0.50, 0.015, 0.15
 RAIL = 0.045
@@ -32,7 +33,7 @@ def _legs() -> tuple[Shape, ...]:
 
 
 def _seen(shapes: tuple[Shape, ...]) -> Mesh:
-    return merge(box(shape.size, shape.xyz) for shape in shapes)
+    return bevelled([(shape.size, shape.xyz) for shape in shapes], 0.002)
 
 
 def _edges() -> Mesh:
@@ -52,7 +53,7 @@ def _cupboard() -> Model:
     lower, upper, *boards = _boards()
     legs = _legs()
     visuals = (
-        Visual(mesh_shape("boards", _seen(tuple(boards))), BODY),
+        Visual(mesh_shape("boards", _seen(tuple(boards))), patterned(BODY, "wood")),
         Visual(mesh_shape("rails", _seen((lower, upper))), BODY),
         Visual(mesh_shape("back", _back()), BACK),
         Visual(mesh_shape("edges", _edges()), EDGE),

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from assets_lib.mesh import FloatArray, Mesh, box, cylinder, hull_of, merge, rod
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic
+from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, patterned, plastic
 
 DEPTH, WIDTH, HEIGHT, WALL = 0.28, 0.40, 0.18, 0.008
 TUB = 0.07
@@ -21,7 +21,12 @@ HANDLE = (-0.334, 0.0, 0.042)
 """Middle of the handle bar in the hood's frame [m]."""
 BAR_RADIUS, BAR_LENGTH = 0.0075, 0.14
 HALF_PI = 1.57079633
-RED, IRON, STEEL, WOOD = plastic((0.66, 0.10, 0.09)), (0.15, 0.15, 0.16), metal((0.70, 0.71, 0.73)), (0.36, 0.21, 0.12)
+RED, IRON, STEEL, WOOD = (
+    plastic((0.66, 0.10, 0.09)),
+    (0.15, 0.15, 0.16),
+    patterned(metal((0.70, 0.71, 0.73)), "brushed"),
+    patterned((0.36, 0.21, 0.12), "wood"),
+)
 
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from assets_lib.mesh import Mesh, box, hull_of, merge
 from assets_lib.prisms import mark, rectangle
-from assets_lib.urdf import Link, Model, Visual, box_shape, mesh_shape
+from assets_lib.urdf import Link, Model, Visual, box_shape, mesh_shape, patterned
 
 LENGTH, WIDTH, HEIGHT = 0.0975, 0.0325, 0.0195
 THIN = 0.0185
@@ -60,7 +60,7 @@ def _grain(height: float) -> Mesh:
 def _model(name: str, height: float, color: tuple[float, float, float]) -> Model:
     red, green, blue = color
     visuals = (
-        Visual(mesh_shape(name, _brick(height)), color),
+        Visual(mesh_shape(name, _brick(height)), patterned(color, "wood")),
         Visual(mesh_shape(f"{name}_grain", merge([_end_rings(height), _grain(height)])), (0.66 * red, 0.62 * green, 0.58 * blue)),
     )
     link = Link("brick", MASS, visuals, (box_shape((LENGTH, WIDTH, height)),), friction=0.4, anchored=True)

@@ -6,7 +6,7 @@ import numpy as np
 
 from assets_lib.mesh import Mesh, cylinder, icosphere, lathe, merge, rod
 from assets_lib.objects.cups import leaning_walls
-from assets_lib.urdf import Link, Model, Shape, Visual, box_shape, cylinder_shape, glass, mesh_shape
+from assets_lib.urdf import Link, Model, Shape, Visual, box_shape, cylinder_shape, glass, mesh_shape, patterned
 
 RADIUS, HEIGHT, WALL, FLOOR = 0.0325, 0.08, 0.004, 0.006
 HOLE = (0.03, 0.04)
@@ -73,8 +73,11 @@ def _tree() -> Model:
     stem = cylinder(STEM_RADIUS, STEM - tall, 14).moved((0.0, 0.0, (STEM + tall) / 2.0))
     top = icosphere(0.012, 2).moved((0.0, 0.0, STEM + 0.006))
     visuals = (
-        Visual(mesh_shape("foot", cylinder(radius, tall, 28, bevel=0.005).moved((0.0, 0.0, tall / 2.0))), (0.27, 0.14, 0.08)),
-        Visual(mesh_shape("stem", merge([stem, top])), (0.36, 0.19, 0.10)),
+        Visual(
+            mesh_shape("foot", cylinder(radius, tall, 28, bevel=0.005).moved((0.0, 0.0, tall / 2.0))),
+            patterned((0.27, 0.14, 0.08), "wood"),
+        ),
+        Visual(mesh_shape("stem", merge([stem, top])), patterned((0.36, 0.19, 0.10), "wood")),
         Visual(mesh_shape("spokes", merge([*spokes, *knobs])), (0.36, 0.19, 0.10)),
     )
     length = SPOKE + STEM_RADIUS / float(np.cos(SLANT))

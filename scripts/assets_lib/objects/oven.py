@@ -7,7 +7,20 @@ import numpy as np
 from assets_lib.cabinets import bevelled_box, cabinet, rectangle_at
 from assets_lib.mesh import Mesh, box, cylinder, lathe, merge, rod
 from assets_lib.prisms import mark, rectangle
-from assets_lib.urdf import Joint, Link, Model, Paint, Shape, Visual, box_shape, cylinder_shape, glass, mesh_shape, metal
+from assets_lib.urdf import (
+    Joint,
+    Link,
+    Model,
+    Paint,
+    Shape,
+    Visual,
+    box_shape,
+    cylinder_shape,
+    glass,
+    mesh_shape,
+    metal,
+    patterned,
+)
 
 DEPTH, WIDTH, HEIGHT, WALL = 0.36, 0.44, 0.42, 0.015
 FLOOR, CEILING = 0.10, 0.345
@@ -23,7 +36,7 @@ GRID = 0.16
 """Height of the upper side of the grid [m]."""
 KNOB_Z, KNOB_STEP, PILOT_Y = 0.387, 0.068, 0.204
 STEEL, DARK, GLASS, SILVER = metal((0.72, 0.73, 0.75)), (0.12, 0.12, 0.13), glass((0.30, 0.22, 0.16)), metal((0.88, 0.89, 0.91))
-BRUSHED = metal((0.78, 0.79, 0.81))
+BRUSHED = patterned(metal((0.78, 0.79, 0.81)), "brushed")
 PLATES = ((-0.085, 0.105, 0.07), (0.085, 0.105, 0.055), (-0.085, -0.105, 0.055), (0.085, -0.105, 0.07))
 """x, y and radius of the cooking plates; the first belongs to the left-most knob [m]."""
 GLOW = (1.0, 0.42, 0.08)

@@ -6,7 +6,19 @@ import numpy as np
 
 from assets_lib.mesh import Mesh, box, cylinder, hull_of, lathe, merge, rod
 from assets_lib.prisms import mark, rectangle
-from assets_lib.urdf import Joint, Link, Model, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic, sphere_shape
+from assets_lib.urdf import (
+    Joint,
+    Link,
+    Model,
+    Visual,
+    box_shape,
+    cylinder_shape,
+    mesh_shape,
+    metal,
+    patterned,
+    plastic,
+    sphere_shape,
+)
 
 BODY = (0.18, 0.20, 0.14)
 TRAY = (0.20, 0.24, 0.015)
@@ -57,7 +69,7 @@ def _tray_link() -> Link:
     rims += [box_shape((x - 2.0 * RIM, RIM, z - SLAB), (0.0, s * (y - RIM) / 2.0, (z + SLAB) / 2.0)) for s in (-1.0, 1.0)]
     post = rod((0.0, 0.0, -TRAVEL - 0.02), (0.0, 0.0, 0.001), 0.02, 16)
     visuals = (
-        Visual(mesh_shape("tray", merge(box(shape.size, shape.xyz) for shape in (slab, *rims))), STEEL),
+        Visual(mesh_shape("tray", merge(box(shape.size, shape.xyz) for shape in (slab, *rims))), patterned(STEEL, "brushed")),
         Visual(mesh_shape("post", post), DARK),
     )
     return Link("tray_link", 0.2, visuals, (slab, *rims), friction=0.9)

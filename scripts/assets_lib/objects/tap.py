@@ -5,7 +5,21 @@ from __future__ import annotations
 import numpy as np
 
 from assets_lib.mesh import Mesh, box, cylinder, lathe, merge, rod
-from assets_lib.urdf import Joint, Link, Model, Shape, Vec3, Visual, box_shape, cylinder_shape, glass, mesh_shape, metal, pane
+from assets_lib.urdf import (
+    Joint,
+    Link,
+    Model,
+    Shape,
+    Vec3,
+    Visual,
+    box_shape,
+    cylinder_shape,
+    glass,
+    mesh_shape,
+    metal,
+    pane,
+    patterned,
+)
 
 FRONT, LEDGE, BACK = -0.20, -0.03, 0.05
 """x of the front of the basin, of the front and of the back of its ledge [m]."""
@@ -90,7 +104,7 @@ def _basin_link() -> Link:
     visuals = (
         Visual(mesh_shape("basin", merge(box(size, center) for size, center in _basin())), CERAMIC),
         Visual(mesh_shape("glaze", _glaze()), GLAZE),
-        Visual(mesh_shape("fittings", _fittings()), CHROME),
+        Visual(mesh_shape("fittings", _fittings()), patterned(CHROME, "brushed")),
         Visual(mesh_shape("drain", drain), GRATE),
     )
     height = HANDLE_Z - THICK / 2.0 - 0.002 - RIM

@@ -16,6 +16,7 @@ from assets_lib.urdf import (
     mesh_shape,
     metal,
     pane,
+    patterned,
     plastic,
     shining,
 )
@@ -119,7 +120,7 @@ def _body_link() -> Link:
         Visual(mesh_shape("shell", _merged(_shell())), WHITE),
         Visual(mesh_shape("drum", _merged(_drum())), (0.55, 0.57, 0.60)),
         Visual(mesh_shape("rim", _rim()), CHROME),
-        Visual(mesh_shape("laundry", _laundry()), (0.86, 0.22, 0.30)),
+        Visual(mesh_shape("laundry", _laundry()), patterned((0.86, 0.22, 0.30), "cloth")),
         Visual(mesh_shape("panel", panel), (0.20, 0.32, 0.58)),
         Visual(mesh_shape("soap_drawer", soap), WHITE),
         Visual(mesh_shape("dial", _dial()), CHROME),

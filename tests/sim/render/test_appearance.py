@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from rlbench_pin.assets import ASSETS
 from rlbench_pin.environment.observations.config import CameraConfig
 from rlbench_pin.errors import InvalidValue
 from rlbench_pin.scene.spec import BodySpec, SceneSpec
@@ -62,6 +63,46 @@ def test_a_lamp_shines_in_its_colour_alone(tmp_path):
     assert plate.sum() > 200 and np.ptp(shining.rgb[plate], axis=0).max() == 0 and shining.rgb[plate][0, 0] > 235
     assert (shining.rgb[plate].astype(int) - dull.rgb[plate])[:, 0].min() > 10
     assert np.percentile((table - dark).sum(axis=2), 80) > 20
+
+
+def _brightness_of_plate(asset):
+    """Return the mask of the plate, and the brightness of its pixels."""
+    with build(_plate_scene(asset)) as world:
+        seen = _taken(world, PLATE)
+    plate = seen.mask == 62
+    assert plate.sum() > 200
+    return plate, seen.rgb[plate].astype(float).mean(axis=1)
+
+
+def test_colours_of_vertices_keep_light_away(tmp_path):
+    """Towards a corner with a dark vertex a plate is darker, and nothing else changes; a file without them is evenly bright."""
+    corners = [f"{x} 0.005 {z}" for x, z in ((-0.1, -0.1), (-0.1, 0.1), (0.1, 0.1), (0.1, -0.1))]
+    seen = {}
+    for name, ends in (("plain", [""] * 4), ("dark", [" 0.4 0.4 0.4"] * 2 + [" 1 1 1"] * 2)):
+        points = "".join(f"v {corner}{end}\n" for corner, end in zip(corners, ends, strict=True))
+        (tmp_path / f"{name}.obj").write_text(points + "f 1 2 3\nf 1 3 4\n")
+        asset = _urdf(tmp_path, name, '<color rgba="0.6 0.6 0.6 1"/>')
+        (tmp_path / f"{name}.urdf").write_text(
+            (tmp_path / f"{name}.urdf").read_text().replace('<box size="0.2 0.01 0.2"/>', f'<mesh filename="{name}.obj"/>', 1)
+        )
+        seen[name] = _brightness_of_plate(asset)
+    assert (seen["plain"][0] == seen["dark"][0]).all()
+    share = np.sort(seen["dark"][1] / seen["plain"][1])
+    assert share[0] < 0.65 and share[-1] > 0.97 and np.ptp(seen["plain"][1]) < 12.0
+
+
+def test_a_pattern_changes_brightness_and_keeps_the_mean(tmp_path):
+    """A plate of wood has lighter and darker places, and a colour that a task gives it is still seen."""
+    wood = ASSETS / "patterns" / "wood.png"
+    plain = _brightness_of_plate(_urdf(tmp_path, "plain", '<color rgba="0.6 0.6 0.6 1"/>'))[1]
+    asset = _urdf(tmp_path, "wood", f'<color rgba="0.6 0.6 0.6 1"/><pattern filename="{wood}" size="0.2"/>')
+    patterned = _brightness_of_plate(asset)[1]
+    assert abs(patterned.mean() / plain.mean() - 1.0) < 0.03 and patterned.std() > plain.std() + 1.0
+    with build(_plate_scene(asset)) as world:
+        world.body("plate").set_color((0.9, 0.1, 0.1))
+        seen = _taken(world, PLATE)
+    colors = seen.rgb[seen.mask == 62].astype(int)
+    assert (colors[:, 0] > 3 * colors[:, 1]).all()
 
 
 def test_white_in_full_light_keeps_its_shape(world):

@@ -53,6 +53,8 @@ class Drawn:
     """(n,) [m]."""
     normals: NDArray[np.float32]
     """Unit normals (3, n) in the world, between those of the corners; none where no colours are wanted."""
+    surface: NDArray[np.float32]
+    """What `Parts.surface` has of the corners, between these (c, n); none where no colours are wanted."""
     behind: Drawn | None = None
     """Surfaces behind glass; None where there is none, or no colours are wanted."""
 
@@ -87,9 +89,14 @@ def draw(
     views = [*(sight.view for sight in sights), *([] if light is None else [light])]
     projection = Projection(placed, views)
     starts = np.cumsum([0, *(view.size[0] * view.size[1] for view in views)])
+    used = [slice(0, view.size[0] * view.size[1]) for view in views]
+    if light is not None:
+        # most of its image is empty
+        (_, begin), (_, end) = projection.bounds(len(sights))
+        used[-1] = slice(begin * light.size[0], (end + 1) * light.size[0])
     solid, glass = opacity >= _SOLID, (opacity > 0.0) & (opacity < _SOLID)
     nearest = np.empty(int(starts[-1]), dtype=np.int64)
-    _draw_into(nearest, starts, projection, solid & _from_layers(nearest, starts, projection, placed, layers, solid))
+    _draw_into(nearest, starts, projection, solid & _from_layers(nearest, starts, used, projection, placed, layers, solid))
     blocked = None if light is None else _blocked(nearest[starts[len(sights)] :], projection)
     keys = nearest[: starts[len(sights)]]
     if not glass.any():
@@ -133,31 +140,37 @@ def _blocked(nearest: NDArray[np.int64], projection: Projection) -> Blocked:
 def _from_layers(
     nearest: NDArray[np.int64],
     starts: NDArray[np.int64],
+    used: Sequence[slice],
     projection: Projection,
     placed: Placed,
     layers: Layers,
     shown: NDArray[np.bool_],
 ) -> NDArray[np.bool_]:
-    """Fill `nearest` with what cameras at rest see of links at rest, and return what has still to be drawn, (c, m)."""
+    """Fill the `used` pixels of all images with what cameras at rest see of links at rest.
+
+    Returns:
+        What has still to be drawn, (c, m).
+    """
+    keys = [nearest[start + part.start : start + part.stop] for start, part in zip(starts, used)]
     kept = layers.of(projection.views, shown, placed.still)
     link = placed.parts.link
     missing = np.zeros((len(kept), len(placed.still)), dtype=np.bool_)
-    for number, layer in enumerate(kept):
+    for number, (layer, own) in enumerate(zip(kept, keys, strict=True)):
         if layer is not None:
             missing[number] = placed.still & ~layer.links
         if layer is None or missing[number].any():
-            nearest[starts[number] : starts[number + 1]] = 0
+            own[:] = 0
     if missing.any():
         _draw_into(nearest, starts, projection, shown & missing.take(link, axis=1))
     left = np.ones((len(kept), len(placed.still)), dtype=np.bool_)
-    for number, layer in enumerate(kept):
+    for number, (layer, own, part) in enumerate(zip(kept, keys, used, strict=True)):
         if layer is None:
             continue
-        own = nearest[starts[number] : starts[number + 1]]
+        resting = layer.nearest[part]
         if missing[number].any():
-            np.maximum(layer.nearest, own, out=layer.nearest)
+            np.maximum(resting, own, out=resting)
             layer.links[missing[number]] = True
-        own[:] = layer.nearest
+        own[:] = resting
         left[number] = ~layer.links
     return (left & projection.reached).take(link, axis=1)
 
@@ -173,7 +186,7 @@ def _draw_into(nearest: NDArray[np.int64], starts: NDArray[np.int64], projection
 
 
 def _with_normals(drawn: Sequence[tuple[NDArray, ...]], sights: Sequence[Sight], projection: Projection) -> list[Drawn]:
-    """Add the normals for cameras that want colours, between those of the corners of the triangles that are seen."""
+    """Add what lies between the corners of the triangles that are seen, for cameras that want colours."""
     count = projection.corner_points.shape[1]
     lit = [number for number, sight in enumerate(sights) if sight.is_lit]
     used = np.zeros((len(sights), count), dtype=np.bool_)
@@ -182,19 +195,23 @@ def _with_normals(drawn: Sequence[tuple[NDArray, ...]], sights: Sequence[Sight],
     camera, triangle = np.nonzero(used)
     place = np.empty((len(sights), count), dtype=np.int64)
     place[camera, triangle] = np.arange(len(camera))
-    forms = _forms(_inverses(projection.corners(camera, triangle)), np.take(projection.normals, triangle, axis=2))
-    normals = [np.zeros((3, 0), dtype=np.float32)] * len(drawn)
+    values = np.take(projection.normals, triangle, axis=2)
+    if projection.surface.shape[1]:
+        values = np.concatenate([values, np.take(projection.surface, triangle, axis=2)], axis=1)
+    forms = _forms(_inverses(projection.corners(camera, triangle)), values)
+    between = [np.zeros((values.shape[1], 0), dtype=np.float32)] * len(drawn)
     if lit:
         chosen = np.concatenate([place[number].take(drawn[number][1]) for number in lit])
         rows = [drawn[number][0] // sights[number].view.size[0] for number in lit]
         columns = [drawn[number][0] - row * sights[number].view.size[0] for number, row in zip(lit, rows, strict=True)]
-        vectors = _vectors(forms.take(chosen, axis=0), np.concatenate(rows), np.concatenate(columns))
+        inverse = np.concatenate([drawn[number][2] for number in lit])
+        found = _between(forms.take(chosen, axis=0), np.concatenate(rows), np.concatenate(columns), inverse)
         ends = np.cumsum([0, *(len(row) for row in rows)])
         for number, begin, end in zip(lit, ends, ends[1:]):
-            normals[number] = vectors[:, begin:end]
+            between[number] = found[:, begin:end]
     return [
-        Drawn(pixels, triangles, inverse, depth, own)
-        for (pixels, triangles, inverse, depth), own in zip(drawn, normals, strict=True)
+        Drawn(pixels, triangles, inverse, depth, own[:3], own[3:])
+        for (pixels, triangles, inverse, depth), own in zip(drawn, between, strict=True)
     ]
 
 
@@ -220,22 +237,26 @@ def _inverses(p: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _forms(inverses: NDArray[np.float64], values: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Factors (k, 9) of u, v and 1, three each, that give vectors between those of the corners, (3 corners, 3, k)."""
+    """Factors (k, 3 c) of u, v and 1, c each, that give values over the depth between those of the corners, (3 corners, c, k)."""
     weights = inverses.astype(np.float32)
     forms = weights[0][:, None] * values[0]
     for i in (1, 2):
         forms += weights[i][:, None] * values[i]
-    return np.ascontiguousarray(forms.reshape(9, -1).T)
+    return np.ascontiguousarray(forms.reshape(3 * values.shape[1], -1).T)
 
 
-def _vectors(forms: NDArray[np.float32], row: NDArray[np.int64], column: NDArray[np.int64]) -> NDArray[np.float32]:
-    """Unit vectors (3, n) at pixels in rows and columns (n,), from their factors (n, 9)."""
+def _between(
+    forms: NDArray[np.float32], row: NDArray[np.int64], column: NDArray[np.int64], inverse: NDArray[np.float32]
+) -> NDArray[np.float32]:
+    """Unit vectors and further values (c, n) at pixels in rows and columns (n,), from factors (n, 3 c) and inverse depths."""
     u, v = column.astype(np.float32), row.astype(np.float32)
-    vectors = np.empty((3, len(u)), dtype=np.float32)
-    for i, values in enumerate(vectors):
+    count = forms.shape[1] // 3
+    result = np.empty((count, len(u)), dtype=np.float32)
+    for i, values in enumerate(result):
         np.multiply(forms[:, i], u, out=values)
-        values += forms[:, 3 + i] * v
-        values += forms[:, 6 + i]
-    x, y, z = vectors
+        values += forms[:, count + i] * v
+        values += forms[:, 2 * count + i]
+    x, y, z = vectors = result[:3]
     vectors /= np.maximum(np.sqrt(x * x + y * y + z * z), np.float32(1e-12))
-    return vectors
+    result[3:] /= inverse
+    return result

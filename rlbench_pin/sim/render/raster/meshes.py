@@ -1,8 +1,8 @@
-"""Visual shapes as triangles with normals: OBJ files, boxes, spheres, cylinders and capsules."""
+"""Visual shapes as triangles with normals and shades: OBJ files, boxes, spheres, cylinders and capsules."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 
@@ -63,6 +63,8 @@ class Triangles:
     """(m, 3, 3) [m]."""
     normals: NDArray[np.float64]
     """Unit normal of each corner (m, 3, 3)."""
+    shades: NDArray[np.float64] | None = None
+    """How much of the ambient light reaches each corner (m, 3), 0..1; all of it when None."""
 
 
 def triangles_of(kind: int, size: tuple[float, ...], file: str) -> Triangles | None:
@@ -87,7 +89,8 @@ def triangles_of(kind: int, size: tuple[float, ...], file: str) -> Triangles | N
 def _scaled(triangles: Triangles, factors: tuple[float, ...]) -> Triangles:
     factor = np.array(factors)
     normals = triangles.normals / factor
-    return Triangles(triangles.corners * factor, normals / np.linalg.norm(normals, axis=2, keepdims=True))
+    normals /= np.linalg.norm(normals, axis=2, keepdims=True)
+    return replace(triangles, corners=triangles.corners * factor, normals=normals)
 
 
 @lru_cache(maxsize=1)
@@ -137,14 +140,19 @@ def _cells(grid: NDArray) -> NDArray:
 
 @lru_cache(maxsize=512)
 def _read_obj(file: Path) -> Triangles:
-    """Read corners, normals and faces; faces with more than three corners become fans, files without normals get some."""
+    """Read corners, normals and faces; faces with more than three corners become fans, files without normals get some.
+
+    The brightness of colours of vertices, which many programs write behind the places, are the shades.
+    """
     points: list[list[float]] = []
     normals: list[list[float]] = []
+    shades: list[float] = []
     faces: list[list[tuple[int, int]]] = []
     for line in file.read_text(encoding="utf-8", errors="replace").splitlines():
         word, *rest = line.split() or [""]
         if word == "v":
             points.append([float(x) for x in rest[:3]])
+            shades.append(sum(float(x) for x in rest[3:6]) / 3.0 if len(rest) >= 6 else 1.0)
         elif word == "vn":
             normals.append([float(x) for x in rest[:3]])
         elif word == "f":
@@ -152,10 +160,12 @@ def _read_obj(file: Path) -> Triangles:
             faces += [[corners[0], corners[i], corners[i + 1]] for i in range(1, len(corners) - 1)]
     numbers = np.array(faces, dtype=np.int64).reshape(-1, 3, 2)
     corners_at = np.array(points, dtype=float).reshape(-1, 3)[numbers[..., 0]]
+    shades_at = None if min(shades, default=1.0) >= 1.0 else np.array(shades)[numbers[..., 0]]
     if len(normals) == 0 or (numbers[..., 1] < 0).any():
-        return Triangles(corners_at, creased_normals(corners_at))
+        return Triangles(corners_at, creased_normals(corners_at), shades_at)
     at_corners = np.array(normals)[numbers[..., 1]]
-    return Triangles(corners_at, at_corners / np.maximum(np.linalg.norm(at_corners, axis=2, keepdims=True), 1e-30))
+    at_corners /= np.maximum(np.linalg.norm(at_corners, axis=2, keepdims=True), 1e-30)
+    return Triangles(corners_at, at_corners, shades_at)
 
 
 def _corner(text: str, points: int, normals: int) -> tuple[int, int]:

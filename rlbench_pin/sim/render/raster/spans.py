@@ -5,6 +5,8 @@ Triangles out of sight are left out. Of the triangles in a pixel the nearest is 
 
 from __future__ import annotations
 
+import math
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -42,13 +44,15 @@ class Projection:
     Attributes:
         views: The same.
         normals: Normals of the corners in the world, (3 corners, 3, m).
+        surface: What `Parts.surface` says of the corners, (3 corners, c, m).
         corner_points: Numbers (3, m) of the points at the corners of the triangles.
         facing: Whether each camera (c, m) is on the side from which a triangle is seen.
         reached: Whether something of each link (l,) may be in the image of each camera, (c, l).
     """
 
     def __init__(self, placed: Placed, views: Sequence[CameraView]) -> None:
-        self.views, self.normals, self.corner_points = views, placed.normals, placed.parts.corners
+        self.views, self.corner_points = views, placed.parts.corners
+        self.normals, self.surface = placed.normals, placed.parts.surface
         cameras = np.stack([view.to_image for view in views]).astype(np.float32)
         # one product for each camera: larger ones are rounded otherwise
         points = np.matmul(cameras, placed.points)
@@ -64,11 +68,13 @@ class Projection:
     def bounds(self, camera: int) -> tuple[tuple[int, int], tuple[int, int]]:
         """First and last column, and first and last row, of the part of an image that holds all points that are in it."""
         pixels = self._pixels[2 * camera * self._count : 2 * (camera + 1) * self._count].reshape(2, -1)
-        last = np.array(self.views[camera].size) - 1
-        with np.errstate(invalid="ignore"):
-            low, high = np.floor(np.fmin.reduce(pixels, axis=1)), np.ceil(np.fmax.reduce(pixels, axis=1))
-        first, end = (np.clip(np.nan_to_num(values), 0, last).astype(int).tolist() for values in (low, high))
-        return (first[0], first[1]), (end[0], end[1])
+        spans = []
+        for low, high, side in zip(pixels.min(axis=1), pixels.max(axis=1), self.views[camera].size, strict=True):
+            is_known = np.isfinite(low) and np.isfinite(high)
+            ends = (math.floor(low), math.ceil(high)) if is_known else (0, side - 1)
+            spans.append([min(max(end, 0), side - 1) for end in ends])
+        columns, rows = spans
+        return (columns[0], rows[0]), (columns[1], rows[1])
 
     def image(self, camera: NDArray[np.int64], triangle: NDArray[np.int64]) -> tuple[NDArray[np.float32], ...]:
         """Columns and rows [px] and depth [m] of the corners of triangles, each (3, k); infinite or nan behind a camera."""
@@ -189,6 +195,8 @@ def _cut(a: NDArray, b: NDArray, depth: NDArray) -> NDArray:
 
 _BITS = 32
 """Bits of the number of a triangle in a key; above them are those of its inverse depth."""
+_UPPER = 1 if sys.byteorder == "little" else 0
+"""Which half of a key is that of the inverse depth."""
 _MIN_INVERSE = np.float32(1e-9)
 """What slivers are never beyond [1/m]."""
 
@@ -253,8 +261,8 @@ def parts_of_keys(keys: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[n
 
 def inverses_of_keys(keys: NDArray[np.int64]) -> NDArray[np.float32]:
     """Inverse depth [1/m] of keys (...); 0 where they are 0."""
-    inverse: NDArray[np.float32] = np.right_shift(keys, _BITS).astype(np.int32).view(np.float32)
-    return inverse
+    halves: NDArray[np.float32] = np.ascontiguousarray(keys).view(np.float32).reshape(*keys.shape, 2)
+    return halves[..., _UPPER]
 
 
 def _runs(counts: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

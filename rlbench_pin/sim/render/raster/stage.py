@@ -14,6 +14,7 @@ from rlbench_pin.sim.client import PhysicsClient, bullet
 from rlbench_pin.sim.render.camera import CameraView
 from rlbench_pin.sim.render.masks import segment_of
 from rlbench_pin.sim.render.raster.meshes import Triangles, flat_normals, triangles_of
+from rlbench_pin.sim.render.texture import Texture, read_texture
 from rlbench_pin.urdf import DULL, Finish
 
 _MIN_REST, _MAX_REST = 2, 64
@@ -56,6 +57,9 @@ class Parts:
     """Unit normal of each triangle and minus its product with the corners (4, m); 0 for those without an area."""
     normals: NDArray[np.float32]
     """(3, 3, m): for each corner its unit normal."""
+    surface: NDArray[np.float32]
+    """(3, c, m): for each corner how much of the ambient light reaches it, 0..1, and where a pattern has it [m], along the two
+    axes of its link that its face is most parallel to. c is 3; 1 where no visual has a pattern; 0 where all light reaches all."""
     shape: NDArray[np.int64]
     """Number of the visual of each triangle (m,), in PyBullet's order."""
     link: NDArray[np.int64]
@@ -64,12 +68,13 @@ class Parts:
     """Middle and radius of a ball around each link (l, 4), in its frame [m]."""
 
 
-def join(shapes: Mapping[Link, Sequence[tuple[int, Triangles]]], segments: Sequence[int]) -> Parts:
+def join(shapes: Mapping[Link, Sequence[tuple[int, Triangles]]], segments: Sequence[int], has_pattern: bool = False) -> Parts:
     """Put the visuals of all links together.
 
     Args:
         shapes: Of each link its visuals, by number, in the frame of the link.
         segments: Segmentation value of each link.
+        has_pattern: Whether some visual has a pattern.
     """
     every = [pair for group in shapes.values() for pair in group]
     ends = _ends([sum(len(t.corners) for _, t in group) for group in shapes.values()])
@@ -83,6 +88,13 @@ def join(shapes: Mapping[Link, Sequence[tuple[int, Triangles]]], segments: Seque
         np.concatenate([np.zeros((0, 3, 3)), *(getattr(t, name) for _, t in every)]) for name in ("corners", "normals")
     )
     places = np.concatenate([np.zeros((0, 3)), *points])
+    shades = [np.ones((len(t.corners), 3)) if t.shades is None else t.shades for _, t in every]
+    surface = np.concatenate([np.zeros((0, 3)), *shades])[..., None]
+    if has_pattern:
+        on_planes = np.concatenate([np.zeros((0, 3, 2)), *(_on_plane(t.corners) for _, t in every if len(t.corners))])
+        surface = np.concatenate([surface, on_planes], axis=2)
+    elif all(t.shades is None for _, t in every):
+        surface = surface[..., :0]
     return Parts(
         links=tuple(shapes),
         segments=np.array(segments, dtype=np.int32),
@@ -92,10 +104,21 @@ def join(shapes: Mapping[Link, Sequence[tuple[int, Triangles]]], segments: Seque
         corners=np.ascontiguousarray(np.concatenate(corners).T),
         planes=_planes(at_corners),
         normals=np.ascontiguousarray(normals.transpose(1, 2, 0), dtype=np.float32),
+        surface=np.ascontiguousarray(surface.transpose(1, 2, 0), dtype=np.float32),
         shape=np.repeat([number for number, _ in every], [len(t.corners) for _, t in every]).astype(np.int64),
         link=np.repeat(np.arange(len(shapes)), np.diff(ends)),
         balls=np.array([_ball(own) for own in points], dtype=np.float32).reshape(-1, 4),
     )
+
+
+def _on_plane(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Coordinates (m, 3, 2) of the corners (m, 3, 3) of one visual along the two axes that each is most parallel to, first
+    that along which the visual is longer.
+    """
+    sizes = np.ptp(corners.reshape(-1, 3), axis=0).round(3)
+    across = np.abs(flat_normals(corners)[:, 0]).argmax(axis=1)
+    axes = np.array([sorted({0, 1, 2} - {axis}, key=lambda other: -sizes[other]) for axis in range(3)])[across]
+    return np.take_along_axis(corners, np.repeat(axes[:, None], 3, axis=1), axis=2)
 
 
 def _ball(points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -265,6 +288,10 @@ class Materials:
     """Whether it shines by itself (v,)."""
     reach: NDArray[np.float32]
     """How far the light reaches of those that shine (v,) [m]."""
+    pattern: NDArray[np.int64]
+    """Which of the patterns each has, -1 for none (v,)."""
+    patterns: tuple[tuple[Texture, float], ...]
+    """Patterns, and the side of each on the surface [m]."""
 
 
 class Stage:
@@ -304,7 +331,7 @@ class Stage:
             self.materials = _materials(entries, mixed, self._appearance.finishes())
             visuals = tuple(_visual(entry) for entry in entries)
             if visuals != self._visuals:
-                parts = _parts(visuals)
+                parts = _parts(visuals, bool(self.materials.patterns))
                 self._visuals, self._placed, self.layers = visuals, None if parts is None else Placed(parts), Layers()
                 bodies = {visual.body: bullet.getNumJoints(visual.body, physicsClientId=identifier) for visual in visuals}
                 self._from_com = {body: self._com(body) for body in bodies}
@@ -382,6 +409,8 @@ def _materials(entries: list[tuple], mixed: Visuals, known: Finishes) -> Materia
         dtype=np.bool_,
     )
     reach = np.array([finish.reach for finish in finishes], dtype=np.float32) * shines
+    patterns = [(finish.pattern, finish.pattern_size) for finish in finishes]
+    kinds = {kind: number for number, kind in enumerate(dict.fromkeys(kind for kind in patterns if kind[0] is not None))}
     return Materials(
         colors=np.ascontiguousarray((colors[:, :3] * np.float32(255.0)).T),
         opacity=np.ascontiguousarray(colors[:, 3]),
@@ -389,6 +418,8 @@ def _materials(entries: list[tuple], mixed: Visuals, known: Finishes) -> Materia
         is_glossy=np.asarray(gloss.any(axis=1)),
         shines=shines,
         reach=reach,
+        pattern=np.array([kinds.get(kind, -1) for kind in patterns], dtype=np.int64),
+        patterns=tuple((read_texture(file), size) for file, size in kinds if file is not None),
     )
 
 
@@ -396,7 +427,7 @@ def _visual(entry: tuple) -> Visual:
     return Visual(entry[0], entry[1], entry[2], entry[3], entry[4].decode(), entry[5], entry[6], entry[8] >= 0)
 
 
-def _parts(visuals: tuple[Visual, ...]) -> Parts | None:
+def _parts(visuals: tuple[Visual, ...], has_pattern: bool) -> Parts | None:
     """Read all shapes; None when one cannot be drawn."""
     placed: dict[tuple[int, int], list[tuple[int, Triangles]]] = {}
     for number, visual in enumerate(visuals):
@@ -405,9 +436,9 @@ def _parts(visuals: tuple[Visual, ...]) -> Parts | None:
             return None
         frame = _matrices(np.array([[*visual.position, *visual.quaternion]]))[0]
         corners = triangles.corners @ frame[:3, :3].T + frame[:3, 3]
-        moved = Triangles(corners, triangles.normals @ frame[:3, :3].T)
+        moved = Triangles(corners, triangles.normals @ frame[:3, :3].T, triangles.shades)
         placed.setdefault((visual.body, visual.link), []).append((number, moved))
-    return join(placed, [segment_of(body, link) for body, link in placed])
+    return join(placed, [segment_of(body, link) for body, link in placed], has_pattern)
 
 
 def _matrices(poses: NDArray[np.float64]) -> NDArray[np.float64]:

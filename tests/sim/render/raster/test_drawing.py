@@ -57,7 +57,7 @@ def lit(shot: Shot, view: CameraView) -> np.ndarray:
     """Colours (3, n) of our shot in the ambient and key light without shadows."""
     assert shot.normals is not None
     room = Painter([PANEL], Lighting()).draw(view)
-    return np.minimum(colors_in_light([surfaces_of(KeptBackdrop(view, room), shot)], Lighting(), None, ())[0], 255.0)
+    return np.minimum(colors_in_light([surfaces_of(KeptBackdrop(view, room), shot)], Lighting(), None, ()), 255.0)
 
 
 @pytest.fixture(scope="module")

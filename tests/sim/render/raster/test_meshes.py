@@ -74,6 +74,19 @@ def test_meshes_without_normals_are_smooth_but_for_their_edges(tmp_path: Path) -
     assert radial[sides].min() > np.cos(np.radians(1.0))
 
 
+def test_colours_of_vertices_are_shades(tmp_path: Path) -> None:
+    """Their brightness; a file without them, or with white ones, has none."""
+    text = "v 0 0 0{0}\nv 1 0 0 1 1 1\nv 0 1 0{1}\nf 1 2 3\n"
+    for name, ends, shades in (("dark", (" 0.5 0.5 0.5", " 0.2 0.4 0.6"), [[0.5, 1.0, 0.4]]), ("white", ("", " 1 1 1"), None)):
+        (tmp_path / f"{name}.obj").write_text(text.format(*ends))
+        triangles = triangles_of(pybullet.GEOM_MESH, (1.0, 1.0, 1.0), str(tmp_path / f"{name}.obj"))
+        assert triangles is not None
+        if shades is None:
+            assert triangles.shades is None
+        else:
+            np.testing.assert_allclose(triangles.shades, shades)
+
+
 def test_other_files_are_not_drawn_here() -> None:
     """STL and DAE meshes, and planes."""
     assert triangles_of(pybullet.GEOM_MESH, (1.0, 1.0, 1.0), "thing.stl") is None
