@@ -8,9 +8,9 @@ from rlbench_pin.tasks import AllOf, Detected, JointMoved, SpawnBoundary, Task
 
 WHITE = (1.0, 1.0, 1.0)
 CHANNELS = {
-    "one": ((0.10, 0.12, 0.35), (0.30, 0.34, 0.45), (0.95, 0.95, 0.85)),
-    "two": ((0.40, 0.70, 0.95), (0.20, 0.55, 0.18), (1.0, 0.85, 0.20)),
-    "three": ((0.98, 0.62, 0.30), (0.45, 0.22, 0.30), (1.0, 0.25, 0.15)),
+    "one": ((0.12, 0.14, 0.42), (0.34, 0.38, 0.50), (0.95, 0.95, 0.85)),
+    "two": ((0.55, 0.80, 1.0), (0.20, 0.55, 0.18), (1.0, 0.85, 0.20)),
+    "three": ((1.0, 0.72, 0.40), (0.45, 0.22, 0.30), (1.0, 0.25, 0.15)),
 }
 """Link of the digit of a channel -> the colours of sky, hills and sun in its picture."""
 
@@ -19,7 +19,7 @@ class ChangeChannel(Task):
     """The remote must lie in front of the television, aimed at it, while the asked button is down by 3 mm."""
 
     buttons = ("plus", "minus")
-    words = (("plus", "up", "next", "three"), ("minus", "down", "previous", "one"))
+    words = (("plus", "up", "three"), ("minus", "down", "one"))
 
     def init_task(self) -> None:
         """The remote may be grasped."""
@@ -34,17 +34,17 @@ class ChangeChannel(Task):
         return len(self.buttons)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Lay the remote beside its place, the second channel on; success is the asked button pressed with the remote in place."""
+        """Lay the remote beside its place, the second channel on; success is the asked button pressed with the remote there."""
         self.patches.clear()
         self.patches.sample(self.remote, rng)
         self._show("two")
         self.world.frame("waypoint6").set_parent(f"remote/{self.buttons[variation]}")
         self.register_success_conditions([self.commands[variation]])
-        sign, way, nth, channel = self.words[variation]
+        sign, way, channel = self.words[variation]
         return [
             f"Lay the remote down in front of the television, aimed at it, and press {sign}.",
             f"Switch one channel {way} with the remote, which must lie before the screen and face it.",
-            f"I want to see the {nth} channel, number {channel}: point the remote at the TV, let go of it, and push its {sign} button.",
+            f"I want to see channel {channel}: point the remote at the TV, let go of it, and push its {sign} button.",
         ]
 
     def step(self) -> None:

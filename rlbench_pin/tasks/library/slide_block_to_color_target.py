@@ -1,4 +1,4 @@
-"""Push a block along the table onto the square of one colour; a variant of `slide_block_to_target`, beside the paper's 106 tasks."""
+"""Push a block onto the square of one colour; a variant of `slide_block_to_target`, beside the paper's 106 tasks."""
 
 from __future__ import annotations
 

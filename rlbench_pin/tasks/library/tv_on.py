@@ -6,7 +6,7 @@ import numpy as np
 
 from rlbench_pin.tasks import AllOf, Detected, JointMoved, SpawnBoundary, Task
 
-SKY, WHITE, DARK = (0.40, 0.70, 0.95), (1.0, 1.0, 1.0), (0.03, 0.03, 0.04)
+SKY, WHITE, DARK = (0.55, 0.80, 1.0), (1.0, 1.0, 1.0), (0.03, 0.03, 0.04)
 PICTURE = {"screen": SKY, "hills": (0.20, 0.55, 0.18), "sun": (1.0, 0.85, 0.20), "one": WHITE, "two": SKY, "three": SKY}
 """Link of the television -> its colour while it is on; digits in the colour of the sky are not seen."""
 

@@ -7,7 +7,7 @@ import numpy as np
 from assets_lib.cabinets import bevelled, bevelled_box
 from assets_lib.mesh import FloatArray, Mesh, box, cylinder, hull_of, merge
 from assets_lib.prisms import regular_polygon
-from assets_lib.urdf import Joint, Link, Model, Visual, box_shape, cylinder_shape, mesh_shape, plastic, shining
+from assets_lib.urdf import Joint, Link, Model, Visual, box_shape, cylinder_shape, mesh_shape, plastic
 
 PANEL, BOTTOM = (0.03, 0.40, 0.25), 0.045
 """Size of the panel, and height of its lower edge [m]."""
@@ -26,15 +26,18 @@ CAPS = {"power": 0.045, "plus": 0.01, "minus": -0.025}
 """Link -> x of the cap [m]."""
 RED, KEY, GLYPH = plastic((0.85, 0.10, 0.08)), plastic((0.78, 0.80, 0.82)), (0.05, 0.05, 0.06)
 
-SEGMENTS = {
-    "one": "bc",
-    "two": "abged",
-    "three": "abgcd",
-}
+SEGMENTS = {"one": "bc", "two": "abged", "three": "abgcd"}
 """Digit -> strokes that are lit, called as those of a display of seven segments."""
-STROKES = {"a": (0.0, 1.0, 0), "b": (0.5, 0.5, 1), "c": (0.5, -0.5, 1), "d": (0.0, -1.0, 0), "e": (-0.5, -0.5, 1), "g": (0.0, 0.0, 0)}
+STROKES = {
+    "a": (0.0, 1.0, 0),
+    "b": (0.5, 0.5, 1),
+    "c": (0.5, -0.5, 1),
+    "d": (0.0, -1.0, 0),
+    "e": (-0.5, -0.5, 1),
+    "g": (0.0, 0.0, 0),
+}
 """Stroke -> its middle across and up in widths of a digit, and whether it is upright."""
-DIGIT, STROKE = 0.024, 0.006
+DIGIT, STROKE = 0.026, 0.008
 """Width of a digit and of its strokes [m]."""
 
 
@@ -57,12 +60,13 @@ def _hills() -> Mesh:
     return merge(_sheet(points, 1) for points in (plain, left, right))
 
 
-def _digit(strokes: str) -> Mesh:
-    """Return a digit in the upper left corner of the screen."""
-    places = [STROKES[stroke] for stroke in strokes]
-    sizes = [(STROKE, DIGIT + STROKE) if upright else (DIGIT + STROKE, STROKE) for *_, upright in places]
-    x, y = -SCREEN[0] / 2.0 + 0.032, SCREEN[1] / 2.0 - 0.042
-    return merge(_sheet(_rectangle(x + a * DIGIT, y + b * DIGIT, *size), 2) for (a, b, _), size in zip(places, sizes, strict=True))
+def _digit(place: int, strokes: str) -> Mesh:
+    """Return a digit in a row that begins in the upper left corner of the screen."""
+    x, y, sheets = -SCREEN[0] / 2.0 + 0.032 + 2.0 * DIGIT * place, SCREEN[1] / 2.0 - 0.042, []
+    for across, up, upright in (STROKES[stroke] for stroke in strokes):
+        size = (STROKE, DIGIT + STROKE) if upright else (DIGIT + STROKE, STROKE)
+        sheets.append(_sheet(_rectangle(x + across * DIGIT, y + up * DIGIT, *size), 2))
+    return merge(sheets)
 
 
 def _television() -> Model:
@@ -81,10 +85,10 @@ def _television() -> Model:
     links = [Link("television", 4.0, visuals, tuple(box_shape(*part) for part in (panel, neck, foot)))]
     sun = regular_polygon(0.024, 20) + (0.095, 0.052)
     picture = {
-        "screen": (_sheet(_rectangle(0.0, 0.004, *SCREEN), 0), shining((0.40, 0.70, 0.95))),
+        "screen": (_sheet(_rectangle(0.0, 0.004, *SCREEN), 0), (0.55, 0.80, 1.0)),
         "hills": (_hills(), (0.20, 0.55, 0.18)),
         "sun": (_sheet(sun, 1), (1.0, 0.85, 0.20)),
-        **{name: (_digit(strokes), (1.0, 1.0, 1.0)) for name, strokes in SEGMENTS.items()},
+        **{name: (_digit(i, strokes), (1.0, 1.0, 1.0)) for i, (name, strokes) in enumerate(SEGMENTS.items())},
     }
     links += [Link(name, 0.001, (Visual(mesh_shape(name, mesh), paint, crease=0.1),)) for name, (mesh, paint) in picture.items()]
     joints = tuple(Joint(f"{name}_mount", "fixed", "television", name, (0.0, 0.0, 0.0)) for name in picture)
@@ -106,11 +110,17 @@ def _glyph(name: str) -> Mesh:
 
 def _remote() -> Model:
     x, y, z = REMOTE
-    keys = [bevelled_box((0.007, 0.009, 0.002), (-0.045 - 0.0115 * i, 0.013 * j, z + 0.0005), 0.0006) for i in range(3) for j in (-1, 0, 1)]
+    keys = [
+        bevelled_box((0.007, 0.009, 0.002), (-0.045 - 0.0115 * i, 0.013 * j, z + 0.0005), 0.0006)
+        for i in range(3)
+        for j in (-1, 0, 1)
+    ]
     wells = [cylinder(CAP_RADIUS + 0.0025, 0.0008, 20).moved((place, 0.0, z)) for place in CAPS.values()]
     visuals = (
         Visual(mesh_shape("shell", bevelled_box(REMOTE, (0.0, 0.0, z / 2.0), 0.003)), plastic((0.17, 0.18, 0.21)), crease=0.1),
-        Visual(mesh_shape("window", bevelled_box((0.006, 0.026, 0.010), (x / 2.0 - 0.0025, 0.0, z / 2.0), 0.001)), (0.30, 0.02, 0.05)),
+        Visual(
+            mesh_shape("window", bevelled_box((0.006, 0.026, 0.010), (x / 2.0 - 0.0025, 0.0, z / 2.0), 0.001)), (0.30, 0.02, 0.05)
+        ),
         Visual(mesh_shape("keys", merge(keys)), (0.55, 0.57, 0.60), crease=0.1),
         Visual(mesh_shape("wells", merge(wells)), (0.06, 0.06, 0.07), crease=0.5),
     )
@@ -119,13 +129,20 @@ def _remote() -> Model:
     for name, place in CAPS.items():
         cap = cylinder(CAP_RADIUS, PROUD, 20, bevel=0.001).moved((0.0, 0.0, -PROUD / 2.0))
         sign = GLYPH if name != "power" else (1.0, 1.0, 1.0)
-        looks = (Visual(mesh_shape(f"{name}_cap", cap), RED if name == "power" else KEY), Visual(mesh_shape(f"{name}_sign", _glyph(name)), sign))
+        looks = (
+            Visual(mesh_shape(f"{name}_cap", cap), RED if name == "power" else KEY),
+            Visual(mesh_shape(f"{name}_sign", _glyph(name)), sign),
+        )
         links.append(Link(name, 0.01, looks, (cylinder_shape(CAP_RADIUS, PROUD, (0.0, 0.0, -PROUD / 2.0)),)))
-        joints.append(Joint(f"{name}_joint", "prismatic", "remote", name, (place, 0.0, z + PROUD), (0.0, 0.0, -1.0), 0.0, TRAVEL, damping=0.5))
+        joints.append(
+            Joint(
+                f"{name}_joint", "prismatic", "remote", name, (place, 0.0, z + PROUD), (0.0, 0.0, -1.0), 0.0, TRAVEL, damping=0.5
+            )
+        )
     notes = (
         f"aims along +x; body {REMOTE}, {y} across; its ends at x = -+{x / 2.0}",
-        f"caps of diameter {2 * CAP_RADIUS} on the links `power`, `plus`, `minus` at x = {tuple(CAPS.values())}; each has its origin "
-        f"at the centre of its top, {PROUD} above the body, and its joint grows when it is pressed, at most {TRAVEL}",
+        f"caps of diameter {2 * CAP_RADIUS} on the links `power`, `plus`, `minus` at x = {tuple(CAPS.values())}; each has its "
+        f"origin at the centre of its top, {PROUD} above the body, and its joint grows when it is pressed, at most {TRAVEL}",
     )
     return Model("remote", "objects/remote", "bottom centre", tuple(links), tuple(joints), notes)
 
