@@ -11,11 +11,11 @@ FRONT, BACK, HALF, FOOT, HEIGHT = -0.12, 0.12, 0.20, 0.012, 0.60
 NICHE, DEEP = ((0.02, 0.16), (0.25, 0.45)), 0.10
 """What the niche spans along y and z, and its depth [m]."""
 MIDDLE = sum(NICHE[0]) / 2.0
-SEAM = -0.02
+SEAM = -0.03
 """y of the gap between both doors [m]."""
-HANDLE, STAND_OFF = (0.16, 0.44), 0.02
+HANDLE, STAND_OFF = (0.08, 0.28), 0.02
 """Lowest and highest z of the bars, and how far they stand out [m]."""
-TONGUE, AXLE, TURN = (0.01, 0.03, 0.06), (-0.045, 0.435), 0.35
+TONGUE, AXLE, TURN = (0.01, 0.03, 0.06), (-0.07, 0.435), 0.35
 """Size of the tongue, x and z of its axle, how far it turns [m, rad]."""
 STEEL, DARK, CHROME, GRILLE = plastic((0.74, 0.77, 0.80)), (0.13, 0.14, 0.15), metal((0.84, 0.85, 0.88)), (0.42, 0.44, 0.46)
 ICE = (0.80, 0.93, 1.0)
@@ -70,7 +70,7 @@ def _cubes() -> Mesh:
 
 def _fridge() -> Link:
     bars, bar_shapes = _bars()
-    nozzle = cylinder_shape(0.016, 0.02, (-0.078, MIDDLE, NICHE[1][1] - 0.01))
+    nozzle = cylinder_shape(0.016, 0.02, (-0.095, MIDDLE, NICHE[1][1] - 0.01))
     tube = lathe([(0.0, -0.004), (0.011, -0.004), (0.012, -0.01), (0.016, -0.01), (0.02, 0.01), (0.0, 0.01)], 20)
     grille = [box((0.08, 0.004, 0.003), (FRONT + 0.05, MIDDLE + 0.012 * i, NICHE[1][0] + 0.002)) for i in range(-5, 6)]
     feet = bevelled(tuple(((0.04, 0.04, FOOT), (x, y, FOOT / 2.0)) for x in (-0.09, 0.09) for y in (-0.17, 0.17)))
@@ -118,7 +118,8 @@ def models() -> tuple[Model, ...]:
     )
     notes = (
         f"front faces -x at x = {FRONT}; solid but for the niche: y {NICHE[0]}, z {NICHE[1]}, {DEEP} deep",
-        f"link `tongue` hangs from an axle at x = {AXLE[0]}, y = {MIDDLE}, z = {AXLE[1]}, {z} long, {y} wide; pushed inwards its joint grows",
+        f"link `tongue` hangs from an axle at x = {AXLE[0]}, y = {MIDDLE}, z = {AXLE[1]}, {z} long, {y} wide; "
+        "pushed inwards its joint grows",
         "recolour the link `light` over the niche",
     )
     return (Model("ice_fridge", "objects/ice_fridge", "bottom centre", (_fridge(), tongue, lamp), joints, notes),)
