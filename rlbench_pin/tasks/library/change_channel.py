@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rlbench_pin.tasks import AllOf, Detected, JointMoved, SpawnBoundary, Task
+from rlbench_pin.tasks import AllOf, Detected, JointMoved, NothingGrasped, SpawnBoundary, Task
 
 WHITE = (1.0, 1.0, 1.0)
 CHANNELS = {
@@ -22,12 +22,16 @@ class ChangeChannel(Task):
     words = (("plus", "up", "three"), ("minus", "down", "one"))
 
     def init_task(self) -> None:
-        """The remote may be grasped."""
+        """The remote may be grasped by its body; a button counts with both ends of the remote where they belong, let go."""
         self.television, self.remote = self.world.body("television"), self.world.body("remote")
         self.patches = SpawnBoundary([self.world.region("left"), self.world.region("right")])
-        self.register_graspable_objects(["remote"])
-        aimed = [Detected(self.world.frame(end), self.world.sensor(place)) for end, place in (("tip", "front"), ("tail", "rear"))]
-        self.commands = [AllOf([JointMoved(self.world.joint(f"remote/{name}_joint"), 0.003), *aimed]) for name in self.buttons]
+        self.register_graspable_objects(["remote/remote"])
+        ends = {"tip": "front", "tail": "rear"}
+        aimed = [Detected(self.world.frame(end), self.world.sensor(place)) for end, place in ends.items()]
+        self.commands = [
+            AllOf([JointMoved(self.world.joint(f"remote/{name}_joint"), 0.003), *aimed, NothingGrasped(self.gripper)])
+            for name in self.buttons
+        ]
 
     def variation_count(self) -> int:
         """One for each button."""

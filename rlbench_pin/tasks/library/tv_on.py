@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rlbench_pin.tasks import AllOf, Detected, JointMoved, SpawnBoundary, Task
+from rlbench_pin.tasks import AllOf, Detected, JointMoved, NothingGrasped, SpawnBoundary, Task
 
 SKY, WHITE, DARK = (0.55, 0.80, 1.0), (1.0, 1.0, 1.0), (0.03, 0.03, 0.04)
 PICTURE = {"screen": SKY, "hills": (0.20, 0.55, 0.18), "sun": (1.0, 0.85, 0.20), "one": WHITE, "two": SKY, "three": SKY}
@@ -15,12 +15,13 @@ class TvOn(Task):
     """The remote must lie in front of the television, aimed at it, while its power button is down by 3 mm."""
 
     def init_task(self) -> None:
-        """The remote may be grasped; success is its power button pressed with both ends where they belong."""
+        """The remote may be grasped by its body; success is its power button pressed with both ends where they belong, let go."""
         self.television, self.remote = self.world.body("television"), self.world.body("remote")
         self.patches = SpawnBoundary([self.world.region("left"), self.world.region("right")])
-        self.register_graspable_objects(["remote"])
-        aimed = [Detected(self.world.frame(end), self.world.sensor(place)) for end, place in (("tip", "front"), ("tail", "rear"))]
-        self.turned_on = AllOf([JointMoved(self.world.joint("remote/power_joint"), 0.003), *aimed])
+        self.register_graspable_objects(["remote/remote"])
+        ends = {"tip": "front", "tail": "rear"}
+        aimed = [Detected(self.world.frame(end), self.world.sensor(place)) for end, place in ends.items()]
+        self.turned_on = AllOf([JointMoved(self.world.joint("remote/power_joint"), 0.003), *aimed, NothingGrasped(self.gripper)])
         self.register_success_conditions([self.turned_on])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
