@@ -25,7 +25,7 @@ class GetIceFromFridge(Task):
         self.step()
         return [
             "Hold the cup under the ice outlet of the fridge and push its lever.",
-            "There is an ice dispenser in the fridge: work its tongue with the rim of the cup.",
+            "There is an ice dispenser in the fridge: push its tongue with the rim of the cup.",
             "Get some ice: press the cup against the lever in the niche of the refrigerator.",
         ]
 

@@ -33,6 +33,6 @@ class SlideBlockToColorTarget(Task):
         self.register_success_conditions([Detected(self.block, self.world.sensor(f"on_{color}"))])
         return [
             f"Push the red block onto the middle of the {color} square.",
-            f"Among the four squares is a {color} one: nudge the red cube to its centre.",
+            f"Several squares lie around the red cube: nudge it to the centre of the {color} one.",
             f"Bring the block to the {color} mark on the table, right to its middle.",
         ]

@@ -32,7 +32,7 @@ class TvOn(Task):
         return [
             "Lay the remote down in front of the television, aimed at it, and press its power button.",
             "I would like to watch something: point the remote at the TV, let go of it, and push the red button.",
-            "Start the television with its remote, which must lie before the screen and face it.",
+            "Turn the television on with its remote, which must lie before the screen and face it.",
         ]
 
     def step(self) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from assets_lib.cabinets import bevelled, bevelled_box, cabinet
+from assets_lib.cabinets import bevelled_box, cabinet
 from assets_lib.mesh import Mesh, box, lathe, merge, rod
 from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic, shining
 
@@ -54,8 +54,8 @@ def _bars() -> tuple[Mesh, tuple[Shape, ...]]:
     low, high = HANDLE
     for y in (SEAM - 0.022, SEAM + 0.022):
         x = FRONT - STAND_OFF
-        seen.append(rod((x, y, low), (x, y, high), 0.006, 12))
-        seen += [rod((x, y, z), (FRONT + 0.002, y, z), 0.005, 10) for z in (low + 0.015, high - 0.015)]
+        seen.append(rod((x, y, low), (x, y, high), 0.006, 8))
+        seen += [rod((x, y, z), (FRONT + 0.002, y, z), 0.005, 8) for z in (low + 0.015, high - 0.015)]
         solid.append(
             box_shape((STAND_OFF + 0.006, 0.012, high - low), (FRONT - (STAND_OFF + 0.006) / 2.0, y, (low + high) / 2.0))
         )
@@ -71,9 +71,9 @@ def _cubes() -> Mesh:
 def _fridge() -> Link:
     bars, bar_shapes = _bars()
     nozzle = cylinder_shape(0.016, 0.02, (-0.095, MIDDLE, NICHE[1][1] - 0.01))
-    tube = lathe([(0.0, -0.004), (0.011, -0.004), (0.012, -0.01), (0.016, -0.01), (0.02, 0.01), (0.0, 0.01)], 20)
+    tube = lathe([(0.0, -0.004), (0.011, -0.004), (0.012, -0.01), (0.016, -0.01), (0.02, 0.01), (0.0, 0.01)], 12)
     grille = [box((0.08, 0.004, 0.003), (FRONT + 0.05, MIDDLE + 0.012 * i, NICHE[1][0] + 0.002)) for i in range(-5, 6)]
-    feet = bevelled(tuple(((0.04, 0.04, FOOT), (x, y, FOOT / 2.0)) for x in (-0.09, 0.09) for y in (-0.17, 0.17)))
+    feet = [box((0.04, 0.04, FOOT), (x, y, FOOT / 2.0)) for x in (-0.09, 0.09) for y in (-0.17, 0.17)]
     seams = [box((0.002, 0.004, HEIGHT - FOOT - 0.006), (FRONT - 0.0002, SEAM, (HEIGHT + FOOT) / 2.0))]
     vents = [box((0.002, 0.30, 0.004), (BACK + 0.0005, 0.0, 0.10 + 0.014 * i)) for i in range(8)]
     shell = cabinet((FRONT, BACK), (-HALF, HALF), (FOOT, HEIGHT), NICHE[0], (NICHE[1],), DEEP)
@@ -81,7 +81,7 @@ def _fridge() -> Link:
     visuals = (
         Visual(mesh_shape("shell", shell), STEEL, crease=0.1),
         Visual(mesh_shape("lining", _lining()), DARK, crease=0.1),
-        Visual(mesh_shape("dark", merge([feet, panel, *seams, *vents])), DARK, crease=0.1),
+        Visual(mesh_shape("dark", merge([*feet, panel, *seams, *vents])), DARK, crease=0.1),
         Visual(mesh_shape("bars", merge([bars, tube.moved(nozzle.xyz)])), CHROME),
         Visual(mesh_shape("grille", merge(grille)), GRILLE, crease=0.1),
         Visual(mesh_shape("cubes", _cubes()), ICE, crease=0.1),
@@ -93,7 +93,7 @@ def models() -> tuple[Model, ...]:
     """Return the models of this family."""
     x, y, z = TONGUE
     blade = bevelled_box(TONGUE, (0.0, 0.0, -z / 2.0), 0.002)
-    axle = rod((0.0, -y / 2.0 - 0.006, 0.0), (0.0, y / 2.0 + 0.006, 0.0), 0.004, 12)
+    axle = rod((0.0, -y / 2.0 - 0.006, 0.0), (0.0, y / 2.0 + 0.006, 0.0), 0.004, 8)
     tongue = Link(
         "tongue",
         0.03,

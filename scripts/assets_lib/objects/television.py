@@ -110,12 +110,8 @@ def _glyph(name: str) -> Mesh:
 
 def _remote() -> Model:
     x, y, z = REMOTE
-    keys = [
-        bevelled_box((0.007, 0.009, 0.002), (-0.045 - 0.0115 * i, 0.013 * j, z + 0.0005), 0.0006)
-        for i in range(3)
-        for j in (-1, 0, 1)
-    ]
-    wells = [cylinder(CAP_RADIUS + 0.0025, 0.0008, 20).moved((place, 0.0, z)) for place in CAPS.values()]
+    keys = [box((0.007, 0.009, 0.002), (-0.045 - 0.0115 * i, 0.013 * j, z + 0.0005)) for i in range(3) for j in (-1, 0, 1)]
+    wells = [cylinder(CAP_RADIUS + 0.0025, 0.0008, 16).moved((place, 0.0, z)) for place in CAPS.values()]
     visuals = (
         Visual(mesh_shape("shell", bevelled_box(REMOTE, (0.0, 0.0, z / 2.0), 0.003)), plastic((0.17, 0.18, 0.21)), crease=0.1),
         Visual(
@@ -127,7 +123,7 @@ def _remote() -> Model:
     links = [Link("remote", 0.1, visuals, (box_shape(REMOTE, (0.0, 0.0, z / 2.0)),), friction=0.8)]
     joints = []
     for name, place in CAPS.items():
-        cap = cylinder(CAP_RADIUS, PROUD, 20, bevel=0.001).moved((0.0, 0.0, -PROUD / 2.0))
+        cap = cylinder(CAP_RADIUS, PROUD, 16, bevel=0.001).moved((0.0, 0.0, -PROUD / 2.0))
         sign = GLYPH if name != "power" else (1.0, 1.0, 1.0)
         looks = (
             Visual(mesh_shape(f"{name}_cap", cap), RED if name == "power" else KEY),
