@@ -120,7 +120,7 @@ def _remote() -> Model:
         Visual(mesh_shape("keys", merge(keys)), (0.55, 0.57, 0.60), crease=0.1),
         Visual(mesh_shape("wells", merge(wells)), (0.06, 0.06, 0.07), crease=0.5),
     )
-    links = [Link("remote", 0.1, visuals, (box_shape(REMOTE, (0.0, 0.0, z / 2.0)),), friction=0.8)]
+    links = [Link("remote", 0.1, visuals, (box_shape(REMOTE, (0.0, 0.0, z / 2.0)),), friction=0.8, anchored=True)]
     joints = []
     for name, place in CAPS.items():
         cap = cylinder(CAP_RADIUS, PROUD, 16, bevel=0.001).moved((0.0, 0.0, -PROUD / 2.0))
