@@ -36,7 +36,7 @@ def _solid() -> tuple[Shape, ...]:
 def _lining() -> Mesh:
     """Return thin dark sheets on the walls of the niche, and its frame."""
     (low_y, high_y), (low_z, high_z) = NICHE
-    t, x, wide, tall = 0.001, FRONT + DEEP / 2.0, high_y - low_y, high_z - low_z
+    t, x, wide, tall = 0.002, FRONT + DEEP / 2.0, high_y - low_y, high_z - low_z
     z, frame = (low_z + high_z) / 2.0, 0.005
     sheets = [box((t, wide, tall), (FRONT + DEEP - t, MIDDLE, z))]
     sheets += [box((DEEP, t, tall), (x, y, z)) for y in (low_y + t, high_y - t)]
