@@ -132,6 +132,44 @@ def all_buttons_are_green(task: Task) -> bool:
     return all(task.green)
 
 
+def push_to_another_square(task: Task) -> None:
+    """Push the block to a square that is not asked for."""
+    asked = task.world.frame("waypoint0").parent
+    task.world.frame("waypoint0").set_parent("blue" if asked == "green" else "green")
+
+
+def block_is_on_another_square(task: Task) -> bool:
+    """Whether the block lies on the middle of a square that is not asked for."""
+    return any(task.world.sensor(f"on_{color}").detects("block") for color in task.colors)  # type: ignore[attr-defined]
+
+
+def sweep_the_other_way(task: Task) -> None:
+    """Sweep towards the dustpan that is not asked for."""
+    for name in ("waypoint3", "waypoint5"):
+        frame = task.world.frame(name)
+        frame.set_local([-frame.local[0], *frame.local[1:]])
+
+
+def crumbs_are_in_the_other_pan(task: Task) -> bool:
+    """Whether one dustpan has all crumbs."""
+    return any(all(task.world.sensor(f"in_{size}").detects(f"crumb{i}") for i in range(5)) for size in ("tall", "short"))
+
+
+def press_minus(task: Task) -> None:
+    """Press the button for the channel below, where the one above is asked for."""
+    task.world.frame("waypoint6").set_parent("remote/minus")
+
+
+def first_channel_is_on(task: Task) -> bool:
+    """Whether the button for the channel below is down."""
+    return task.world.joint("remote/minus_joint").position > 0.003
+
+
+def remote_lies_loose(task: Task) -> bool:
+    """Whether the power button is down and nothing is held."""
+    return not task.gripper.grasped and task.world.joint("remote/power_joint").position > 0.003
+
+
 def cube_is_in(drawer: str) -> Callable[[Task], bool]:
     """Return the question whether the cube lies in a drawer, let go."""
     return lambda task: not task.gripper.grasped and task.world.sensor(f"in_{drawer}").detects("cube")
@@ -146,9 +184,11 @@ NEGATIVES = {
     "close_fridge": Negative(Omission(waypoints=(2,))),
     "close_drawer": Negative(Omission(waypoints=(1,))),
     "close_grill": Negative(Omission(waypoints=(2, 3, 4))),
+    "change_channel": Negative(spoil=press_minus, done=first_channel_is_on, variation=0),
     "change_clock": Negative(Omission(waypoints=(2,))),
     "close_door": Negative(Omission(waypoints=(2, 3))),  # the fingers close on the lever and stay
     "close_microwave": Negative(Omission(waypoints=(1,))),
+    "get_ice_from_fridge": Negative(Omission(waypoints=(4,)), done=holding("cup")),  # in front of the niche
     "hockey": Negative(Omission(waypoints=(4,)), done=holding("stick")),
     "insert_onto_square_peg": Negative(Omission(waypoints=(4,)), done=holding("ring")),  # above the pillar
     "lift_numbered_block": Negative(Omission(waypoints=(2,)), done=holding("block2"), variation=1),
@@ -176,10 +216,13 @@ NEGATIVES = {
     "reach_target": Negative(spoil=moved("waypoint0", z=0.03), done=tip_is_near_the_ball),
     "screw_nail": Negative(Omission(waypoints=(5,)), done=holding("screwdriver")),
     "set_clock_to_time": Negative(spoil=turn_the_hand_too_far, done=it_is_half_past, variation=0),
+    "slide_block_to_color_target": Negative(spoil=push_to_another_square, done=block_is_on_another_square),
     "slide_block_to_target": Negative(Omission(waypoints=(1,))),
+    "sweep_to_dustpan_of_size": Negative(spoil=sweep_the_other_way, done=crumbs_are_in_the_other_pan),
     "take_lid_off_saucepan": Negative(Omission(waypoints=(2,)), done=holding("lid")),
     "turn_tap": Negative(spoil=turn_the_left_handle, done=left_handle_is_turned, variation=1),
     "toilet_seat_down": Negative(Omission(waypoints=(1, 2, 3))),  # pressed on where no seat is
+    "tv_on": Negative(spoil=moved("waypoint4", y=0.06), done=remote_lies_loose),  # beside the place in front of the television
     "toilet_seat_up": Negative(Omission(waypoints=(4, 5))),  # half way up
     "unplug_charger": Negative(spoil=moved("waypoint1", x=-0.098, z=0.0146), done=holding("charger")),  # the pins stay 4 mm deep
 }

@@ -17,6 +17,8 @@ HANDLE_RADIUS, HANDLE = 0.0125, 0.18
 SLOT, WALL, HOLDER_TALL = 0.0235, 0.006, 0.034
 """Width of the slot in the holder, its walls, its height [m]."""
 PAN, PAN_FLOOR, PAN_WALL, LIP = (0.14, 0.20, 0.03), 0.003, 0.005, 0.02
+PANS = {"dustpan": PAN[2], "dustpan_tall": 0.09}
+"""Model of a dustpan -> height of its walls [m]."""
 
 
 def _sponge() -> Model:
@@ -118,8 +120,9 @@ def _ramp() -> Mesh:
     return hull_of(np.array([[u, v, h] for v in (-y / 2.0, y / 2.0) for u, h in ends]))
 
 
-def _dustpan() -> Model:
-    x, y, z = PAN
+def _dustpan(name: str, z: float) -> Model:
+    """Return a dustpan with walls of height z [m]."""
+    x, y, _ = PAN
     flat = x - LIP
     floor = box_shape((flat, y, PAN_FLOOR), (-LIP / 2.0, 0.0, PAN_FLOOR / 2.0))
     sides = tuple(box_shape((flat, PAN_WALL, z), (-LIP / 2.0, s * (y - PAN_WALL) / 2.0, z / 2.0)) for s in (-1.0, 1.0))
@@ -132,15 +135,15 @@ def _dustpan() -> Model:
         Visual(mesh_shape("pan", body), (0.16, 0.60, 0.62), crease=0.1),
         Visual(mesh_shape("grip", handle), (0.10, 0.36, 0.38)),
     )
-    link = Link("dustpan", 0.3, visuals, (*shapes, mesh_shape("lip", _ramp()), grip), friction=0.5)
+    link = Link(name, 0.3, visuals, (*shapes, mesh_shape("lip", _ramp()), grip), friction=0.5)
     notes = (
         f"open towards +x; floor {PAN_FLOOR} thick, bevelled over the last {LIP} m",
         f"inside y +-{y / 2.0 - PAN_WALL}, walls {z} high",
         "handle along -x",
     )
-    return Model("dustpan", "objects/dustpan", "bottom centre of the pan", (link,), notes=notes)
+    return Model(name, f"objects/{name}", "bottom centre of the pan", (link,), notes=notes)
 
 
 def models() -> tuple[Model, ...]:
     """Return the models of this family."""
-    return (_sponge(), _stain(), _broom(), _holder(), _dustpan(), _crumb())
+    return (_sponge(), _stain(), _broom(), _holder(), *(_dustpan(*pan) for pan in PANS.items()), _crumb())

@@ -1,0 +1,64 @@
+"""Switch a television to the next or the previous channel with its remote control."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import AllOf, Detected, JointMoved, NothingGrasped, SpawnBoundary, Task
+
+WHITE = (1.0, 1.0, 1.0)
+CHANNELS = {
+    "one": ((0.12, 0.14, 0.42), (0.34, 0.38, 0.50), (0.95, 0.95, 0.85)),
+    "two": ((0.55, 0.80, 1.0), (0.20, 0.55, 0.18), (1.0, 0.85, 0.20)),
+    "three": ((1.0, 0.72, 0.40), (0.45, 0.22, 0.30), (1.0, 0.25, 0.15)),
+}
+"""Link of the digit of a channel -> the colours of sky, hills and sun in its picture."""
+
+
+class ChangeChannel(Task):
+    """The remote must lie in front of the television, aimed at it, while the asked button is down by 3 mm."""
+
+    buttons = ("plus", "minus")
+    words = (("plus", "up", "three"), ("minus", "down", "one"))
+
+    def init_task(self) -> None:
+        """The remote may be grasped by its body; a button counts with both ends of the remote where they belong, let go."""
+        self.television, self.remote = self.world.body("television"), self.world.body("remote")
+        self.patches = SpawnBoundary([self.world.region("left"), self.world.region("right")])
+        self.register_graspable_objects(["remote/remote"])
+        ends = {"tip": "front", "tail": "rear"}
+        aimed = [Detected(self.world.frame(end), self.world.sensor(place)) for end, place in ends.items()]
+        self.commands = [
+            AllOf([JointMoved(self.world.joint(f"remote/{name}_joint"), 0.003), *aimed, NothingGrasped(self.gripper)])
+            for name in self.buttons
+        ]
+
+    def variation_count(self) -> int:
+        """One for each button."""
+        return len(self.buttons)
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Lay the remote beside its place, the second channel on; success is the asked button pressed with the remote there."""
+        self.patches.clear()
+        self.patches.sample(self.remote, rng)
+        self._show("two")
+        self.world.frame("waypoint6").set_parent(f"remote/{self.buttons[variation]}")
+        self.register_success_conditions([self.commands[variation]])
+        sign, way, channel = self.words[variation]
+        return [
+            f"Lay the remote down in front of the television, aimed at it, and press {sign}.",
+            f"Switch one channel {way} with the remote, which must lie before the screen and face it.",
+            f"I want to see channel {channel}: point the remote at the TV, let go of it, and push its {sign} button.",
+        ]
+
+    def step(self) -> None:
+        """Change the picture as the buttons say."""
+        for command, channel in zip(self.commands, ("three", "one"), strict=True):
+            if command.met():
+                self._show(channel)
+
+    def _show(self, channel: str) -> None:
+        sky, hills, sun = CHANNELS[channel]
+        digits = {digit: WHITE if digit == channel else sky for digit in CHANNELS}
+        for link, rgb in {"screen": sky, "hills": hills, "sun": sun, **digits}.items():
+            self.television.set_color(rgb, link)

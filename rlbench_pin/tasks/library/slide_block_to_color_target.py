@@ -1,0 +1,38 @@
+"""Push a block onto the square of one colour; a variant of `slide_block_to_target`, beside the paper's 106 tasks."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, Task
+
+
+class SlideBlockToColorTarget(Task):
+    """The red block must reach the middle of the square of the asked colour; the squares lie around it in random order.
+
+    It cannot be grasped.
+    """
+
+    colors = ("green", "blue", "pink", "yellow")
+
+    def init_task(self) -> None:
+        """The block is pushed; there is a square of each colour."""
+        self.block = self.world.body("block")
+        self.squares = [self.world.body(name) for name in self.colors]
+
+    def variation_count(self) -> int:
+        """One for each colour."""
+        return len(self.colors)
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Shuffle the squares; success is the block on the middle of the asked one."""
+        color, places = self.colors[variation], rng.permutation([square.pose for square in self.squares])
+        for square, place in zip(self.squares, places, strict=True):
+            square.set_pose(place)
+        self.world.frame("waypoint0").set_parent(color)
+        self.register_success_conditions([Detected(self.block, self.world.sensor(f"on_{color}"))])
+        return [
+            f"Push the red block onto the middle of the {color} square.",
+            f"Several squares lie around the red cube: nudge it to the centre of the {color} one.",
+            f"Bring the block to the {color} mark on the table, right to its middle.",
+        ]
