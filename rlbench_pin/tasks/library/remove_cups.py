@@ -1,0 +1,42 @@
+"""Take mugs off a mug tree and put them on the table."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import AllOf, AnyOf, Detected, NothingGrasped, Task, Waypoint
+
+NUMBER = ("one mug", "two mugs")
+
+
+class RemoveCups(Task):
+    """One or two of three like mugs, whichever, must stand upright on the table, let go."""
+
+    def init_task(self) -> None:
+        """All mugs may be grasped; each round aims at the next one."""
+        self.register_graspable_objects(f"mug{i}" for i in range(3))
+        self.register_waypoint_ability_start(0, self._aim_at_next_mug)
+
+    def variation_count(self) -> int:
+        """One for each number of mugs."""
+        return len(NUMBER)
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Play one round for each mug; success is that as many as asked stand on the table, let go."""
+        self.register_rounds(variation + 1)
+        on_table, frame = self.world.sensor("on_table"), self.world.frame
+        stands = [AllOf([Detected(frame(f"mug{i}_foot{k}"), on_table) for k in range(3)]) for i in range(3)]
+        pairs = [AllOf([stands[i], stands[k]]) for i, k in ((0, 1), (0, 2), (1, 2))]
+        self.register_success_conditions([AnyOf((stands, pairs)[variation]), NothingGrasped(self.gripper)])
+        number = NUMBER[variation]
+        return [
+            f"Take {number} off the tree and stand {('it', 'them')[variation]} on the table.",
+            f"I would like to have {number} down from the wooden stand, upright on the table.",
+            f"Unhook {number} from the branches, set {('it', 'them')[variation]} down on the table the right way up and let go.",
+        ]
+
+    def _aim_at_next_mug(self, waypoint: Waypoint) -> None:
+        """Go for the mug of this round, with the same grip, pull it off its spoke, and go for the next spot."""
+        self.world.frame("waypoint1").set_parent(f"grasp{self.round}")
+        self.world.frame("waypoint2").set_parent(f"pulled{self.round}")
+        self.world.frame("waypoint4").set_parent(f"spot{self.round}")
