@@ -6,7 +6,7 @@ from assets_lib.cabinets import bevelled, bevelled_box
 from assets_lib.mesh import Mesh, cylinder, merge, rod
 from assets_lib.urdf import Joint, Link, Model, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic
 
-WIDTH, HEIGHT, BOARD = 0.60, 0.33, 0.015
+WIDTH, HEIGHT, BOARD = 0.60, 0.31, 0.015
 FRONT, INSIDE, BACK = -0.13, -0.09, 0.12
 """x of the front of the boards, of the front of the walls behind both doors, and of the back [m]."""
 PLINTH = 0.04
