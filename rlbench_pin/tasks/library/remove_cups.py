@@ -28,11 +28,11 @@ class RemoveCups(Task):
         stands = [AllOf([Detected(frame(f"mug{i}_foot{k}"), on_table) for k in range(3)]) for i in range(3)]
         pairs = [AllOf([stands[i], stands[k]]) for i, k in ((0, 1), (0, 2), (1, 2))]
         self.register_success_conditions([AnyOf((stands, pairs)[variation]), NothingGrasped(self.gripper)])
-        number = NUMBER[variation]
+        number, it = NUMBER[variation], ("it", "them")[variation]
         return [
-            f"Take {number} off the tree and stand {('it', 'them')[variation]} on the table.",
-            f"I would like to have {number} down from the wooden stand, upright on the table.",
-            f"Unhook {number} from the branches, set {('it', 'them')[variation]} down on the table the right way up and let go.",
+            f"Take {number} off the tree and stand {it} on the table.",
+            f"I need {number} on the table: lift {it} off the wooden stand and put {it} down upright.",
+            f"Unhook {number} from the branches, set {it} down on the table the right way up and let go.",
         ]
 
     def _aim_at_next_mug(self, waypoint: Waypoint) -> None:

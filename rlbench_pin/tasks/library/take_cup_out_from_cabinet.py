@@ -33,5 +33,5 @@ class TakeCupOutFromCabinet(Task):
         return [
             f"Take the cup from behind the {side} door and stand it on the table.",
             f"There is a cup in the {side} half of the cabinet, please bring it out and put it down upright on the table.",
-            f"Slide the {side} door aside, get the cup and leave it standing on the table.",
+            f"I want my cup upright on the table: open the {side} side of the cabinet and get it out.",
         ]
