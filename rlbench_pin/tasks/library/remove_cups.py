@@ -40,8 +40,9 @@ class RemoveCups(Task):
     def _set_down(self, mug: str) -> Condition:
         """Held within 3 cm of the table once, and upright on it now."""
         near, on_table = self.world.sensor("near_table"), self.world.sensor("on_table")
-        carried = InOrder([AllOf([Grasped(self.gripper, self.world.body(mug)), Detected(self.world.frame(f"{mug}_foot0"), near)])])
-        return AllOf([carried, *(Detected(self.world.frame(f"{mug}_foot{k}"), on_table) for k in range(3))])
+        feet = [self.world.frame(f"{mug}_foot{k}") for k in range(3)]
+        carried = InOrder([AllOf([Grasped(self.gripper, self.world.body(mug)), Detected(feet[0], near)])])
+        return AllOf([carried, *(Detected(foot, on_table) for foot in feet)])
 
     def _aim_at_next_mug(self, waypoint: Waypoint) -> None:
         """Go for the mug of this round, with the same grip, pull it off its spoke, and go for the next spot."""

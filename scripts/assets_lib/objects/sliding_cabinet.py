@@ -105,10 +105,14 @@ def models() -> tuple[Model, ...]:
         links.append(_door(name, side))
         axis = (0.0, -float(side), 0.0)
         joints.append(Joint(f"{name}_door", "prismatic", "cabinet", f"{name}_link", place, axis, 0.0, TRAVEL, damping=2.0))
+    bar_x, bar_y, middle = -THICK / 2.0 - STANDOFF, DOOR[0] / 2.0 - EDGE, (FLOOR + CEILING) / 2.0
     notes = (
-        "front faces -x; for a viewer there the left door is at +y and runs in front of the right one; joints slide the doors to the middle",
-        f"link origins are the middles of the doors; the handle bars are vertical, diameter {2 * BAR_RADIUS}, length {BAR_LENGTH}, "
-        f"at x = {-THICK / 2.0 - STANDOFF:.4f}, y = +-{DOOR[0] / 2.0 - EDGE:.4f} there, height {(FLOOR + CEILING) / 2.0:.3f} above the table",
-        f"inside: x {INSIDE}..{BACK - 0.008:.3f}, y {BOARD / 2.0}..{WIDTH / 2.0 - BOARD:.3f} on either side, z {FLOOR:.3f}..{CEILING:.3f}",
+        "front faces -x; for a viewer there the left door is at +y and runs in front of the right one; "
+        "joints slide the doors to the middle",
+        "link origins are the middles of the doors; the handle bars are vertical, "
+        f"diameter {2 * BAR_RADIUS}, length {BAR_LENGTH}, at x = {bar_x:.4f}, y = +-{bar_y:.4f} there, "
+        f"height {middle:.3f} above the table",
+        f"inside: x {INSIDE}..{BACK - 0.008:.3f}, y {BOARD / 2.0}..{WIDTH / 2.0 - BOARD:.3f} on either side, "
+        f"z {FLOOR:.3f}..{CEILING:.3f}",
     )
     return (Model("sliding_cabinet", "objects/sliding_cabinet", "bottom centre", tuple(links), tuple(joints), notes),)

@@ -46,7 +46,7 @@ def test_the_frames_at_the_handles_are_on_the_bars(name: str) -> None:
 
 @goal_of("slide_cabinet_open_and_place_cups", 0, 1)
 def test_the_cup_has_to_stand_behind_the_asked_door(goal: Goal) -> None:
-    """Upright on the floor, let go, and the door open by 6 cm: not on the other side, in the rail, on top, in the air or tilted."""
+    """Upright on the floor, let go, its door open by 6 cm: not on the other side, in the rail, on top, in the air or tilted."""
     side, other, sign = side_of(goal)
     place = (-0.053, sign * 0.1725, FLOOR)
     goal.joint(f"cabinet/{side}_door", 0.24)
