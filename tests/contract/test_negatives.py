@@ -175,6 +175,16 @@ def cube_is_in(drawer: str) -> Callable[[Task], bool]:
     return lambda task: not task.gripper.grasped and task.world.sensor(f"in_{drawer}").detects("cube")
 
 
+def take_the_other_bin(task: Task) -> None:
+    """Carry the paper to the bin that is not asked for."""
+    task.world.frame("waypoint3").set_parent("blue_bin")
+
+
+def paper_is_in_the_other_bin(task: Task) -> bool:
+    """Whether the paper lies in the blue bin, let go."""
+    return not task.gripper.grasped and task.world.sensor("blue_bottom").detects("rubbish")
+
+
 NO_GRASP = Negative(Omission(grasps=True))
 NEGATIVES = {
     "beat_the_buzz": Negative(spoil=moved("waypoint2", z=0.03), done=holding("wand")),  # the ring touches the rod
@@ -213,10 +223,12 @@ NEGATIVES = {
     "put_item_in_drawer": Negative(  # into the drawer below
         spoil=lambda task: task.world.frame("waypoint1").move_to("handle_middle"), done=cube_is_in("middle"), variation=2
     ),
+    "put_rubbish_in_color_bin": Negative(spoil=take_the_other_bin, done=paper_is_in_the_other_bin, variation=0),
     "reach_target": Negative(spoil=moved("waypoint0", z=0.03), done=tip_is_near_the_ball),
     "screw_nail": Negative(Omission(waypoints=(5,)), done=holding("screwdriver")),
     "set_clock_to_time": Negative(spoil=turn_the_hand_too_far, done=it_is_half_past, variation=0),
     "slide_block_to_color_target": Negative(spoil=push_to_another_square, done=block_is_on_another_square),
+    "slide_cabinet_open": Negative(Omission(waypoints=(2,))),
     "slide_block_to_target": Negative(Omission(waypoints=(1,))),
     "sweep_to_dustpan_of_size": Negative(spoil=sweep_the_other_way, done=crumbs_are_in_the_other_pan),
     "take_lid_off_saucepan": Negative(Omission(waypoints=(2,)), done=holding("lid")),

@@ -25,7 +25,9 @@ HARD_TO_SEE = {
     "push_buttons": "only the caps move",
     "play_jenga": "one brick of a tower",
     "put_rubbish_in_bin": "a crumpled paper is small",
+    "put_rubbish_in_color_bin": "a crumpled paper is small",
     "screw_nail": "a screw and the screwdriver are thin",
+    "take_cup_out_from_cabinet": "the cup is behind a closed door",
     "take_item_out_of_drawer": "the cube is in a closed drawer",
     "turn_oven_on": "a knob is small",
 }

@@ -15,8 +15,10 @@ BAR = 0.008
 HOLE_HEIGHT = 0.042
 """Height of the middle of the hole [m]."""
 FOOT, STEM, STEM_RADIUS = (0.07, 0.016), 0.28, 0.008
-SPOKES, SPOKE, SPOKE_RADIUS, SLANT, SPOKE_HEIGHT = 4, 0.08, 0.006, 0.5, 0.215
-"""Number, length, radius, slope [rad] of the spokes, and the height at which their axes leave the stem [m]."""
+SPOKES, SPOKE, SPOKE_RADIUS = 4, 0.08, 0.006
+"""Number, length and radius of the spokes [m]."""
+STEEP, SHALLOW = (0.5, 0.215, 0.4), (0.2, 0.23, 0.8)
+"""Slope of the spokes [rad], height at which their axes leave the stem [m], and friction: mugs slide to the stem, or stay."""
 
 
 def _handle_shapes() -> tuple[Shape, ...]:
@@ -59,17 +61,18 @@ def _mug() -> Model:
     return Model("mug", "objects/mug", "bottom centre", (link,), notes=notes)
 
 
-def spoke_tip(number: int) -> tuple[float, float, float]:
-    """Return the outer end of a spoke."""
+def spoke_tip(number: int, slant: float, height: float) -> tuple[float, float, float]:
+    """Return the outer end of a spoke that leaves the stem at a height [m] with a slope [rad]."""
     a = 2.0 * float(np.pi) * number / SPOKES
-    out = STEM_RADIUS + SPOKE * float(np.cos(SLANT))
-    return (out * float(np.cos(a)), out * float(np.sin(a)), SPOKE_HEIGHT + out * float(np.tan(SLANT)))
+    out = STEM_RADIUS + SPOKE * float(np.cos(slant))
+    return (out * float(np.cos(a)), out * float(np.sin(a)), height + out * float(np.tan(slant)))
 
 
-def _tree() -> Model:
+def _tree(name: str, slant: float, height: float, friction: float) -> Model:
     radius, tall = FOOT
-    spokes = [rod((0.0, 0.0, SPOKE_HEIGHT), spoke_tip(i), SPOKE_RADIUS, 10) for i in range(SPOKES)]
-    knobs = [icosphere(SPOKE_RADIUS, 1).moved(spoke_tip(i)) for i in range(SPOKES)]
+    tips = [spoke_tip(i, slant, height) for i in range(SPOKES)]
+    spokes = [rod((0.0, 0.0, height), tip, SPOKE_RADIUS, 10) for tip in tips]
+    knobs = [icosphere(SPOKE_RADIUS, 1).moved(tip) for tip in tips]
     stem = cylinder(STEM_RADIUS, STEM - tall, 14).moved((0.0, 0.0, (STEM + tall) / 2.0))
     top = icosphere(0.012, 2).moved((0.0, 0.0, STEM + 0.006))
     visuals = (
@@ -80,30 +83,27 @@ def _tree() -> Model:
         Visual(mesh_shape("stem", merge([stem, top])), patterned((0.36, 0.19, 0.10), "wood")),
         Visual(mesh_shape("spokes", merge([*spokes, *knobs])), (0.36, 0.19, 0.10)),
     )
-    length = SPOKE + STEM_RADIUS / float(np.cos(SLANT))
+    length = SPOKE + STEM_RADIUS / float(np.cos(slant))
     arms = []
-    for i in range(SPOKES):
-        x, y, z = spoke_tip(i)
-        place = (x / 2.0, y / 2.0, (SPOKE_HEIGHT + z) / 2.0)
+    for i, (x, y, z) in enumerate(tips):
+        place = (x / 2.0, y / 2.0, (height + z) / 2.0)
         arms.append(
-            cylinder_shape(SPOKE_RADIUS, length, place, (0.0, float(np.pi / 2.0) - SLANT, 2.0 * float(np.pi) * i / SPOKES))
+            cylinder_shape(SPOKE_RADIUS, length, place, (0.0, float(np.pi / 2.0) - slant, 2.0 * float(np.pi) * i / SPOKES))
         )
     shapes = (
         cylinder_shape(radius, tall, (0.0, 0.0, tall / 2.0)),
         cylinder_shape(STEM_RADIUS, STEM - tall, (0.0, 0.0, (STEM + tall) / 2.0)),
         *arms,
     )
-    tip = spoke_tip(0)
     notes = (
-        f"{SPOKES} spokes towards +x, +y, -x, -y, {2 * SPOKE_RADIUS} thick, rising by {SLANT} rad",
-        f"their axes leave the middle of the stem at z = {SPOKE_HEIGHT}",
-        f"outer end of the first spoke at ({tip[0]:.4f}, 0, {tip[2]:.4f})",
+        f"{SPOKES} spokes towards +x, +y, -x, -y, {2 * SPOKE_RADIUS} thick, rising by {slant} rad",
+        f"their axes leave the middle of the stem at z = {height}",
+        f"outer end of the first spoke at ({tips[0][0]:.4f}, 0, {tips[0][2]:.4f})",
     )
-    return Model(
-        "mug_tree", "objects/mug_tree", "bottom centre", (Link("mug_tree", 1.5, visuals, shapes, friction=0.4),), notes=notes
-    )
+    link = Link(name, 1.5, visuals, shapes, friction=friction)
+    return Model(name, f"objects/{name}", "bottom centre", (link,), notes=notes)
 
 
 def models() -> tuple[Model, ...]:
     """Return the models of this family."""
-    return (_mug(), _tree())
+    return (_mug(), _tree("mug_tree", *STEEP), _tree("mug_tree_shallow", *SHALLOW))

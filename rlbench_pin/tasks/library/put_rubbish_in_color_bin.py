@@ -1,0 +1,42 @@
+"""Throw the crumpled paper into the bin of the asked colour."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, NothingGrasped, Task, swap_places
+
+
+class PutRubbishInColorBin(Task):
+    """The paper must lie at the bottom of the asked one of two bins, let go.
+
+    Which bin stands left varies, and in which of three places the paper lies; tomatoes lie in the others.
+    """
+
+    colors = ("green", "blue")
+
+    def init_task(self) -> None:
+        """The paper may be grasped."""
+        self.rubbish = self.world.body("rubbish")
+        self.tomatoes = [self.world.body("tomato0"), self.world.body("tomato1")]
+        self.register_graspable_objects(["rubbish"])
+
+    def variation_count(self) -> int:
+        """One for each bin."""
+        return len(self.colors)
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Draw the places, and aim at the asked bin; success is that the paper lies in it, let go."""
+        color, choice = self.colors[variation], int(rng.integers(3))
+        if choice > 0:
+            swap_places(self.rubbish, self.tomatoes[choice - 1])
+        if rng.random() < 0.5:
+            swap_places(self.world.body("green_bin"), self.world.body("blue_bin"))
+        self.world.frame("waypoint3").set_parent(f"{color}_bin")
+        lies = Detected(self.rubbish, self.world.sensor(f"{color}_bottom"))
+        self.register_success_conditions([lies, NothingGrasped(self.gripper)])
+        return [
+            f"Throw the crumpled paper into the {color} bin.",
+            f"There is a ball of paper among the tomatoes, please drop it in the {color} bin.",
+            f"One bin is {color}: get rid of the waste paper in that one.",
+        ]

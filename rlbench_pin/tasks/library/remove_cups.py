@@ -1,0 +1,51 @@
+"""Take mugs off a mug tree and put them on the table."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import AllOf, AnyOf, Condition, Detected, Grasped, InOrder, NothingGrasped, Task, Waypoint
+
+NUMBER = ("one mug", "two mugs")
+
+
+class RemoveCups(Task):
+    """One or two of three like mugs, whichever, must be carried to the table, stand there upright, and be let go.
+
+    A mug that was knocked off the tree, or dropped from more than 3 cm, does not count.
+    """
+
+    def init_task(self) -> None:
+        """All mugs may be grasped; each round aims at the next one."""
+        self.register_graspable_objects(f"mug{i}" for i in range(3))
+        self.register_waypoint_ability_start(0, self._aim_at_next_mug)
+
+    def variation_count(self) -> int:
+        """One for each number of mugs."""
+        return len(NUMBER)
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Play one round for each mug; success is that as many as asked stand on the table, let go."""
+        self.register_rounds(variation + 1)
+        stands = [self._set_down(f"mug{i}") for i in range(3)]
+        pairs = [AllOf([stands[i], stands[k]]) for i, k in ((0, 1), (0, 2), (1, 2))]
+        self.register_success_conditions([AnyOf((stands, pairs)[variation]), NothingGrasped(self.gripper)])
+        number, it = NUMBER[variation], ("it", "them")[variation]
+        return [
+            f"Take {number} off the tree and stand {it} on the table.",
+            f"I need {number} on the table: lift {it} off the wooden stand and put {it} down upright.",
+            f"Unhook {number} from the branches, set {it} down on the table the right way up and let go.",
+        ]
+
+    def _set_down(self, mug: str) -> Condition:
+        """Held within 3 cm of the table once, and upright on it now."""
+        near, on_table = self.world.sensor("near_table"), self.world.sensor("on_table")
+        feet = [self.world.frame(f"{mug}_foot{k}") for k in range(3)]
+        carried = InOrder([AllOf([Grasped(self.gripper, self.world.body(mug)), Detected(feet[0], near)])])
+        return AllOf([carried, *(Detected(foot, on_table) for foot in feet)])
+
+    def _aim_at_next_mug(self, waypoint: Waypoint) -> None:
+        """Go for the mug of this round, with the same grip, pull it off its spoke, and go for the next spot."""
+        self.world.frame("waypoint1").set_parent(f"grasp{self.round}")
+        self.world.frame("waypoint2").set_parent(f"pulled{self.round}")
+        self.world.frame("waypoint4").set_parent(f"spot{self.round}")

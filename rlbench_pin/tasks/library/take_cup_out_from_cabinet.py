@@ -1,0 +1,37 @@
+"""Take a cup out of one half of a cabinet with sliding doors."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, NothingGrasped, Task
+
+
+class TakeCupOutFromCabinet(Task):
+    """The cup, behind one of two shut doors, must come to stand upright on the table, let go."""
+
+    sides = ("left", "right")
+
+    def init_task(self) -> None:
+        """The cup may be grasped; success is that it stands on the table outside the cabinet, let go."""
+        self.cup, on_table = self.world.body("cup"), self.world.sensor("on_table")
+        self.register_graspable_objects(["cup"])
+        out = Detected(self.cup, self.world.sensor("inside"), negated=True)
+        stands = [Detected(self.world.frame(f"foot{i}"), on_table) for i in range(3)]
+        self.register_success_conditions([out, *stands, NothingGrasped(self.gripper)])
+
+    def variation_count(self) -> int:
+        """One for each half."""
+        return len(self.sides)
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Put the cup into the asked half, and aim at the handle of its door."""
+        side = self.sides[variation]
+        self.cup.set_pose(self.world.frame(f"{side}_place").pose)
+        self.world.frame("waypoint1").set_parent(f"{side}_handle")
+        self.world.frame("waypoint2").set_parent(f"{side}_slid")
+        return [
+            f"Take the cup from behind the {side} door and stand it on the table.",
+            f"There is a cup in the {side} half of the cabinet, please bring it out and put it down upright on the table.",
+            f"I want my cup upright on the table: open the {side} side of the cabinet and get it out.",
+        ]
