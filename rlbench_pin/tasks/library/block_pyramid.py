@@ -58,7 +58,7 @@ class BlockPyramid(Task):
         self.order = sorted(self.blocks, key=lambda block: float(np.linalg.norm(block.position - middle)))
         return [
             f"Build a pyramid from the {name} blocks.",
-            f"Arrange six {name} cubes on the strip in rows of three, two and one, each row on the last.",
+            f"On the strip, stack all six {name} cubes, each row with one fewer than the row below.",
             f"The marked strip needs a {name} pyramid: pile up three blocks, then two, then one.",
         ]
 

@@ -46,15 +46,14 @@ class SetupChess(Task):
             self.men[man].set_pose(place.pose)
         self._aim_at_next_man()
         self.register_success_conditions([NothingGrasped(self.gripper), *(self._filled(i) for i in range(len(MEN)))])
-        number, men, it_is, its, home = (
-            ("one", "man", "it is", "it", "its home square")
-            if count == 1
-            else (("two", "three")[count - 2], "men", "they are", "them", "their home squares")
+        number = ("one", "two", "three")[variation]
+        pieces, them, squares, they = (
+            ("piece", "it", "its home square", "it is") if count == 1 else ("pieces", "them", "their home squares", "they are")
         )
         return [
-            f"Return the {number} stray chess {men} to {home}.",
-            f"Set the board up for a new game: only {number} {men} in the middle must go home.",
-            f"In the centre of the board you find {number} chess {men}; put {its} back where {it_is} at the start of a game.",
+            f"Return the {number} stray chess {pieces} to {squares}.",
+            f"The chess board is ready for a new game but for {number} {pieces} in the middle; set {them} where {they} at the start.",
+            f"In the centre of the board you find {number} {pieces}: please put {them} back home.",
         ]
 
     def _filled(self, home: int) -> Condition:
