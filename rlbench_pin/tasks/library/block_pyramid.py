@@ -59,7 +59,7 @@ class BlockPyramid(Task):
         return [
             f"Build a pyramid from the {name} blocks.",
             f"On the strip, stack all six {name} cubes, each row with one fewer than the row below.",
-            f"The marked strip needs a {name} pyramid: pile up three blocks, then two, then one.",
+            f"The marked strip needs a pyramid of {name} blocks: pile up three, then two, then one.",
         ]
 
     def _aim_at_next_block(self, waypoint: Waypoint) -> None:

@@ -47,13 +47,11 @@ class SetupChess(Task):
         self._aim_at_next_man()
         self.register_success_conditions([NothingGrasped(self.gripper), *(self._filled(i) for i in range(len(MEN)))])
         number = ("one", "two", "three")[variation]
-        pieces, them, squares, they = (
-            ("piece", "it", "its home square", "it is") if count == 1 else ("pieces", "them", "their home squares", "they are")
-        )
+        pieces, squares = ("piece", "its home square") if count == 1 else ("pieces", "their home squares")
         return [
             f"Return the {number} stray chess {pieces} to {squares}.",
-            f"The chess board is ready for a new game but for {number} {pieces} in the middle; set {them} where {they} at the start.",
-            f"In the centre of the board you find {number} {pieces}: please put {them} back home.",
+            f"Get the board ready for a new game: {number} {pieces} in the middle must go back home.",
+            f"In the centre of the board you find {number} {pieces}: please set up the board again.",
         ]
 
     def _filled(self, home: int) -> Condition:
