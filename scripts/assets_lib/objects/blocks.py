@@ -48,6 +48,15 @@ def target_square() -> Model:
     return Model("target_square", "objects/target_square", "bottom centre", (link,), notes=notes)
 
 
+def building_strip() -> Model:
+    """Return a flat strip with an outline that is only seen: the place for a row of three small cubes."""
+    outline = Visual(box_shape((0.06, 0.16, 0.001), (0.0, 0.0, 0.0005)), (0.35, 0.33, 0.30))
+    field = Visual(box_shape((0.054, 0.154, 0.0014), (0.0, 0.0, 0.0007)), (0.90, 0.87, 0.80))
+    link = Link("building_strip", 0.01, (outline, field))
+    notes = ("visual only: use it with fixed = true", "the row is along y")
+    return Model("building_strip", "objects/building_strip", "bottom centre", (link,), notes=notes)
+
+
 def models() -> tuple[Model, ...]:
     """Return the models of this family."""
-    return (*(cube(*c) for c in CUBES), ball_marker(), ring_marker(), target_square())
+    return (*(cube(*c) for c in CUBES), ball_marker(), ring_marker(), target_square(), building_strip())

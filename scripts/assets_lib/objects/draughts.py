@@ -20,25 +20,26 @@ FRAME, DARK, LIGHT = (patterned(color, "wood") for color in ((0.20, 0.11, 0.06),
 COLORS = {"light": ((0.98, 0.97, 0.94), (0.80, 0.78, 0.72)), "dark": ((0.80, 0.10, 0.08), (0.55, 0.05, 0.04))}
 
 
-def _squares(odd: int) -> Mesh:
+def _squares(odd: int, side: float) -> Mesh:
     """Return the squares whose row and column add up to an even or an odd number."""
     places = [(r, c) for r in range(8) for c in range(8) if (r + c) % 2 == odd]
-    size = (SQUARE, SQUARE, 2.0 * INLAY)
-    return merge(box(size, ((r - 3.5) * SQUARE, (c - 3.5) * SQUARE, BOARD[2])) for r, c in places)
+    size = (side, side, 2.0 * INLAY)
+    return merge(box(size, ((r - 3.5) * side, (c - 3.5) * side, BOARD[2])) for r, c in places)
 
 
-def _board() -> Model:
+def board(name: str, side: float) -> Model:
+    """Return a board with squares of `side` [m]."""
     visuals = (
         Visual(mesh_shape("frame", bevelled_box(BOARD, 0.003)), FRAME),
-        Visual(mesh_shape("dark_squares", _squares(0)), DARK),
-        Visual(mesh_shape("light_squares", _squares(1)), LIGHT),
+        Visual(mesh_shape("dark_squares", _squares(0, side)), DARK),
+        Visual(mesh_shape("light_squares", _squares(1, side)), LIGHT),
     )
-    link = Link("chequered_board", 1.0, visuals, (box_shape(BOARD, (0.0, 0.0, BOARD[2] / 2.0)),))
+    link = Link(name, 1.0, visuals, (box_shape(BOARD, (0.0, 0.0, BOARD[2] / 2.0)),))
     notes = (
-        f"8 x 8 squares of {SQUARE}; (row, column), both from 0, is at ((row - 3.5) {SQUARE}, (column - 3.5) {SQUARE})",
+        f"8 x 8 squares of {side}; (row, column), both from 0, is at ((row - 3.5) {side}, (column - 3.5) {side})",
         f"dark where row + column is even; upper side at z = {BOARD[2]}",
     )
-    return Model("chequered_board", "objects/chequered_board", "bottom centre", (link,), notes=notes)
+    return Model(name, f"objects/{name}", "bottom centre", (link,), notes=notes)
 
 
 def _disc() -> tuple[Mesh, Mesh]:
@@ -72,4 +73,4 @@ def _piece(color: str) -> Model:
 
 def models() -> tuple[Model, ...]:
     """Return the models of this family."""
-    return (_board(), *(_piece(color) for color in COLORS))
+    return (board("chequered_board", SQUARE), *(_piece(color) for color in COLORS))

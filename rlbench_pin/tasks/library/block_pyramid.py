@@ -1,0 +1,70 @@
+"""Build a pyramid of six blocks of one colour."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import COLORS, DetectedSeveral, NothingGrasped, SpawnBoundary, Task, Waypoint, distractor_colors
+
+BLOCKS = 6
+"""Blocks of the asked colour, and as many of another colour."""
+LAYERS = {"low": 3, "mid": 2, "top": 1}
+"""Blocks in each layer."""
+APART, ROOM = 0.08, 0.096
+"""Least distance of any two blocks, and of one of the asked colour from every other, so that the open gripper fits [m]."""
+
+LOWEST, HIGHEST = (0.0, 0.0, -np.pi / 4.0), (0.0, 0.0, np.pi / 4.0)
+"""Bounds of the rotation of a block [rad]."""
+
+
+class BlockPyramid(Task):
+    """Six blocks of the asked colour must stand on the marked strip, three, on them two, on them one, and be let go.
+
+    Six more blocks share another colour. All twelve lie anywhere in four patches around the strip.
+    """
+
+    def init_task(self) -> None:
+        """All twelve blocks may be grasped; each round carries the next one to the next place.
+
+        Those near the strip come first: beside a high pyramid the gripper has no room.
+        """
+        self.blocks = [self.world.body(f"block{i}") for i in range(BLOCKS)]
+        self.distractors = [self.world.body(f"distractor{i}") for i in range(BLOCKS)]
+        self.order = list(self.blocks)
+        self.boundary = SpawnBoundary([self.world.region(f"patch{i}") for i in range(4)])
+        self.register_graspable_objects(body.name for body in (*self.blocks, *self.distractors))
+        self.register_waypoint_ability_start(0, self._aim_at_next_block)
+        self.register_waypoint_ability_start(5, self._stay_after_last_block)
+        layers = [DetectedSeveral(self.blocks, self.world.sensor(name), count) for name, count in LAYERS.items()]
+        self.register_success_conditions([*layers, NothingGrasped(self.gripper)])
+
+    def variation_count(self) -> int:
+        """One for each colour."""
+        return len(COLORS)
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Colour and scatter the blocks."""
+        self.register_rounds(BLOCKS)
+        name, rgb = COLORS[variation]
+        other = distractor_colors(rng, variation, 1)[0].rgb
+        for bodies, color in ((self.blocks, rgb), (self.distractors, other)):
+            for body in bodies:
+                body.set_color(color)
+        room = {block.name: ROOM for block in self.blocks}
+        self.boundary.clear()
+        for body in (*self.blocks, *self.distractors):
+            self.boundary.sample(body, rng, min_rotation=LOWEST, max_rotation=HIGHEST, min_distance=APART, apart=room)
+        middle = self.world.body("strip").position
+        self.order = sorted(self.blocks, key=lambda block: float(np.linalg.norm(block.position - middle)))
+        return [
+            f"Build a pyramid from the {name} blocks.",
+            f"On the strip, stack all six {name} cubes, each row with one fewer than the row below.",
+            f"The marked strip needs a pyramid of {name} blocks: pile up three, then two, then one.",
+        ]
+
+    def _aim_at_next_block(self, waypoint: Waypoint) -> None:
+        self.world.frame("waypoint1").set_parent(self.order[self.round].name)
+        self.world.frame("waypoint4").set_parent(f"place{self.round}")
+
+    def _stay_after_last_block(self, waypoint: Waypoint) -> None:
+        waypoint.skip = self.round == BLOCKS - 1

@@ -1,0 +1,69 @@
+"""Return stray chess men to the squares where they start."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Condition, DetectedSeveral, NothingGrasped, Task, Waypoint
+
+PITCH = 0.047888
+"""Distance of neighbouring squares [m]."""
+GRIP = {"pawn": 0.043, "rook": 0.047, "knight": 0.051, "bishop": 0.055, "queen": 0.061, "king": 0.067}
+"""Height above the foot at which each kind is held [m]."""
+COUNTS = {"pawn": 8, "rook": 2, "knight": 2, "bishop": 2, "queen": 1, "king": 1}
+MEN = tuple((color, kind, i) for color in ("white", "black") for kind, count in COUNTS.items() for i in range(count))
+"""Colour, kind and number of all 32."""
+ON_BOARD, ABOVE = 0.015, 0.001
+"""Height of the board, and height above it at which a man is let go [m]."""
+
+
+class SetupChess(Task):
+    """All 32 men must stand on the squares where they start, let go.
+
+    One to three of them stand on the two middle ranks at first. Men of the same kind and colour may change places.
+    """
+
+    def init_task(self) -> None:
+        """All men may be grasped; each round returns the next stray one."""
+        self.stray: list[int] = []
+        self.men = [self.world.body(f"{color}_{kind}{i}") for color, kind, i in MEN]
+        self.register_graspable_objects(man.name for man in self.men)
+        self.register_waypoint_ability_start(0, self._aim_at_next_man)
+
+    def variation_count(self) -> int:
+        """One for each number of stray men."""
+        return 3
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Put men on squares of the middle ranks."""
+        count = variation + 1
+        self.stray = [int(i) for i in rng.choice(len(MEN), count, replace=False)]
+        self.register_rounds(count)
+        place = self.world.frame("stray")
+        for man, square in zip(self.stray, rng.choice(16, count, replace=False), strict=True):
+            rank, file = divmod(int(square), 8)
+            place.set_local([PITCH * (file - 3.5), PITCH * (rank - 0.5), ON_BOARD, *self.men[man].pose[3:]])
+            self.men[man].set_pose(place.pose)
+        self._aim_at_next_man()
+        self.register_success_conditions([NothingGrasped(self.gripper), *(self._filled(i) for i in range(len(MEN)))])
+        number = ("one", "two", "three")[variation]
+        pieces, squares = ("piece", "its home square") if count == 1 else ("pieces", "their home squares")
+        return [
+            f"Return the {number} stray chess {pieces} to {squares}.",
+            f"Get the board ready for a new game: {number} {pieces} in the middle must go back home.",
+            f"In the centre of the board you find {number} {pieces}: please set up the board again.",
+        ]
+
+    def _filled(self, home: int) -> Condition:
+        """A home square holds its own man; if that one is stray, any stray man that looks the same."""
+        alike = [i for i in self.stray if MEN[i][:2] == MEN[home][:2]]
+        men = [self.men[i] for i in (alike if home in self.stray else [home])]
+        return DetectedSeveral(men, self.world.sensor(f"home_{self.men[home].name}"), 1)
+
+    def _aim_at_next_man(self, waypoint: Waypoint | None = None) -> None:
+        man = self.stray[self.round]
+        name, grip = self.men[man].name, GRIP[MEN[man][1]]
+        for number, parent, height in ((1, name, grip), (4, f"foot_{name}", grip + ABOVE)):
+            frame = self.world.frame(f"waypoint{number}")
+            frame.set_parent(parent)
+            frame.set_local([0.0, 0.0, height, *frame.local[3:]])
