@@ -26,8 +26,8 @@ _MOVED = 1e-3  # motion in a tick above which the gripper counts as moving [m]
 _GEAR_FORCE = 200.0  # of the coupling between the fingers [N]
 _GEAR_ERP, _STIFF_GEAR_ERP = 0.2, 0.9  # share of the difference between the fingers that the coupling removes in a physics step
 _SQUEEZE_SPEED = 0.3
-"""Closing speed that fingers which hold by friction are driven with [m/s]. The object keeps them from it, so that the motors reach
-their force in 40 passes of the solver; at the speed of closing they press with 10 N of 40 N. At 1 m/s they fling ropes away."""
+"""Closing speed that the motors of blocked fingers ask for [m/s]: the object keeps the fingers from it, so that the motors reach
+their force in 40 passes of the solver. At the speed of closing they press with 10 N of 40 N; at 1 m/s they fling a rope away."""
 _SQUEEZE_PASSES = 100
 """Most passes of the solver while the fingers squeeze: with `PASSES` objects turn between the pads when the arm turns fast."""
 _BLOCKED = 1.5e-3
