@@ -1,0 +1,26 @@
+"""Stand a bottle on the middle shelf of a fridge that is shut."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, NothingGrasped, Task
+
+
+class PutBottleInFridge(Task):
+    """The bottle must stand upright on the middle shelf, behind the upper door, let go; the door may stay open."""
+
+    def init_task(self) -> None:
+        """The bottle may be grasped; success is the bottle over the shelf, its cap as high as when it stands, and let go."""
+        self.register_graspable_objects(["bottle"])
+        on_shelf = Detected(self.world.body("bottle"), self.world.sensor("inside"))
+        upright = Detected(self.world.frame("cap"), self.world.sensor("cap_height"))
+        self.register_success_conditions([on_shelf, upright, NothingGrasped(self.gripper)])
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Return the sentences; only the place of the task varies."""
+        return [
+            "Stand the bottle upright on the empty middle shelf of the fridge.",
+            "The lemonade is warm, so open the refrigerator and set it up on its middle shelf.",
+            "I want a cold drink later: the bottle on the table should be standing on the middle shelf in the fridge.",
+        ]
