@@ -11,9 +11,9 @@ class PutBottleInFridge(Task):
     """The bottle must stand upright on the middle shelf, behind the upper door, let go; the door may stay open."""
 
     def init_task(self) -> None:
-        """The bottle may be grasped; success is the bottle over the shelf, its cap as high as when it stands, and let go."""
+        """The bottle may be grasped; success is its bottom at the shelf, its cap as high as when it stands, and an empty gripper."""
         self.register_graspable_objects(["bottle"])
-        on_shelf = Detected(self.world.body("bottle"), self.world.sensor("inside"))
+        on_shelf = Detected(self.world.frame("base"), self.world.sensor("inside"))
         upright = Detected(self.world.frame("cap"), self.world.sensor("cap_height"))
         self.register_success_conditions([on_shelf, upright, NothingGrasped(self.gripper)])
 

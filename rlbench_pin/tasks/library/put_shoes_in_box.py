@@ -14,7 +14,9 @@ class PutShoesInBox(Task):
         """Both shoes may be grasped; success is both heels and both toes inside the box, and an empty gripper."""
         self.register_graspable_objects(["shoe_left", "shoe_right"])
         ends = [self.world.frame(name) for name in ("heel_left", "toe_left", "heel_right", "toe_right")]
-        self.register_success_conditions([DetectedSeveral(ends, self.world.sensor("box_inside"), 4), NothingGrasped(self.gripper)])
+        self.register_success_conditions(
+            [DetectedSeveral(ends, self.world.sensor("box_inside"), 4), NothingGrasped(self.gripper)]
+        )
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""

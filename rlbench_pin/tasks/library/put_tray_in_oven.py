@@ -14,7 +14,7 @@ class PutTrayInOven(Task):
     """
 
     def init_task(self) -> None:
-        """The tray may be grasped; success is all its corners inside the oven, at the height of the grid, and an empty gripper."""
+        """The tray may be grasped; success is all its corners in the oven, at the height of the grid, and an empty gripper."""
         self.tray, self.block = self.world.body("tray"), self.world.body("block")
         self.on_block = self.world.frame("on_block")
         self.patch = SpawnBoundary([self.world.region("patch")])
@@ -29,6 +29,6 @@ class PutTrayInOven(Task):
         self.tray.set_pose(self.on_block.pose)
         return [
             "Slide the baking tray into the oven, all the way in.",
-            "The cake can be baked now: open the oven and put the tray on its grid.",
-            "Please get the baking sheet from its board into the oven, so far that the door could be shut again.",
+            "It is time to bake: open the oven and lay the tray on its grid, so far in that nothing sticks out.",
+            "Please move the baking sheet from its board onto the grid in the oven, so that the door could be shut again.",
         ]

@@ -15,9 +15,9 @@ class TakeShoesOutOfBox(Task):
         shoes = ("shoe_left", "shoe_right")
         self.register_graspable_objects(shoes)
         ends = [self.world.frame(name) for name in ("heel_left", "toe_left", "heel_right", "toe_right")]
-        on_table = DetectedSeveral(ends, self.world.sensor("over_table"), 4)
-        outside = [Detected(self.world.body(shoe), self.world.sensor("box_inside"), negated=True) for shoe in shoes]
-        self.register_success_conditions([on_table, *outside, NothingGrasped(self.gripper)])
+        on_table = DetectedSeveral(ends, self.world.sensor("outside"), 4)
+        unpacked = [Detected(self.world.body(shoe), self.world.sensor("box_inside"), negated=True) for shoe in shoes]
+        self.register_success_conditions([on_table, *unpacked, NothingGrasped(self.gripper)])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""

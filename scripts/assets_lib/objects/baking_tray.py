@@ -29,7 +29,7 @@ def _parts() -> tuple[Shape, ...]:
 
 def _rim() -> Mesh:
     """Return the folded edge."""
-    wide, z = RIM + SHEET, HEIGHT - 0.002
+    wide, z = RIM + SHEET, HEIGHT - 0.0013
     x, y = (DEPTH - wide) / 2.0, (WIDTH - wide) / 2.0
     bars = [bevelled_box((wide, WIDTH, 0.004), (side * x, 0.0, z), 0.0015) for side in (-1, 1)]
     return merge([*bars, *(bevelled_box((DEPTH, wide, 0.004), (0.0, side * y, z), 0.0015) for side in (-1, 1))])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from assets_lib.cabinets import bevelled_box, bevelled
+from assets_lib.cabinets import bevelled, bevelled_box
 from assets_lib.mesh import FloatArray, Mesh, box, hull_of, merge
 from assets_lib.prisms import hull_prism
 from assets_lib.urdf import Joint, Link, Model, Visual, box_shape, mesh_shape, plastic
@@ -18,7 +18,13 @@ OVERHANG, GAP = 0.015, 0.001
 LID = (BOX[0] + OVERHANG, BOX[1], 0.006)
 HINGE = (BOX[0] / 2.0, 0.0, BOX[2])
 CANVAS, RUBBER, LACE, LINING = (0.25, 0.36, 0.48), plastic((0.92, 0.91, 0.88)), (0.93, 0.92, 0.90), (0.13, 0.15, 0.18)
-CARD, CARD_LID, CARD_INSIDE, PAPER, INK = (0.72, 0.36, 0.24), (0.78, 0.42, 0.28), (0.70, 0.66, 0.60), (0.95, 0.94, 0.90), (0.2, 0.2, 0.2)
+CARD, CARD_LID, CARD_INSIDE, PAPER, INK = (
+    (0.72, 0.36, 0.24),
+    (0.78, 0.42, 0.28),
+    (0.70, 0.66, 0.60),
+    (0.95, 0.94, 0.90),
+    (0.2, 0.2, 0.2),
+)
 STATIONS = (  # x, half width, height of the upper side: from the heel to the toes
     (-0.067, 0.017, 0.054),
     (-0.062, 0.0235, 0.058),
@@ -31,6 +37,7 @@ STATIONS = (  # x, half width, height of the upper side: from the heel to the to
     (0.054, 0.0235, 0.029),
     (0.063, 0.0180, 0.024),
     (0.067, 0.0120, 0.020),
+    (0.0692, 0.0060, 0.0155),
 )
 
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]
@@ -59,16 +66,23 @@ def _loft(rings: list[FloatArray]) -> Mesh:
         j = (i + 1) % count
         for k in range(len(rings) - 1):
             a, b, c, d = k * count + i, k * count + j, (k + 1) * count + j, (k + 1) * count + i
-            faces += [(a, c, b), (a, d, c)]
+            faces += [(a, b, c), (a, c, d)]
         end = (len(rings) - 1) * count
-        faces += [(first, i, j), (last, end + j, end + i)]
+        faces += [(first, j, i), (last, end + i, end + j)]
     return Mesh(vertices, np.array(faces))
 
 
 def _outline(grow: float, side: int) -> FloatArray:
     """Return the outline of the sole, shape (n, 2)."""
     points = [(x, _bend(x, side) + s * (half + grow)) for x, half, _ in STATIONS for s in (-1, 1)]
-    return np.array([*points, (-LENGTH / 2.0, -0.006), (-LENGTH / 2.0, 0.006), *((LENGTH / 2.0, _bend(0.07, side) + y) for y in (-0.004, 0.004))])
+    return np.array(
+        [
+            *points,
+            (-LENGTH / 2.0, -0.006),
+            (-LENGTH / 2.0, 0.006),
+            *((LENGTH / 2.0, _bend(0.07, side) + y) for y in (-0.004, 0.004)),
+        ]
+    )
 
 
 def _laces(side: int) -> Mesh:
@@ -82,14 +96,15 @@ def _laces(side: int) -> Mesh:
 def _opening(grow: float, low: float, high: float) -> Mesh:
     """Return a flat rounded patch over the heel, where the foot goes in."""
     angles = 2.0 * np.pi * np.arange(20) / 20
-    ends = [(0.0, x) for x in (-0.043, -0.012)]
-    points = [(x + (0.017 + grow) * np.cos(a), (0.0175 + grow) * np.sin(a)) for _, x in ends for a in angles]
-    return hull_prism(np.array(points), low, high).moved(rpy=(0.0, 0.0, 0.0))
+    points = [(x + (0.017 + grow) * np.cos(a), (0.0175 + grow) * np.sin(a)) for x in (-0.043, -0.012) for a in angles]
+    return hull_prism(np.array(points), low, high)
 
 
 def _stripes(side: int) -> Mesh:
     """Return two stripes on either flank and a patch on the heel."""
-    flank = [bevelled_box((0.005, 0.0554, 0.026), bevel=0.0005).moved((x, 0.0, 0.031), (0.0, 0.35, 0.0)) for x in (-0.012, -0.001)]
+    flank = [
+        bevelled_box((0.005, 0.0554, 0.026), bevel=0.0005).moved((x, 0.0, 0.031), (0.0, 0.35, 0.0)) for x in (-0.012, -0.001)
+    ]
     return merge([*flank, bevelled_box((0.003, 0.013, 0.03), (-0.0675, 0.0, 0.036), 0.001)])
 
 
@@ -106,9 +121,15 @@ def _shoe(name: str, side: int) -> Model:
         Visual(mesh_shape("stripes", _stripes(side)), LACE, crease=0.4),
     )
     half = WIDTH / 2.0
-    heel = hull_prism(np.array([(x, s * y) for x, y in ((-0.07, 0.012), (-0.06, half), (0.006, half)) for s in (-1, 1)]), 0.0, HEIGHT)
+    heel = hull_prism(
+        np.array([(x, s * y) for x, y in ((-0.07, 0.012), (-0.06, half), (0.006, half)) for s in (-1, 1)]), 0.0, HEIGHT
+    )
     low = [(x, _bend(x, side) + s * y, 0.0) for x, y in ((0.0, half), (0.05, 0.025), (0.07, 0.008)) for s in (-1, 1)]
-    high = [(x, _bend(x, side) + s * y, z) for x, y, z in ((0.0, half, 0.052), (0.04, 0.022, 0.034), (0.068, 0.007, 0.02)) for s in (-1, 1)]
+    high = [
+        (x, _bend(x, side) + s * y, z)
+        for x, y, z in ((0.0, half, 0.052), (0.04, 0.022, 0.034), (0.068, 0.007, 0.02))
+        for s in (-1, 1)
+    ]
     shapes = (mesh_shape("heel_hull", heel), mesh_shape("toe_hull", hull_of(np.array([*low, *high]))))
     notes = (f"{LENGTH} x {WIDTH} x {HEIGHT}, toes towards +x; heel and instep, x -0.06..0.006, have upright sides",)
     return Model(name, f"objects/{name}", "bottom centre", (Link("shoe", 0.15, visuals, shapes, friction=1.0),), notes=notes)
@@ -117,7 +138,7 @@ def _shoe(name: str, side: int) -> Model:
 def _toe_cap(side: int) -> Mesh:
     """Return the rubber over the toes: the upper, a little thicker."""
     rings = []
-    for x, half, top in STATIONS[-4:]:
+    for x, half, top in STATIONS[-5:]:
         rings.append(_section(x + 0.0012, half + 0.0008, top + 0.0008, side))
     return _loft(rings)
 
@@ -142,17 +163,23 @@ def _lining() -> Mesh:
     return merge([box((2 * x, 2 * y, t), (0.0, 0.0, WALL + t / 2.0)), *sides])
 
 
-def _shoe_sign(x: float, y: float, scale: float) -> list[Mesh]:
-    """Return the side view of a shoe as flat solids that face +z, its toes towards +y."""
-    boxes = ((0.0, 0.0, 0.005, 0.05), (0.009, -0.012, 0.013, 0.026), (0.019, -0.017, 0.009, 0.015), (0.007, 0.012, 0.009, 0.024))
-    return [box((scale * h, scale * w, 0.0008), (x - scale * dx, y + scale * dy, 0.0)) for dx, dy, h, w in boxes]
+def _sign() -> Mesh:
+    """Return the side view of a shoe, flat, with its sole towards -x and its toes towards -y; its middle is the origin."""
+    heel = ((-0.024, 0.034), (-0.024, 0.0), (0.02, 0.002), (0.024, 0.032))
+    toes = ((-0.024, 0.0), (-0.024, -0.042), (-0.01, -0.044), (0.0, -0.03), (0.018, 0.0))
+    sole = ((-0.029, 0.036), (-0.029, -0.046), (-0.0255, -0.046), (-0.0255, 0.036))
+    return merge(hull_prism(np.array(part), 0.0, 0.0008) for part in (heel, toes, sole))
 
 
 def _box_model() -> Model:
     depth, width, height = BOX
     end = width / 2.0 + 0.0004
     paper = merge([box((0.07, 0.0008, 0.045), (0.0, side * end, 0.045)) for side in (-1, 1)])
-    text = [box((w, 0.0008, 0.004), (0.0, side * (end + 0.0004), z)) for side in (-1, 1) for w, z in ((0.05, 0.057), (0.05, 0.048), (0.03, 0.036))]
+    text = [
+        box((w, 0.0008, 0.004), (0.0, side * (end + 0.0004), z))
+        for side in (-1, 1)
+        for w, z in ((0.05, 0.057), (0.05, 0.048), (0.03, 0.036))
+    ]
     body = Link(
         "shoe_box",
         1.0,
@@ -165,7 +192,7 @@ def _box_model() -> Model:
         tuple(box_shape(size, center) for size, center in _walls()),
     )
     x, z = -LID[0] / 2.0, GAP + LID[2] / 2.0
-    sign = merge(_shoe_sign(0.01, 0.0, 1.7)).moved((x, 0.0, GAP + LID[2] + 0.0004))
+    sign = _sign().moved((x, 0.0, GAP + LID[2]))
     lid = Link(
         "lid",
         0.06,
@@ -181,8 +208,9 @@ def _box_model() -> Model:
     notes = (
         f"front faces -x, long side along y; hollow; inside x -+{depth / 2.0 - WALL:.3f}, y -+{width / 2.0 - WALL:.3f}, "
         f"floor at z = {WALL}, rim at z = {height}",
-        f"link `lid` has its origin on the hinge at the middle of the back edge {HINGE}; at 0 it is shut and spans x -{LID[0]}..0, "
-        f"z {GAP}..{GAP + LID[2]:.3f} there, {OVERHANG} beyond the front wall; it opens upwards and backwards",
+        f"link `lid` has its origin on the hinge at the middle of the back edge {HINGE}; at 0 it is shut and "
+        f"spans x -{LID[0]}..0, z {GAP}..{GAP + LID[2]:.3f} there, {OVERHANG} beyond the front wall; "
+        "it opens upwards and backwards",
     )
     return Model("shoe_box", "objects/shoe_box", "bottom centre", (body, lid), (joint,), notes)
 
