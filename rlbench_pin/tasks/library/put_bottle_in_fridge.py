@@ -11,7 +11,7 @@ class PutBottleInFridge(Task):
     """The bottle must stand upright on the middle shelf, behind the upper door, let go; the door may stay open."""
 
     def init_task(self) -> None:
-        """The bottle may be grasped; success is its bottom at the shelf, its cap as high as when it stands, and an empty gripper."""
+        """The bottle may be grasped; success is its bottom at the shelf, its cap right above, and an empty gripper."""
         self.register_graspable_objects(["bottle"])
         on_shelf = Detected(self.world.frame("base"), self.world.sensor("inside"))
         upright = Detected(self.world.frame("cap"), self.world.sensor("cap_height"))
