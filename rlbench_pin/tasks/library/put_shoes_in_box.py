@@ -23,5 +23,5 @@ class PutShoesInBox(Task):
         return [
             "Open the shoe box and pack both shoes into it.",
             "These shoes are not worn any more, so put the pair away in its box.",
-            "I want the left and the right shoe inside the box on the table, please.",
+            "The left and the right shoe should go into the carton, both of them.",
         ]

@@ -24,5 +24,5 @@ class TakeShoesOutOfBox(Task):
         return [
             "Take both shoes out of the box and put them on the table.",
             "The new shoes are still in their carton: open it and place the pair on the table.",
-            "Unpack the shoe box, so that the left and the right shoe lie on the table beside it.",
+            "Empty the shoe box, so that the left and the right shoe lie on the table beside it.",
         ]

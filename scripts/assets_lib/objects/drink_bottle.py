@@ -17,19 +17,19 @@ def _glass() -> Mesh:
     """Return the bottle below its cap."""
     belly = [(0.0, 0.0), (RADIUS - 0.004, 0.0), (RADIUS - 0.001, 0.0015), (RADIUS, 0.005), (RADIUS, SHOULDER)]
     neck = [(0.0285, 0.122), (0.0225, 0.133), (0.0155, 0.143), (NECK_RADIUS, 0.152), (NECK_RADIUS, NECK), (0.0, NECK)]
-    return lathe([*belly, *neck], 32)
+    return lathe([*belly, *neck], 22)
 
 
 def _band(radius: float, low: float, high: float) -> Mesh:
     """Return a closed ring around the bottle."""
-    return lathe([(0.0, low), (radius, low), (radius, high), (0.0, high)], 32)
+    return lathe([(0.0, low), (radius, low), (radius, high), (0.0, high)], 22)
 
 
 def _cap() -> Mesh:
     """Return the cap with its ribs."""
-    body = cylinder(CAP_RADIUS - 0.0008, HEIGHT - NECK + 0.003, 24, bevel=0.002).moved((0.0, 0.0, (HEIGHT + NECK - 0.003) / 2.0))
-    rib = rod((CAP_RADIUS - 0.001, 0.0, NECK), (CAP_RADIUS - 0.001, 0.0, HEIGHT - 0.004), 0.0009, 6)
-    return merge([body, *(rib.moved(rpy=(0.0, 0.0, 0.3927 * k)) for k in range(16))])
+    body = cylinder(CAP_RADIUS - 0.0008, HEIGHT - NECK + 0.003, 16, bevel=0.002).moved((0.0, 0.0, (HEIGHT + NECK - 0.003) / 2.0))
+    rib = rod((CAP_RADIUS - 0.001, 0.0, NECK), (CAP_RADIUS - 0.001, 0.0, HEIGHT - 0.004), 0.0009, 4)
+    return merge([body, *(rib.moved(rpy=(0.0, 0.0, 0.7854 * k)) for k in range(8))])
 
 
 def models() -> tuple[Model, ...]:
