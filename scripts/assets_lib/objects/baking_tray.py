@@ -9,7 +9,7 @@ from assets_lib.urdf import Link, Model, Shape, Visual, box_shape, mesh_shape, m
 DEPTH, WIDTH, HEIGHT, SHEET = 0.16, 0.24, 0.02, 0.003
 RIM = 0.007
 """How far the folded rim stands out to the outside, included in depth and width [m]."""
-GRIP = (0.046, 0.014, 0.032)
+GRIP = (0.036, 0.014, 0.032)
 GRIP_CENTER = (-DEPTH / 2.0 - GRIP[0] / 2.0, 0.0, 0.022)
 BLOCK = (0.20, 0.27, 0.03)
 STEEL, DARK, RUBBER, WOOD = metal((0.36, 0.37, 0.39)), metal((0.24, 0.25, 0.27)), (0.16, 0.16, 0.17), (0.66, 0.50, 0.33)
@@ -64,7 +64,7 @@ def models() -> tuple[Model, ...]:
         f"hollow, {DEPTH} deep, {WIDTH} wide, {HEIGHT} high, front towards -x",
         f"an upright grip of {GRIP} in the middle of the front, its centre at {tuple(round(v, 4) for v in GRIP_CENTER)}",
     )
-    tray = Link("tray", 0.15, visuals, _parts(), friction=1.0)
+    tray = Link("tray", 0.08, visuals, _parts(), friction=1.0)
     block = Link(
         "block",
         0.6,

@@ -52,7 +52,7 @@ def test_the_tray_has_to_lie_on_the_grid_all_the_way_in(goal: Goal) -> None:
     for place, rpy in refused:
         goal.put("tray", place, rpy, on="oven")
         assert not goal.reached(), place
-    goal.ends("tray", (0.0, 0.0, 0.16), on="oven", x=(-0.055, 0.09), y=(-0.085, 0.085), z=(-0.01, 0.02))
+    goal.ends("tray", (0.0, 0.0, 0.16), on="oven", x=(-0.065, 0.09), y=(-0.085, 0.085), z=(-0.01, 0.02))
     goal.needs_release_of("tray")
 
 
