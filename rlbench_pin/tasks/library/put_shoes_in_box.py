@@ -1,0 +1,27 @@
+"""Pack a pair of shoes into their box, whose lid is shut."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import DetectedSeveral, NothingGrasped, Task
+
+
+class PutShoesInBox(Task):
+    """Both shoes must be in the box, heels and toes below its rim, and let go; the lid may stay open."""
+
+    def init_task(self) -> None:
+        """Both shoes may be grasped; success is both heels and both toes inside the box, and an empty gripper."""
+        self.register_graspable_objects(["shoe_left", "shoe_right"])
+        ends = [self.world.frame(name) for name in ("heel_left", "toe_left", "heel_right", "toe_right")]
+        self.register_success_conditions(
+            [DetectedSeveral(ends, self.world.sensor("box_inside"), 4), NothingGrasped(self.gripper)]
+        )
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Return the sentences; only the place of the task varies."""
+        return [
+            "Open the shoe box and pack both shoes into it.",
+            "These shoes are not worn any more, so put the pair away in its box.",
+            "The left and the right shoe should go into the carton, both of them.",
+        ]

@@ -1,0 +1,28 @@
+"""Unpack a pair of shoes from their box, whose lid is shut."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, DetectedSeveral, NothingGrasped, Task
+
+
+class TakeShoesOutOfBox(Task):
+    """Both shoes must lie on the table, whichever way up, outside the box, and be let go; the lid may stay open."""
+
+    def init_task(self) -> None:
+        """Both shoes may be grasped; success is both heels and both toes low over the table, outside the box, let go."""
+        shoes = ("shoe_left", "shoe_right")
+        self.register_graspable_objects(shoes)
+        ends = [self.world.frame(name) for name in ("heel_left", "toe_left", "heel_right", "toe_right")]
+        on_table = DetectedSeveral(ends, self.world.sensor("outside"), 4)
+        unpacked = [Detected(self.world.body(shoe), self.world.sensor("box_inside"), negated=True) for shoe in shoes]
+        self.register_success_conditions([on_table, *unpacked, NothingGrasped(self.gripper)])
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Return the sentences; only the place of the task varies."""
+        return [
+            "Take both shoes out of the box and put them on the table.",
+            "The new shoes are still in their carton: open it and place the pair on the table.",
+            "Empty the shoe box, so that the left and the right shoe lie on the table beside it.",
+        ]
