@@ -13,9 +13,9 @@ BOOK = (0.09, 0.025, 0.13)
 COVER, OVERHANG = 0.0025, 0.003
 COLORS: dict[str, Vec3] = {"blue": (0.16, 0.29, 0.50), "red": (0.55, 0.15, 0.16), "yellow": (0.84, 0.63, 0.22)}
 PAGES, GILT = (0.94, 0.91, 0.82), (0.93, 0.86, 0.66)
-DEPTH, HEIGHT, BOARD, LOWER, UPPER = 0.18, 0.40, 0.015, 0.03, 0.25
+DEPTH, HEIGHT, BOARD, LOWER, UPPER = 0.18, 0.36, 0.015, 0.03, 0.25
 """Of the shelves; upper sides of both boards [m]."""
-WIDTHS = {"bookshelf": 0.40, "bookcase": 0.50}
+WIDTHS = {"bookshelf": 0.40, "bookcase": 0.56}
 RECESS = 0.035
 """How far behind the front the partition of the bookcase begins [m]."""
 WOOD, BACK = plastic((0.62, 0.43, 0.27)), (0.52, 0.35, 0.21)
