@@ -7,8 +7,8 @@ import numpy as np
 from rlbench_pin.tasks import Detected, NothingGrasped, SpawnBoundary, Task, Waypoint
 
 BOOKS = ("book_blue", "book_red")
-APART, TURN = 0.14, 0.5
-"""Distance of the books from each other on the table [m], and how far each is turned at most, to either side [rad]."""
+TURN = (0.0, 0.0, 0.5)
+"""Largest roll, pitch and yaw of a book on the table, to either side [rad]."""
 
 
 class PutBooksAtShelfLocation(Task):
@@ -22,7 +22,7 @@ class PutBooksAtShelfLocation(Task):
     def init_task(self) -> None:
         """Both books may be grasped; each round aims at the next one."""
         self.books = [self.world.body(name) for name in BOOKS]
-        self.patch = SpawnBoundary([self.world.region("patch")])
+        self.patches = [SpawnBoundary([self.world.region(f"patch{i}")]) for i in range(len(BOOKS))]
         self.register_graspable_objects(BOOKS)
         self.register_rounds(len(BOOKS))
         self.register_waypoint_ability_start(0, self._aim_at_next_book)
@@ -35,9 +35,9 @@ class PutBooksAtShelfLocation(Task):
         """Place the books; success is both in the asked compartment, let go."""
         self.compartment = self.compartments[variation]
         self.register_rounds(len(BOOKS))
-        self.patch.clear()
-        for book in self.books:
-            self.patch.sample(book, rng, min_rotation=(0.0, 0.0, -TURN), max_rotation=(0.0, 0.0, TURN), min_distance=APART)
+        for patch, number in zip(self.patches, rng.permutation(len(BOOKS)), strict=True):
+            patch.clear()
+            patch.sample(self.books[number], rng, min_rotation=np.negative(TURN), max_rotation=TURN)
         sensor = self.world.sensor(f"in_{self.compartment}")
         self.register_success_conditions([*(Detected(book, sensor) for book in self.books), NothingGrasped(self.gripper)])
         place = self.compartment.replace("_", " ")
