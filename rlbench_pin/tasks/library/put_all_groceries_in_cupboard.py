@@ -29,9 +29,9 @@ class PutAllGroceriesInCupboard(Task):
         self.register_rounds(len(ITEMS))
         self.patch.scatter(self.items, rng, min_distance=APART)
         return [
-            "Put all seven groceries in the cupboard.",
-            "The shopping is still on the table: move every item to the shelves of the cupboard.",
-            "Clear the table, and use the cupboard for everything that stands there.",
+            "Put all seven items in the cupboard.",
+            "The shopping is still on the table, so move everything to the shelves.",
+            "Clear away the groceries: each of them has to be in the cupboard.",
         ]
 
     def _aim_at_next_item(self, waypoint: Waypoint) -> None:

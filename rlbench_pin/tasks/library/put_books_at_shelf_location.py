@@ -43,8 +43,8 @@ class PutBooksAtShelfLocation(Task):
         place = self.compartment.replace("_", " ")
         return [
             f"Put both books in the {place} compartment of the bookcase.",
-            f"The two books belong at the {place} of the shelf, seen from its open side.",
-            f"Clear the table: every book goes into the compartment at the {place}.",
+            f"Seen from its open side, the shelf has room at the {place}, so set the two books there.",
+            f"Clear the table: all books belong in the bookcase, in the compartment at the {place}.",
         ]
 
     def _aim_at_next_book(self, waypoint: Waypoint) -> None:

@@ -34,6 +34,6 @@ class PutMoneyInSafe(Task):
         self.register_success_conditions([NothingGrasped(self.gripper), Detected(self.money, self.world.sensor(f"in_{level}"))])
         return [
             f"Put the banknotes on the {level} level of the safe.",
-            f"The {level} shelf of the safe is free, so store the bundle of cash there.",
-            f"Lock nothing yet: just lay the money in the open safe, at the {level}.",
+            f"The safe is open, so lay the bundle of money on its {level} shelf.",
+            f"Move the cash from the table into the safe, and choose the {level} of its three levels.",
         ]
