@@ -36,7 +36,9 @@ class TakeMoneyOutSafe(Task):
         for other in self.bundles:
             self.inside.sample(other, rng, min_rotation=(0.0, 0.0, -0.314), max_rotation=(0.0, 0.0, 0.0), min_distance=0.0)
         self.table.clear()
-        self.table.sample(self.world.frame("waypoint3"), rng, min_rotation=(0.0, 0.0, -TURN), max_rotation=(0.0, 0.0, TURN), min_distance=0.0)
+        self.table.sample(
+            self.world.frame("waypoint3"), rng, min_rotation=(0.0, 0.0, -TURN), max_rotation=(0.0, 0.0, TURN), min_distance=0.0
+        )
         self.world.frame("waypoint1").set_parent(bundle.name)
         self.register_success_conditions([NothingGrasped(self.gripper), Detected(bundle, self.world.sensor("on_table"))])
         return [

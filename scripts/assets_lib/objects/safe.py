@@ -37,7 +37,9 @@ def _walls() -> tuple[tuple[Vec3, Vec3], ...]:
 
 def _body() -> Link:
     front, inner = -DEPTH / 2.0, WIDTH / 2.0 - WALL
-    shell = cabinet((front, DEPTH / 2.0), (-WIDTH / 2.0, WIDTH / 2.0), (0.0, HEIGHT), (-inner, inner), ((WALL, HEIGHT - WALL),), DEPTH - WALL)
+    shell = cabinet(
+        (front, DEPTH / 2.0), (-WIDTH / 2.0, WIDTH / 2.0), (0.0, HEIGHT), (-inner, inner), ((WALL, HEIGHT - WALL),), DEPTH - WALL
+    )
     sheet, low, high = 0.001, WALL, HEIGHT - WALL
     lining = merge(
         [
@@ -101,7 +103,7 @@ def _safe() -> Model:
     hinge = (-DEPTH / 2.0, WIDTH / 2.0, HEIGHT / 2.0)
     door = Joint("door", "revolute", "safe", "door_link", hinge, (0.0, 0.0, -1.0), 0.0, 2.5, damping=0.2)
     notes = (
-        f"front faces -x at x = {-DEPTH / 2.0}; the door hangs on the left edge for a viewer in front (at +y) and opens towards -x",
+        f"front faces -x at x = {-DEPTH / 2.0}; the door hangs on the left edge for a viewer in front (at +y)",
         f"inside: y -+{WIDTH / 2.0 - WALL:.2f}, back at x = {DEPTH / 2.0 - WALL:.2f}; floors of the levels at z = {LEVELS}; "
         f"ceiling {HEIGHT - WALL}; the shelves are {SHELF} thick and begin at x = {RECESS - DEPTH / 2.0:.2f}",
     )
@@ -116,7 +118,9 @@ def _bundle() -> Model:
         for side in (-1, 1)
         for w, d, s in ((0.040, y - 0.012, -0.035), (0.040, y - 0.012, 0.035))
     )
-    seals = merge(cylinder(0.013, 0.0006, 24).moved((s, 0.0, side * (z / 2.0 + 0.0001))) for side in (-1, 1) for s in (-0.035, 0.035))
+    seals = merge(
+        cylinder(0.013, 0.0006, 24).moved((s, 0.0, side * (z / 2.0 + 0.0001))) for side in (-1, 1) for s in (-0.035, 0.035)
+    )
     visuals = (
         Visual(mesh_shape("notes", bevelled_box(BUNDLE, (0.0, 0.0, 0.0), 0.002)), NOTE),
         Visual(mesh_shape("sheets", merge(sheets).scaled((1.0172, 1.038, 1.0))), PRINT),

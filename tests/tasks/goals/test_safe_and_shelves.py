@@ -36,7 +36,7 @@ def test_the_bundle_has_to_lie_on_the_asked_level(goal: Goal) -> None:
 
 @goal_of("take_money_out_safe", 0, 1, 2)
 def test_the_asked_bundle_has_to_lie_on_the_table(goal: Goal) -> None:
-    """Let go in front of the safe; another bundle, one that stays, or one held over the table or laid elsewhere does not count."""
+    """Let go in front of the safe; another bundle, one that stays, and one over the table or laid elsewhere do not count."""
     level = level_of(goal)
     other = next(name for name in FLOORS if name != level)
     grasp = goal.task.get_waypoints()[1].pose
