@@ -7,8 +7,8 @@ import numpy as np
 from rlbench_pin.tasks import Detected, NothingGrasped, SpawnBoundary, Task, Waypoint
 
 BOOKS = ("book_blue", "book_red")
-TURN = (0.0, 0.0, 0.5)
-"""Largest roll, pitch and yaw of a book on the table, to either side [rad]."""
+TURN = 0.5
+"""How far a book on the table is turned at most, to either side [rad]."""
 
 
 class PutBooksAtShelfLocation(Task):
@@ -37,7 +37,7 @@ class PutBooksAtShelfLocation(Task):
         self.register_rounds(len(BOOKS))
         for patch, number in zip(self.patches, rng.permutation(len(BOOKS)), strict=True):
             patch.clear()
-            patch.sample(self.books[number], rng, min_rotation=np.negative(TURN), max_rotation=TURN)
+            patch.sample(self.books[number], rng, min_rotation=(0.0, 0.0, -TURN), max_rotation=(0.0, 0.0, TURN))
         sensor = self.world.sensor(f"in_{self.compartment}")
         self.register_success_conditions([*(Detected(book, sensor) for book in self.books), NothingGrasped(self.gripper)])
         place = self.compartment.replace("_", " ")
