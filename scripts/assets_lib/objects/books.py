@@ -83,10 +83,10 @@ def _bookshelf() -> Model:
     pages, letters, solid = [], [], list(boards)
     for number, (thick, tall, deep, color) in enumerate(ROW):
         center = (-DEPTH / 2.0 + 0.01 + deep / 2.0, along + thick / 2.0, LOWER + tall / 2.0)
-        parts = [part.moved(center) for part in _book_parts((deep, thick, tall))]
-        visuals.append(Visual(mesh_shape(f"row_{number}", parts[0]), plastic(color)))
-        pages.append(parts[1])
-        letters.append(parts[2])
+        x, y, z = center
+        visuals.append(Visual(mesh_shape(f"row_{number}", bevelled([((deep, thick, tall), center)], 0.002)), plastic(color)))
+        pages.append(box((deep - 0.006, thick - 2.0 * COVER, 0.0006), (x, y, z + tall / 2.0)))
+        letters.append(box((0.0006, thick * 0.4, tall * 0.35), (x - deep / 2.0, y, z + tall * 0.12)))
         along += thick + 0.001
     row = along + width / 2.0 - BOARD
     solid.append(((0.12, row, 0.17), (-DEPTH / 2.0 + 0.07, along - row / 2.0, LOWER + 0.085)))

@@ -48,25 +48,23 @@ def _body() -> Link:
             box((sheet, 2.0 * inner, high - low), (DEPTH / 2.0 - WALL, 0.0, HEIGHT / 2.0)),
         ]
     )
-    hinges = merge(cylinder(0.009, 0.06, 14, bevel=0.002).moved((front, WIDTH / 2.0 + 0.004, z)) for z in (0.08, 0.32))
-    slots = merge(cylinder(0.0095, 0.002, 14).moved((front + 0.04, -inner, z), (HALF_PI, 0.0, 0.0)) for z in (0.10, 0.20, 0.30))
+    hinges = merge(cylinder(0.009, 0.06, 10).moved((front, WIDTH / 2.0 + 0.004, z)) for z in (0.08, 0.32))
     walls = _walls()
     visuals = (
         Visual(mesh_shape("shell", shell), STEEL),
         Visual(mesh_shape("lining", lining), LINING),
         Visual(mesh_shape("shelves", bevelled(walls[-2:], 0.002)), EDGE),
         Visual(mesh_shape("hinges", hinges), CHROME),
-        Visual(mesh_shape("slots", slots), DIAL),
     )
     return Link("safe", 40.0, visuals, tuple(box_shape(size, center) for size, center in walls))
 
 
 def _wheel(x: float, y: float, z: float) -> Mesh:
     """Return a wheel of three spokes with knobs on its shaft, turned towards -x."""
-    hub = [rod((0.0, y, z), (x, y, z), 0.010, 16), cylinder(0.016, 0.012, 20, bevel=0.003).moved((x, y, z), (0.0, HALF_PI, 0.0))]
+    hub = [rod((0.0, y, z), (x, y, z), 0.010, 10), cylinder(0.016, 0.012, 12).moved((x, y, z), (0.0, HALF_PI, 0.0))]
     for angle in HALF_PI + np.arange(3) * 2.0 * np.pi / 3.0:
         tip = (x, y + 0.05 * float(np.cos(angle)), z + 0.05 * float(np.sin(angle)))
-        hub += [rod((x, y, z), tip, 0.005, 12), cylinder(0.009, 0.018, 14, bevel=0.003).moved(tip, (0.0, HALF_PI, 0.0))]
+        hub += [rod((x, y, z), tip, 0.005, 8), cylinder(0.009, 0.018, 10).moved(tip, (0.0, HALF_PI, 0.0))]
     return merge(hub)
 
 
@@ -76,13 +74,13 @@ def _door() -> Link:
     plug: tuple[Vec3, Vec3] = ((0.016, WIDTH - 2.0 * WALL - 0.02, HEIGHT - 2.0 * WALL - 0.02), (0.006, -WIDTH / 2.0, 0.0))
     face = -DOOR - GAP
     panel = bevelled_box((0.004, WIDTH - 0.05, HEIGHT - 0.05), (face, -WIDTH / 2.0, 0.0), 0.0015)
-    dial = cylinder(0.030, 0.018, 32, bevel=0.004).moved((face - 0.008, -0.16, 0.09), (0.0, HALF_PI, 0.0))
+    dial = cylinder(0.030, 0.018, 20, bevel=0.004).moved((face - 0.008, -0.16, 0.09), (0.0, HALF_PI, 0.0))
     ticks = []
-    for angle in np.arange(20) * np.pi / 10.0:
+    for angle in np.arange(10) * np.pi / 5.0:
         y, z = -0.16 + 0.0225 * float(np.sin(angle)), 0.09 + 0.0225 * float(np.cos(angle))
         ticks.append(box((0.001, 0.0014, 0.005)).moved((face - 0.0172, y, z), (float(angle), 0.0, 0.0)))
     ticks.append(box((0.001, 0.004, 0.008), (face - 0.0025, -0.16, 0.128)))
-    bolts = merge(rod((0.006, -WIDTH + 0.06, z), (0.006, -WIDTH + WALL + 0.002, z), 0.008, 14) for z in (-0.10, 0.0, 0.10))
+    bolts = merge(rod((0.006, -WIDTH + 0.06, z), (0.006, -WIDTH + WALL + 0.002, z), 0.008, 8) for z in (-0.10, 0.0, 0.10))
     wheel = _wheel(face - 0.04, -0.16, -0.03)
     visuals = (
         Visual(mesh_shape("slab", bevelled((slab,))), STEEL),
@@ -119,7 +117,7 @@ def _bundle() -> Model:
         for w, d, s in ((0.040, y - 0.012, -0.035), (0.040, y - 0.012, 0.035))
     )
     seals = merge(
-        cylinder(0.013, 0.0006, 24).moved((s, 0.0, side * (z / 2.0 + 0.0001))) for side in (-1, 1) for s in (-0.035, 0.035)
+        cylinder(0.013, 0.0006, 16).moved((s, 0.0, side * (z / 2.0 + 0.0001))) for side in (-1, 1) for s in (-0.035, 0.035)
     )
     visuals = (
         Visual(mesh_shape("notes", bevelled_box(BUNDLE, (0.0, 0.0, 0.0), 0.002)), NOTE),
