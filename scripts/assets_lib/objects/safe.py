@@ -76,7 +76,7 @@ def _door() -> Link:
     panel = bevelled_box((0.004, WIDTH - 0.05, HEIGHT - 0.05), (face, -WIDTH / 2.0, 0.0), 0.0015)
     dial = cylinder(0.030, 0.018, 20, bevel=0.004).moved((face - 0.008, -0.16, 0.09), (0.0, HALF_PI, 0.0))
     ticks = []
-    for angle in np.arange(10) * np.pi / 5.0:
+    for angle in np.arange(8) * np.pi / 4.0:
         y, z = -0.16 + 0.0225 * float(np.sin(angle)), 0.09 + 0.0225 * float(np.cos(angle))
         ticks.append(box((0.001, 0.0014, 0.005)).moved((face - 0.0172, y, z), (float(angle), 0.0, 0.0)))
     ticks.append(box((0.001, 0.004, 0.008), (face - 0.0025, -0.16, 0.128)))
