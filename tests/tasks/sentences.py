@@ -24,7 +24,8 @@ VERBS = frozenset(
 )
 """What sentences ask for; a new one is added here."""
 COUNTED = words(
-    "ball block brick bulb button compartment crumb cube degree drawer end hole mug other piece pin shape thing tomato"
+    "ball block book brick bulb button compartment crumb cube degree drawer end hole item level mug other piece pin shape "
+    "thing tomato"
 )
 """Nouns that stand behind a number, in the singular."""
 FUNCTION_WORDS = words("are by from in into is of on onto over that to whose")

@@ -1,0 +1,48 @@
+"""Put one to three books on the upper board of a bookshelf."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import DetectedSeveral, NothingGrasped, SpawnBoundary, Task, Waypoint
+
+BOOKS = ("book_blue", "book_red", "book_yellow")
+APART = 0.13
+"""Distance of the books from each other on the table, so that the gripper fits between them [m]."""
+
+
+class PutBooksOnBookshelf(Task):
+    """One, two or three of three books, whichever, must be on the upper board, let go.
+
+    How many are asked for varies, and where the books stand on the table.
+    """
+
+    def init_task(self) -> None:
+        """All books may be grasped; each round aims at the next one."""
+        self.books = [self.world.body(name) for name in BOOKS]
+        self.patch = SpawnBoundary([self.world.region("patch")])
+        self.register_graspable_objects(BOOKS)
+        self.register_waypoint_ability_start(0, self._aim_at_next_book)
+
+    def variation_count(self) -> int:
+        """One for each number of books."""
+        return len(BOOKS)
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Place the books; success is that as many as asked are on the upper board, let go."""
+        count = variation + 1
+        self.register_rounds(count)
+        self.patch.scatter(self.books, rng, min_distance=APART)
+        on_board = DetectedSeveral(self.books, self.world.sensor("upper"), count)
+        self.register_success_conditions([on_board, NothingGrasped(self.gripper)])
+        number = ("one book", "two books", "three books")[variation]
+        return [
+            f"Put {number} on the upper board of the bookshelf.",
+            f"The bookshelf still has room on its upper board, so move {number} there.",
+            f"From the table, lift {number} up to the top level of the shelf.",
+        ]
+
+    def _aim_at_next_book(self, waypoint: Waypoint) -> None:
+        """Go for the next book, and for the next place on the board."""
+        self.world.frame("waypoint1").set_parent(BOOKS[self.round])
+        self.world.frame("waypoint4").set_parent(f"place{self.round}")

@@ -1,0 +1,39 @@
+"""Put a bundle of banknotes into a safe."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, NothingGrasped, SpawnBoundary, Task
+
+
+class PutMoneyInSafe(Task):
+    """The bundle must lie on the asked one of three levels of the open safe, let go.
+
+    Which level is asked for varies, and where the bundle lies on the table.
+    """
+
+    levels = ("bottom", "middle", "top")
+
+    def init_task(self) -> None:
+        """The bundle may be grasped."""
+        self.money = self.world.body("money")
+        self.patch = SpawnBoundary([self.world.region("patch")])
+        self.register_graspable_objects(["money"])
+
+    def variation_count(self) -> int:
+        """One for each level."""
+        return len(self.levels)
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Place the bundle, and aim at the asked level; success is the bundle on it, let go."""
+        level = self.levels[variation]
+        self.patch.clear()
+        self.patch.sample(self.money, rng, min_rotation=(0.0, 0.0, 0.0), max_rotation=(0.0, 0.0, np.pi / 2.0))
+        self.world.frame("waypoint4").move_to(f"stow_{level}")
+        self.register_success_conditions([NothingGrasped(self.gripper), Detected(self.money, self.world.sensor(f"in_{level}"))])
+        return [
+            f"Put the banknotes on the {level} level of the safe.",
+            f"The safe is open, so lay the bundle of money on its {level} shelf.",
+            f"Move the cash from the table into the safe, and choose the {level} of its three levels.",
+        ]

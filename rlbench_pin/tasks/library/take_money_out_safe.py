@@ -1,0 +1,48 @@
+"""Take one of three bundles of banknotes out of a safe."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, NothingGrasped, SpawnBoundary, Task
+
+TURN = 0.262
+"""How far the bundle is turned on the table at most, to either side [rad]."""
+
+
+class TakeMoneyOutSafe(Task):
+    """The bundle of the asked one of three levels must lie on the table in front of the open safe, let go.
+
+    Which level is asked for varies, and where the bundles lie on their levels.
+    """
+
+    levels = ("bottom", "middle", "top")
+
+    def init_task(self) -> None:
+        """All bundles may be grasped."""
+        self.bundles = [self.world.body(f"money_{level}") for level in self.levels]
+        self.inside = SpawnBoundary([self.world.region("inside")])
+        self.table = SpawnBoundary([self.world.region("place")])
+        self.register_graspable_objects(bundle.name for bundle in self.bundles)
+
+    def variation_count(self) -> int:
+        """One for each level."""
+        return len(self.levels)
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Lay out the bundles, and aim at the asked one; success is that it lies on the table, let go."""
+        level, bundle = self.levels[variation], self.bundles[variation]
+        self.inside.clear()
+        for other in self.bundles:
+            self.inside.sample(other, rng, min_rotation=(0.0, 0.0, -0.314), max_rotation=(0.0, 0.0, 0.0), min_distance=0.0)
+        self.table.clear()
+        self.table.sample(
+            self.world.frame("waypoint3"), rng, min_rotation=(0.0, 0.0, -TURN), max_rotation=(0.0, 0.0, TURN), min_distance=0.0
+        )
+        self.world.frame("waypoint1").set_parent(bundle.name)
+        self.register_success_conditions([NothingGrasped(self.gripper), Detected(bundle, self.world.sensor("on_table"))])
+        return [
+            f"Take the banknotes on the {level} level out of the safe and lay them on the table in front.",
+            f"From the {level} shelf of the safe, bring the bundle of cash to the table before the door.",
+            f"The money at the {level} of the safe is needed: set it down on the tabletop, in front of the opening.",
+        ]
