@@ -83,7 +83,7 @@ class Attachments:
     def forget_contacts(self, bodies: Iterable[Body]) -> None:
         """Make PyBullet find anew where the gripper touches bodies that are not attached.
 
-        It keeps contact points while the pads press, some with a normal that points the wrong way; those hold on to opening fingers.
+        It keeps contact points while the pads press, some with a normal that points the wrong way: those hold opening fingers.
         """
         for body in bodies:
             self._filter(body, touch=False)
