@@ -46,10 +46,11 @@ def test_a_broom_is_held_while_it_sweeps() -> None:
         assert max(rotation_distance(pose, in_hand[0]) for pose in in_hand) < np.radians(5.0)
 
 
-def test_a_rope_is_not_flung_away() -> None:
-    """The fingers press on a chain of light links, and it stays on the table."""
+@pytest.mark.parametrize(("name", "seed"), [("straighten_rope", 4), ("take_frame_off_hanger", 9)], ids=["squeeze", "release"])
+def test_nothing_is_flung_away_or_sticks(name: str, seed: int) -> None:
+    """A chain of light links stays between the fingers, and a frame does not stick to them when they open."""
     with friction_only() as environment:
-        outcome = environment.get_task("straighten_rope").try_demo(seed=4, variation=0)
+        outcome = environment.get_task(name).try_demo(seed=seed, variation=0)
         assert outcome.success, outcome.cause
 
 

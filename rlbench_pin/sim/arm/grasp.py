@@ -80,6 +80,15 @@ class Attachments:
         self._client.change(bullet.removeConstraint, constraint)
         self._filter(body, touch=True)
 
+    def forget_contacts(self, bodies: Iterable[Body]) -> None:
+        """Make PyBullet find anew where the gripper touches bodies that are not attached.
+
+        It keeps contact points while the pads press, some with a normal that points the wrong way: those hold opening fingers.
+        """
+        for body in bodies:
+            self._filter(body, touch=False)
+            self._filter(body, touch=True)
+
     def restore_order(self, bodies: Iterable[Body]) -> None:
         """Bring PyBullet's collision pairs into the order of `bodies`; nothing may be held.
 
@@ -87,9 +96,7 @@ class Attachments:
         """
         if not self._pairs_reordered:
             return
-        for body in bodies:
-            self._filter(body, touch=False)
-            self._filter(body, touch=True)
+        self.forget_contacts(bodies)
         self._pairs_reordered = False
 
     def _filter(self, body: Body, touch: bool) -> None:

@@ -142,7 +142,10 @@ class SimGripper:
         except InvalidValue as error:
             raise InvalidActionError(str(error)) from error
         here, target = self._robot.fingers, np.full(2, amount * self._range)
-        reference = self._control.reference if self.squeezes and (target < here).all() else here
+        squeezes, closes = self.squeezes, bool((target < here).all())
+        if squeezes and not closes:
+            self._attachments.forget_contacts(self._find(name) for name in self.between_fingers())
+        reference = self._control.reference if squeezes and closes else here
         self._control = FingerControl(target, reference, speed, strength, here)
 
     def hold(self) -> None:
