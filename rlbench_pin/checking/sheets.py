@@ -28,9 +28,10 @@ _AFTER = 1.0
 """Time after success at which the last image is taken [s]."""
 _RELEASED, _FALLEN = 0.5, 0.03
 """Time for which the gripper opens [s], and motion by which a body that it held has fallen then [m]."""
+_HIDDEN = ", arm hidden on the left"
 _LARGE = 0.35
 """From this longest side on a body is not framed whole [m]."""
-_NEAR = 0.1
+_NEAR = 0.16
 """Distance from the links that move at which large bodies are framed [m]."""
 _AROUND = 0.04
 """Room around all that is framed [m]."""
@@ -125,17 +126,17 @@ def demo_moments(
         demo = _demonstrate(task_environment, seed, variation, attempt, lambda _: frames.append(present_frame(world)))
         del frames[: -len(demo)]  # those of attempts that failed
         chosen = {
-            f"{name}, {frames[k].time - frames[0].time:.1f} s" if k else name: frames[k]
+            f"{name}, {frames[k].time - frames[0].time:.1f} s" if k else f"{name}{_HIDDEN}": frames[k]
             for name, k in events(_common_poses(frames)[1], [f.holds for f in frames], [f.touches for f in frames]).items()
         }
         end = _wait(task_environment)
         held = end.holds or _lets_fall(task_environment, end)
         hides_arm = not held and any(_moves(frames[0], frame, _MOVED) for frame in (*chosen.values(), end))
-        note = ", arm hidden on the left" if hides_arm else ", object still held" if held else ""
+        note = _HIDDEN if hides_arm else ", object still held" if held else ""
         chosen[f"{_AFTER:.0f} s after success{note}"] = end
         view = task_view(world, list(chosen.values()), size)
         return demo, [
-            _moment(task_environment, label, frame, view, hides_arm=hides_arm and frame is end) for label, frame in chosen.items()
+            _moment(task_environment, label, frame, view, hides_arm=label.endswith(_HIDDEN)) for label, frame in chosen.items()
         ]
 
 
@@ -298,30 +299,54 @@ def task_view(world: World, frames: Sequence[Frame], size: int) -> CameraView:
     if not moves.any():
         points = np.concatenate([points, [frame.tip for frame in frames[1:]]])
     views = [framed(eye, points, (_SMALL, _SMALL)) for eye in _eyes(points)]
-    shown = {_mask_name(*link) for link, moving in zip(links, moves, strict=True) if moving or not moves.any()}
-    ids = [number for number, name in world.masks.items() if name in shown]
+    numbers = {name: number for number, name in world.masks.items()}
+    moving = [
+        (body.name, numbers[_mask_name(body, link)]) for (body, link), is_moving in zip(links, moves, strict=True) if is_moving
+    ]
+    still = [
+        (body.name, numbers[_mask_name(body, link)])
+        for (body, link), is_moving in zip(links, moves, strict=True)
+        if not is_moving
+    ]
     masks = []
     for frame in frames:
         world.restore(frame.state)
         if frame in (frames[0], frames[-1]):
             _hide_arm(world)
         masks.append([world.render(view, rgb=False, depth=False).mask for view in views])
-    return replace(views[_clearest(np.array(masks), ids)], size=(size, size))
+    return replace(views[_clearest(np.array(masks), moving or still, still)], size=(size, size))
 
 
-def _clearest(masks: NDArray[np.int32], ids: Sequence[int]) -> int:
-    """Return the number of the view that shows most of some links at all frames, and most of their motion.
+def _clearest(masks: NDArray[np.int32], moving: Sequence[tuple[str, int]], still: Sequence[tuple[str, int]]) -> int:
+    """Return the number of the view that shows most of the links that move, above all at the last frame, and of their motion.
+
+    It also shows most of what a door or a lid hides at the first or at the last frame, and of the other links at the first.
 
     Args:
         masks: Masks (frames, views, h, w).
-        ids: Mask ids of the links.
+        moving: Body and mask id of the links that move.
+        still: Body and mask id of the others.
     """
-    pixels = []
-    for number in ids:
+    score = np.zeros(masks.shape[1])
+    for _, number in moving:
         shown = masks == number
-        pixels.append(np.concatenate([shown, shown[:1] != shown[-1:]]).sum(axis=(2, 3)))
-    shares = np.array(pixels) / np.maximum(np.max(pixels, axis=2, keepdims=True), 1)
-    return int(np.argmax(np.log(shares.mean(axis=0) + 0.1).sum(axis=0)))
+        pixels = shown.sum(axis=(2, 3))
+        for part in (pixels.mean(axis=0), pixels[0], pixels[-1], pixels[-1], (shown[0] != shown[-1]).sum(axis=(1, 2))):
+            score += _log_share(part) / len(moving)
+    for body in {body for body, _ in moving} & {body for body, _ in still}:
+        before, after = (
+            [np.isin(masks[k], [number for name, number in group if name == body]) for group in (moving, still)] for k in (0, -1)
+        )
+        revealed = (before[0] & after[1]) | (before[1] & after[0])
+        score += _log_share(revealed.sum(axis=(1, 2)))
+    for _, number in still:
+        score += _log_share((masks[0] == number).sum(axis=(1, 2))) / len(still)
+    return int(np.argmax(score))
+
+
+def _log_share(pixels: NDArray[np.int_]) -> FloatArray:
+    """Logarithm of the share (views,) that each view shows of what the best one shows."""
+    return np.asarray(np.log(pixels / max(pixels.max(), 1) + 0.1))
 
 
 def _points_to_frame(links: Sequence[tuple[Body, str]], poses: Sequence[FloatArray], moves: NDArray[np.bool_]) -> FloatArray:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from assets_lib.cabinets import bevelled_box
 from assets_lib.mesh import icosphere, lathe
 from assets_lib.urdf import Link, Model, Visual, box_shape, mesh_shape
 
 RED = (0.9, 0.1, 0.1)
 CUBES = (("cube", 0.05, 0.1), ("cube_small", 0.04, 0.05), ("cube_45", 0.045, 0.06), ("block_60", 0.06, 0.12))
 """Name, side [m], mass [kg]."""
+EDGE = 0.002
+"""Bevel of a cube [m]."""
 BALL = 0.05
 """Diameter of the ball [m]."""
 RING, TUBE = 0.041, 0.007
@@ -17,9 +20,10 @@ RING, TUBE = 0.041, 0.007
 
 
 def cube(name: str, side: float, mass: float) -> Model:
-    """Return a plain cube."""
-    shape = box_shape((side, side, side))
-    link = Link(name, mass, (Visual(shape, RED),), (shape,), friction=0.8)
+    """Return a plain cube, its edges bevelled for the eye."""
+    size = (side, side, side)
+    seen = mesh_shape("cube", bevelled_box(size, bevel=EDGE))
+    link = Link(name, mass, (Visual(seen, RED, crease=0.1),), (box_shape(size),), friction=0.8)
     return Model(name, f"objects/{name}", "centre", (link,), notes=(f"rests with its origin at {side / 2} m",))
 
 

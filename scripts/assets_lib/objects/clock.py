@@ -1,7 +1,4 @@
-"""An alarm clock on two legs with a dial on both sides; a winged key at its back turns the long hand, on one axle.
-
-The dial behind runs the other way round, so that both sides show one time.
-"""
+"""An alarm clock on two legs; a winged key at its back turns the long hand, on one axle."""
 
 from __future__ import annotations
 
@@ -54,21 +51,17 @@ def _case() -> Mesh:
     return lathe(outline, 28).moved((0.0, 0.0, AXLE_Z), (0.0, -HALF_PI, 0.0))
 
 
-def _disc(radius: float, x: float, sides: int) -> Mesh:
-    """Return a flat disc across the axle at `x`, seen from outside."""
-    return (
-        lathe([(radius, 0.0), (0.0, 0.0)], sides)
-        .moved((abs(x), 0.0, 0.0), (0.0, HALF_PI, 0.0))
-        .moved((0.0, 0.0, AXLE_Z), (0.0, 0.0, 0.0 if x > 0.0 else np.pi))
-    )
+def _dial() -> Mesh:
+    """Return the flat dial."""
+    return lathe([(RADIUS - 0.006, 0.0), (0.0, 0.0)], 28).moved((FACE - 0.0005, 0.0, AXLE_Z), (0.0, -HALF_PI, 0.0))
 
 
-def _marks(way: float) -> Mesh:
-    """Return the marks of the hours and four numerals, flat, for a viewer at +x; `way` is -1 where the hours run clockwise."""
+def _marks() -> Mesh:
+    """Return the marks of the hours and four numerals, flat, for a viewer at +x."""
     pieces = []
     for hour in range(12):
         length, width = QUARTER if hour % 3 == 0 else FULL
-        turn, outer = way * hour * np.pi / 6.0, RADIUS - 0.011
+        turn, outer = -hour * np.pi / 6.0, RADIUS - 0.011
         along, across = np.array([-np.sin(turn), np.cos(turn)]), np.array([np.cos(turn), np.sin(turn)])
         pieces.append(
             mark([r * along + side * width / 2.0 * across for r in (outer - length, outer) for side in (-1, 1)], MARKED, "x")
@@ -101,13 +94,9 @@ def _bells() -> Mesh:
 
 
 def _short_hand() -> Mesh:
-    """Return the hands of the hours on both sides, at twelve: short, broad, with a point."""
+    """Return the hand of the hours at twelve: short, broad, with a point."""
     outline = [(-0.011, -0.016), (0.011, -0.016), (0.011, 0.036), (-0.011, 0.036), (0.0, 0.052)]
-    front, behind = (
-        hull_of(np.array([(x + side * t, y, z + AXLE_Z) for y, z in outline for t in (0.0, 0.0015)]))
-        for x, side in ((FACE - 0.0012, -1.0), (DEPTH / 2.0 + 0.0012, 1.0))
-    )
-    return merge([front, behind])
+    return hull_of(np.array([(FACE - 0.0012 - t, y, z + AXLE_Z) for y, z in outline for t in (0.0, 0.0015)]))
 
 
 def _case_shapes() -> tuple[Shape, ...]:
@@ -122,25 +111,13 @@ def _case_shapes() -> tuple[Shape, ...]:
     return (case, glass, *legs, *feet, *bells)
 
 
-def _rim_behind() -> Mesh:
-    """Return the low rim around the dial at the back."""
-    low, high = DEPTH / 2.0 - 0.001, DEPTH / 2.0 + 0.006
-    outline = [(RADIUS - 0.001, low), (RADIUS - 0.003, high), (RADIUS - 0.008, high), (RADIUS - 0.010, low)]
-    return lathe(outline, 24).moved((0.0, 0.0, AXLE_Z), (0.0, HALF_PI, 0.0))
-
-
 def _case_link() -> Link:
-    front = _marks(-1.0).moved((-FACE, 0.0, 0.0)).moved((0.0, 0.0, AXLE_Z), (0.0, 0.0, np.pi))
-    behind = _marks(1.0).moved((DEPTH / 2.0, 0.0, AXLE_Z))
+    marks = _marks().moved((-FACE, 0.0, 0.0)).moved((0.0, 0.0, AXLE_Z), (0.0, 0.0, np.pi))
     visuals = (
         Visual(mesh_shape("case", _case()), RED),
-        Visual(
-            mesh_shape("dial", merge([_disc(RADIUS - 0.006, FACE - 0.0005, 28), _disc(RADIUS - 0.009, DEPTH / 2.0 + 0.001, 24)])),
-            PALE,
-        ),
-        Visual(mesh_shape("marks", merge([front, behind])), INK),
+        Visual(mesh_shape("dial", _dial()), PALE),
+        Visual(mesh_shape("marks", marks), INK),
         Visual(mesh_shape("short_hand", _short_hand()), HOUR_BLUE),
-        Visual(mesh_shape("rim_behind", _rim_behind()), RED),
         Visual(mesh_shape("stand", _stand()), PLATE),
         Visual(mesh_shape("bells", _bells()), BRASS),
     )
@@ -153,12 +130,11 @@ def _movement_link() -> Link:
     tail = 0.018
     hand = box((THIN, width, length + tail), (HAND_X, 0.0, (length - tail) / 2.0))
     boss = cylinder(0.010, THIN + 0.002, 12).moved((HAND_X, 0.0, 0.0), (0.0, HALF_PI, 0.0))
-    behind = box((0.002, width, length + tail), (DEPTH / 2.0 + 0.005, 0.0, (length - tail) / 2.0))
     low, high = DEPTH / 2.0, WING_X + WING[0] / 2.0
     axle = rod((low, 0.0, 0.0), (high - 0.004, 0.0, 0.0), 0.007, 10)
     wings = [box(WING, (WING_X, 0.0, 0.0)), cylinder(0.0075, WING[0], 10).moved((WING_X, 0.0, 0.0), (0.0, HALF_PI, 0.0))]
     visuals = (
-        Visual(mesh_shape("long_hand", merge([hand, boss, behind])), INK),
+        Visual(mesh_shape("long_hand", merge([hand, boss])), INK),
         Visual(mesh_shape("key", merge([axle, *wings])), BRASS),
     )
     shapes = (
@@ -177,8 +153,7 @@ def models() -> tuple[Model, ...]:
         f"link `movement` is the long hand, at twelve at 0, {HAND[0]} long from the axle, at x = {HAND_X:.3f}, and the key; "
         "the joint `hand` grows clockwise for a viewer in front",
         f"the key at the back, {WING[0]} x {WING[1]} x {WING[2]}, is upright at 0; its middle is at x = {WING_X}",
-        f"a glass that is not drawn closes the rim, {RIM} before the dial; the short hands are fixed at twelve",
-        "the dial at the back runs the other way round, and has hands of its own that are only seen",
+        f"a glass that is not drawn closes the rim, {RIM} before the dial; the short hand is fixed at twelve",
     )
     return (
         Model(
