@@ -29,6 +29,8 @@ HARD_TO_SEE = {
     "screw_nail": "a screw and the screwdriver are thin",
     "take_cup_out_from_cabinet": "the cup is behind a closed door",
     "take_item_out_of_drawer": "the cube is in a closed drawer",
+    "take_shoes_out_of_box": "the shoes are in a closed box",
+    "take_tray_out_of_oven": "the tray is in a closed oven",
     "turn_oven_on": "a knob is small",
 }
 """Tasks whose decisive part falls short, and why: here all of their things together are asked for."""

@@ -34,7 +34,7 @@ def world():
 
 @pytest.mark.parametrize("size", [(128, 128), (128, 96), (64, 128), (65, 33)])
 def test_back_projection_lands_on_the_cube(world, size):
-    """The formula extrinsics inverse(intrinsics) (u, v, 1) z puts every pixel of the cube on its surface, within 20 um."""
+    """The formula extrinsics inverse(intrinsics) (u, v, 1) z puts every pixel of a side of the cube on it, within 20 um."""
     view = looking((0.9, 0.6, 1.3), (0.3, 0.12, 1.0), size=size)
     pictures = world.render(view)
     rows, columns = np.nonzero(pictures.mask == 61)
@@ -43,7 +43,11 @@ def test_back_projection_lands_on_the_cube(world, size):
     points = np.linalg.inv(view.intrinsics()) @ pixels * pictures.depth[rows, columns]
     world_points = view.extrinsics() @ np.vstack([points, np.ones(len(rows))])
     local = (np.linalg.inv(pose_to_matrix(CUBE)) @ world_points)[:3]
-    assert np.abs(np.abs(local).max(axis=0) - 0.025).max() < 2e-5
+    outwards = np.abs(local)
+    on_side = (outwards < 0.0229).sum(axis=0) == 2  # the others are on the bevelled edges, 2 mm wide
+    assert on_side.sum() > 0.7 * len(rows)
+    assert np.abs(outwards[:, on_side].max(axis=0) - 0.025).max() < 2e-5
+    assert np.abs(outwards.max(axis=0) - 0.025).max() < 2e-3
 
 
 def test_intrinsics_are_signed_and_belong_to_the_longer_side():

@@ -205,7 +205,7 @@ def test_what_trembles_again_has_to_rest_longer() -> None:
 
 
 def test_a_ball_is_shaded_smoothly_and_a_cube_has_edges(world: World) -> None:
-    """On the ball normals are those of a sphere within six degrees, though its facets are 15 wide; a cube has three."""
+    """On the ball normals are those of a sphere within six degrees, though its facets are 15 wide; a cube has three, but for its edges."""
     center = np.array([0.3, 0.2, 0.9])
     view = CameraView(pose=look_at((0.9, 0.5, 1.4), (0.3, 0.15, 0.9)), fov=0.35, size=(320, 320), near=0.01, far=4.0)
     (shot,), _ = shots(world, [view])
@@ -215,4 +215,5 @@ def test_a_ball_is_shaded_smoothly_and_a_cube_has_edges(world: World) -> None:
     points = view.rays[shot.pixels] * shot.depth[:, None] + view.pose[:3]
     outwards = (points - center)[ball] / np.linalg.norm((points - center)[ball], axis=1, keepdims=True)
     assert ball.sum() > 300 and np.einsum("ij,ji->i", outwards, shot.normals[:, ball]).min() > np.cos(np.radians(6.0))
-    assert side.sum() > 300 and len(np.unique(shot.normals[:, side].round(3), axis=1).T) == 3
+    _, counts = np.unique(shot.normals[:, side].round(3), axis=1, return_counts=True)
+    assert side.sum() > 300 and np.sort(counts)[-3:].sum() > 0.8 * side.sum()
