@@ -86,7 +86,7 @@ def corners_in(world: World, joint: str | None) -> FloatArray:
 def test_the_moments_of_a_demonstration() -> None:
     """Reset first, 1 s after success last, without the arm; each with the five cameras and the overview."""
     _, moments = demo_moments(find_task("open_drawer"), 0, size=64)
-    assert moments[0].label == "reset"
+    assert moments[0].label == "reset, arm hidden on the left"
     assert moments[-2].label.startswith("success, ")
     assert moments[-1].label == "1 s after success, arm hidden on the left"
     for moment in moments:
