@@ -205,7 +205,7 @@ def test_what_trembles_again_has_to_rest_longer() -> None:
 
 
 def test_a_ball_is_shaded_smoothly_and_a_cube_has_edges(world: World) -> None:
-    """Normals of the ball are those of a sphere within six degrees, though facets are 15 wide; a cube has three sides and edges."""
+    """Normals of the ball are within six degrees of those of a sphere; a cube has three sides and edges."""
     center = np.array([0.3, 0.2, 0.9])
     view = CameraView(pose=look_at((0.9, 0.5, 1.4), (0.3, 0.15, 0.9)), fov=0.35, size=(320, 320), near=0.01, far=4.0)
     (shot,), _ = shots(world, [view])
