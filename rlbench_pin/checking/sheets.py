@@ -299,15 +299,11 @@ def task_view(world: World, frames: Sequence[Frame], size: int) -> CameraView:
     if not moves.any():
         points = np.concatenate([points, [frame.tip for frame in frames[1:]]])
     views = [framed(eye, points, (_SMALL, _SMALL)) for eye in _eyes(points)]
-    numbers = {name: number for number, name in world.masks.items()}
-    moving = [
-        (body.name, numbers[_mask_name(body, link)]) for (body, link), is_moving in zip(links, moves, strict=True) if is_moving
-    ]
-    still = [
-        (body.name, numbers[_mask_name(body, link)])
-        for (body, link), is_moving in zip(links, moves, strict=True)
-        if not is_moving
-    ]
+    ids = {name: number for number, name in world.masks.items()}
+    own = [(body.name, ids[_mask_name(body, link)]) for body, link in links]
+    moving, still = (
+        [link for link, is_moving in zip(own, moves, strict=True) if is_moving == wanted] for wanted in (True, False)
+    )
     masks = []
     for frame in frames:
         world.restore(frame.state)

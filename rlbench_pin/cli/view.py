@@ -19,7 +19,7 @@ FORMATS = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG"}
 @dataclass(frozen=True)
 class View:
     """Draw a contact sheet of a demonstration: reset, grasp, half way, success, and 1 s later, from a camera aimed at the task,
-    the five cameras of observations and `clear_front`. With `--live`, serve a page: episodes of a task, or the stored
+    the five cameras of observations and `clear_robot_side`. With `--live`, serve a page: episodes of a task, or the stored
     demonstrations of a dataset.
     """
 

@@ -10,7 +10,7 @@ from assets_lib.mesh import FloatArray, Mesh
 
 _DIRECTIONS = 64
 _REACH = 0.35
-"""What is farther away keeps no light [m]."""
+"""Surfaces farther away than this block no light [m]."""
 _INSETS, _LIFT = (0.15, 0.45, 0.75), 0.0005
 """A corner is judged at points so far towards the middle of its face, and so far above it [m]."""
 _BOUNCE, _LEAST = 0.65, 0.4

@@ -51,7 +51,7 @@ def test_events(motion: Poses, holds: list[bool], touches: list[bool], expected:
 
 @pytest.mark.parametrize(("name", "body", "joint"), [("pick_and_lift", "block", None), ("open_drawer", "chest", "drawer_bottom")])
 def test_the_task_is_in_the_image(name: str, body: str, joint: str | None) -> None:
-    """What moves is in the image of the task view before and after its motion, small bodies are, and they fill much of it."""
+    """Moving links, before and after, and small bodies are in the image of the task view, and fill much of it."""
     with make_environment(low_dim_config()) as environment:
         task = environment.get_task(name)
         task.reset(seed=0, variation=0)

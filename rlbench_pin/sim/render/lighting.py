@@ -153,7 +153,7 @@ class TableShade:
     sharpness: NDArray[np.float32]
     """How sharp the shadow is, of every four by four texels, 0..1, (h / 4, w / 4)."""
     soft: NDArray[np.float32]
-    """What is soft of it, and the darkening at the feet of objects, of every four by four texels (h / 4, w / 4)."""
+    """Soft part of the shadow, and the darkening at the feet of objects, of every four by four texels (h / 4, w / 4)."""
     reached: NDArray[np.bool_]
     """Of every four by four texels of the whole image, whether any shadow may be there, flat."""
 

@@ -12,7 +12,6 @@ LAYERS = {"low": 3, "mid": 2, "top": 1}
 """Blocks in each layer."""
 APART, ROOM = 0.08, 0.096
 """Least distance of any two blocks, and of one of the asked colour from every other, so that the open gripper fits [m]."""
-
 LOWEST, HIGHEST = (0.0, 0.0, -np.pi / 4.0), (0.0, 0.0, np.pi / 4.0)
 """Bounds of the rotation of a block [rad]."""
 

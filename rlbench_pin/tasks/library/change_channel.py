@@ -12,7 +12,7 @@ CHANNELS = {
     "two": ((0.55, 0.80, 1.0), (0.20, 0.55, 0.18), (1.0, 0.85, 0.20)),
     "three": ((1.0, 0.72, 0.40), (0.45, 0.22, 0.30), (1.0, 0.25, 0.15)),
 }
-"""Link of the digit of a channel -> the colours of sky, hills and sun in its picture."""
+"""Link of the digit of a channel -> the colours of sky, hills and sun in its image."""
 
 
 class ChangeChannel(Task):
@@ -52,7 +52,7 @@ class ChangeChannel(Task):
         ]
 
     def step(self) -> None:
-        """Change the picture as the buttons say."""
+        """Show the channel that the buttons ask for."""
         for command, channel in zip(self.commands, ("three", "one"), strict=True):
             if command.met():
                 self._show(channel)

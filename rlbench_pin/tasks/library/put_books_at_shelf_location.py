@@ -24,7 +24,6 @@ class PutBooksAtShelfLocation(Task):
         self.books = [self.world.body(name) for name in BOOKS]
         self.patches = [SpawnBoundary([self.world.region(f"patch{i}")]) for i in range(len(BOOKS))]
         self.register_graspable_objects(BOOKS)
-        self.register_rounds(len(BOOKS))
         self.register_waypoint_ability_start(0, self._aim_at_next_book)
 
     def variation_count(self) -> int:

@@ -7,7 +7,7 @@ import numpy as np
 from rlbench_pin.tasks import AllOf, Detected, JointMoved, NothingGrasped, SpawnBoundary, Task
 
 SKY, WHITE, DARK = (0.55, 0.80, 1.0), (1.0, 1.0, 1.0), (0.03, 0.03, 0.04)
-PICTURE = {"screen": SKY, "hills": (0.20, 0.55, 0.18), "sun": (1.0, 0.85, 0.20), "one": WHITE, "two": SKY, "three": SKY}
+IMAGE = {"screen": SKY, "hills": (0.20, 0.55, 0.18), "sun": (1.0, 0.85, 0.20), "one": WHITE, "two": SKY, "three": SKY}
 """Link of the television -> its colour while it is on; digits in the colour of the sky are not seen."""
 
 
@@ -36,7 +36,7 @@ class TvOn(Task):
         ]
 
     def step(self) -> None:
-        """Show a picture once the television is on."""
+        """Show an image once the television is on."""
         if self.turned_on.met():
-            for link, rgb in PICTURE.items():
+            for link, rgb in IMAGE.items():
                 self.television.set_color(rgb, link)

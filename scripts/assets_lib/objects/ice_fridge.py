@@ -9,7 +9,7 @@ from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylind
 FRONT, BACK, HALF, FOOT, HEIGHT = -0.12, 0.12, 0.20, 0.012, 0.60
 """x of the front and the back, half of the width, height of the feet and of the top [m]."""
 NICHE, DEEP = ((0.02, 0.16), (0.25, 0.45)), 0.10
-"""What the niche spans along y and z, and its depth [m]."""
+"""Range of the niche along y and z, and its depth [m]."""
 MIDDLE = sum(NICHE[0]) / 2.0
 SEAM = -0.03
 """y of the gap between both doors [m]."""

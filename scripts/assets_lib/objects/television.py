@@ -17,7 +17,7 @@ MIDDLE = BOTTOM + PANEL[2] / 2.0
 SCREEN = (PANEL[1] - 2.0 * BEZEL, PANEL[2] - 2.0 * BEZEL - 0.008)
 """Width and height of the screen [m]."""
 SHEET = 0.0006
-"""Thickness of a layer of the picture [m]."""
+"""Thickness of a layer of the image [m]."""
 CASE, TRIM, DARK = plastic((0.10, 0.10, 0.11)), (0.45, 0.46, 0.48), (0.03, 0.03, 0.04)
 
 REMOTE, CAP_RADIUS, PROUD, TRAVEL = (0.16, 0.045, 0.016), 0.007, 0.0055, 0.005
@@ -42,7 +42,7 @@ DIGIT, STROKE = 0.026, 0.008
 
 
 def _sheet(points: FloatArray, layer: int) -> Mesh:
-    """Return a flat convex part of the picture; points (n, 2) are right and up for a viewer, from the middle of the screen."""
+    """Return a flat convex part of the image; points (n, 2) are right and up for a viewer, from the middle of the screen."""
     x = -PANEL[0] / 2.0 - 0.0004 - SHEET * layer
     return hull_of(np.array([(depth, -right, MIDDLE + up) for depth in (x, x - SHEET) for right, up in points]))
 
@@ -52,7 +52,7 @@ def _rectangle(right: float, up: float, width: float, height: float) -> FloatArr
 
 
 def _hills() -> Mesh:
-    """Return the lower part of the picture: a plain and two hills."""
+    """Return the lower part of the image: a plain and two hills."""
     half, low = SCREEN[0] / 2.0, -SCREEN[1] / 2.0
     plain = _rectangle(0.0, low + 0.025, SCREEN[0], 0.05)
     left = np.array([(-half, low), (-half, 0.01), (-0.12, 0.035), (-0.05, low + 0.05), (-0.03, low)])
@@ -84,17 +84,17 @@ def _television() -> Model:
     )
     links = [Link("television", 4.0, visuals, tuple(box_shape(*part) for part in (panel, neck, foot)))]
     sun = regular_polygon(0.024, 20) + (0.095, 0.052)
-    picture = {
+    image = {
         "screen": (_sheet(_rectangle(0.0, 0.004, *SCREEN), 0), (0.55, 0.80, 1.0)),
         "hills": (_hills(), (0.20, 0.55, 0.18)),
         "sun": (_sheet(sun, 1), (1.0, 0.85, 0.20)),
         **{name: (_digit(i, strokes), (1.0, 1.0, 1.0)) for i, (name, strokes) in enumerate(SEGMENTS.items())},
     }
-    links += [Link(name, 0.001, (Visual(mesh_shape(name, mesh), paint, crease=0.1),)) for name, (mesh, paint) in picture.items()]
-    joints = tuple(Joint(f"{name}_mount", "fixed", "television", name, (0.0, 0.0, 0.0)) for name in picture)
+    links += [Link(name, 0.001, (Visual(mesh_shape(name, mesh), paint, crease=0.1),)) for name, (mesh, paint) in image.items()]
+    joints = tuple(Joint(f"{name}_mount", "fixed", "television", name, (0.0, 0.0, 0.0)) for name in image)
     notes = (
         f"screen faces -x; panel {x} x {y} x {z}, its lower edge at z = {BOTTOM}; foot {FOOT}",
-        "the picture is made of the links `screen`, `hills`, `sun`, `one`, `two`, `three` (digits): recolour them; "
+        "the image is made of the links `screen`, `hills`, `sun`, `one`, `two`, `three` (digits): recolour them; "
         "a digit in the colour of the screen is not seen, and in the same dark colour all of them are a screen that is off",
     )
     return Model("television", "objects/television", "bottom centre of the foot", tuple(links), joints, notes)

@@ -56,7 +56,7 @@ def aim(goal: Goal, button: str) -> None:
 
 @goal_of("tv_on")
 def test_power_has_to_be_pressed_while_the_remote_lies_aimed(goal: Goal) -> None:
-    """The other buttons do nothing; the screen is dark until then, and has a picture from then on."""
+    """The other buttons do nothing; the screen is dark until then, and shows an image from then on."""
     dark = goal.task.television.colors
     goal.put("remote", (0.0, 0.0, 0.0))
     for button in ("plus", "minus"):
@@ -79,14 +79,14 @@ def test_the_asked_button_has_to_be_pressed_while_the_remote_lies_aimed(goal: Go
     """The other buttons do not count; plus shows the third channel and minus the first."""
     asked = goal.asked(goal.task.buttons)
     goal.put("remote", (0.0, 0.0, 0.0))
-    pictures = []
+    screens = []
     for button in goal.task.buttons:
         goal.joint(f"remote/{button}_joint", DOWN)
         assert goal.reached() is (button == goal.task.buttons[asked])
         goal.tick()
-        pictures.append(goal.task.television.colors)
+        screens.append(goal.task.television.colors)
         goal.joint(f"remote/{button}_joint", 0.0)
-    assert pictures[0] != pictures[1]
+    assert screens[0] != screens[1]
     goal.joint("remote/power_joint", DOWN)
     assert not goal.reached()
     goal.put("remote", (0.0, 0.16, 0.0))

@@ -54,7 +54,7 @@ class Drawn:
     normals: NDArray[np.float32]
     """Unit normals (3, n) in the world, between those of the corners; none where no colours are wanted."""
     surface: NDArray[np.float32]
-    """What `Parts.surface` has of the corners, between these (c, n); none where no colours are wanted."""
+    """Values of `Parts.surface`, between those of the corners, (c, n); none where no colours are wanted."""
     behind: Drawn | None = None
     """Surfaces behind glass; None where there is none, or no colours are wanted."""
 
