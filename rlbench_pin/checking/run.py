@@ -25,8 +25,10 @@ MAX_WORKERS = 1024
 _PACKAGE = ASSETS.parent
 _DECISIVE = ("reach.py", "records.py", "trials.py", "validate.py")
 """Files of this folder that trials depend on; the others only present results."""
-_UNRELATED = ("cli", "datasets", "evaluation", "gym", "recording")
+_UNRELATED = ("baselines", "builder", "cli", "compat", "datasets", "evaluation", "gym", "processes", "recording", "viewer")
 """Folders of the package that trials do not depend on."""
+_OBJECTS = ASSETS / "objects"
+"""A folder for each object; trials depend on those that the task's files name."""
 _NESTED: dict[str, type] = {"episode": NoopEpisode, "reach": Reach, "cost": Cost}
 """Field of a trial, or of its demonstration -> the class of its value."""
 _LISTED: dict[str, type] = {"failed": FailedAttempt, "segments": SegmentReport}
@@ -177,12 +179,13 @@ def _marks(tasks: Sequence[str]) -> dict[str, str]:
     """Return task -> a checksum of all files and settings that its trials depend on."""
     shared = sha256(json.dumps(library_versions()).encode())
     for file in sorted(_PACKAGE.rglob("*")):
-        if file.is_file() and file.suffix != ".pyc" and LIBRARY not in file.parents and _decides(file):
+        if file.is_file() and file.suffix not in (".pyc", ".md") and not {LIBRARY, _OBJECTS} & {*file.parents} and _decides(file):
             _add(shared, file)
     marks = {}
     for task in tasks:
         mark, scene = shared.copy(), find_task(task).scene_file()
-        for file in (scene.with_suffix(".py"), scene, *_own_assets(scene)):
+        own = (scene.with_suffix(".py"), scene)
+        for file in (*own, *_named_objects(own), *_own_assets(scene)):
             _add(mark, file)
         marks[task] = mark.hexdigest()
     return marks
@@ -191,6 +194,12 @@ def _marks(tasks: Sequence[str]) -> dict[str, str]:
 def _decides(file: Path) -> bool:
     folder = file.relative_to(_PACKAGE).parts[0]
     return file.name in _DECISIVE if folder == "checking" else folder not in _UNRELATED
+
+
+def _named_objects(files: Sequence[Path]) -> list[Path]:
+    """Return the files of the objects in the package whose folder a text names."""
+    text = "".join(file.read_text() for file in files)
+    return [file for folder in sorted(_OBJECTS.iterdir()) if f"objects/{folder.name}/" in text for file in sorted(folder.iterdir())]
 
 
 def _own_assets(scene: Path) -> list[Path]:
