@@ -199,7 +199,9 @@ def _decides(file: Path) -> bool:
 def _named_objects(files: Sequence[Path]) -> list[Path]:
     """Return the files of the objects in the package whose folder a text names."""
     text = "".join(file.read_text() for file in files)
-    return [file for folder in sorted(_OBJECTS.iterdir()) if f"objects/{folder.name}/" in text for file in sorted(folder.iterdir())]
+    return [
+        file for folder in sorted(_OBJECTS.iterdir()) if f"objects/{folder.name}/" in text for file in sorted(folder.iterdir())
+    ]
 
 
 def _own_assets(scene: Path) -> list[Path]:

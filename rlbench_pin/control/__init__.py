@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import lazy_loader as lazy
 
+from rlbench_pin.control.compliant import CompliantConfig, CompliantFollowing
 from rlbench_pin.control.differential_ik import DifferentialIK, DifferentialIKConfig, DifferentialIKQP
 from rlbench_pin.control.following import ComputedTorque, TrackingReport, TrajectoryFollower, TrajectoryTracker, VelocityFollowing
 from rlbench_pin.control.gripper import GripperCommand, GripperConfig, GripperController
@@ -24,6 +25,8 @@ from rlbench_pin.control.safety_filter import FilterCounts, SafeCommand, SafetyC
 __all__ = [
     "CartesianImpedance",
     "CartesianMPC",
+    "CompliantConfig",
+    "CompliantFollowing",
     "ComputedTorque",
     "DifferentialIK",
     "DifferentialIKConfig",

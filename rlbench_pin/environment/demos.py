@@ -168,7 +168,7 @@ class DemoPlayer:
         self._ignores_collisions = waypoint.ignore_collisions
         if len(self.frames) == 1:
             self._flag(self.frames[0])
-        follow(self.runtime, plan.trajectory, on_tick=self._arm_tick)
+        follow(self.runtime, plan.trajectory, on_tick=self._arm_tick, compliant=waypoint.compliant)
         if waypoint.gripper is not None and (waypoint.releases or not self.omit.grasps):
             self._operate_gripper(waypoint)
         waypoint.run_end_hook()

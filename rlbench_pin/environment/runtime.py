@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from rlbench_pin.control.compliant import CompliantFollowing
 from rlbench_pin.control.following import TrajectoryTracker
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.observations.observe import CameraPlaces, Cameras, Observer
@@ -420,6 +421,7 @@ def follow(
     *,
     on_tick: Callable[[FloatArray], None] = lambda target: None,
     whole: bool = False,
+    compliant: bool = False,
 ) -> None:
     """Track `trajectory` to its end and come to rest there, or until the episode is over.
 
@@ -428,9 +430,11 @@ def follow(
         trajectory: Timed joint motion that starts where the arm is.
         on_tick: Called after every tick with the commanded joint positions (n,) [rad].
         whole: Go on when the episode is over.
+        compliant: Go slowly, and give way to contact: as `CompliantFollowing`.
     """
     target = runtime.robot.joint_positions
-    for target in TrajectoryTracker(trajectory, runtime.world.control_dt, MIN_SPEED):
+    dt = runtime.world.control_dt
+    for target in _compliant_targets(runtime, trajectory) if compliant else TrajectoryTracker(trajectory, dt, MIN_SPEED):
         runtime.drive_to(target)
         on_tick(target)
         if runtime.over and not whole:
@@ -440,6 +444,13 @@ def follow(
             return
         runtime.drive_to(target)
         on_tick(target)
+
+
+def _compliant_targets(runtime: Runtime, trajectory: Trajectory) -> Iterator[FloatArray]:
+    """Yield the commands (n,) of a compliant approach [rad], each from what is measured then."""
+    following, robot = CompliantFollowing(runtime.model, trajectory, runtime.world.control_dt), runtime.robot
+    while not following.done:
+        yield following.command(robot.joint_positions, robot.joint_torques)
 
 
 def move_gripper(

@@ -18,7 +18,7 @@ from rlbench_pin.planning.path import curve_path, straight_path
 from rlbench_pin.planning.plan import Plan
 from rlbench_pin.planning.planner import MotionPlanner
 from rlbench_pin.robot.model import RobotModel
-from rlbench_pin.spatial import FloatArray, compose
+from rlbench_pin.spatial import FloatArray, compose, relative
 from rlbench_pin.tasks import Waypoint
 
 _BROKEN_LINE = 10.0
@@ -183,6 +183,7 @@ class WaypointPlanner:
         self._robot_links = set(runtime.robot.link_poses())
         self._arm_links = self._robot_links - {description.hand_link, *description.finger_links}
         self.angle = 0.0
+        self._grasp: Waypoint | None = None
 
     def rank(self, group: Sequence[Waypoint]) -> list[float]:
         """Return the grasp angles that a group of waypoints can be reached with, best first [rad].
@@ -214,6 +215,8 @@ class WaypointPlanner:
         found: list[_Candidate] = []
         for angle in angles:
             poses = poses_of(waypoint, angle, tip)
+            if waypoint.compliant:
+                poses = [self._as_held(poses[-1], angle, tip)]
             try:
                 candidate = _Candidate(angle, poses[-1], self._plan_poses(waypoint, poses, q))
             except PlanningError as error:
@@ -229,7 +232,19 @@ class WaypointPlanner:
                 raise first_error
             found = [next(self._other_goals(waypoint, rest, found, q), found[0])]
         self.angle = found[0].angle
+        if waypoint.gripper is not None:
+            self._grasp = None if waypoint.releases else waypoint
         return found[0].plan
+
+    def _as_held(self, pose: FloatArray, angle: float, tip: FloatArray) -> FloatArray:
+        """Return the tip pose (7,) that brings what is held to where `pose` (7,) would bring it after an exact grasp.
+
+        The waypoint of the grasp moves with what is held: it tells where the tip should be on it, `tip` (7,) is where it is.
+        """
+        grasp, held = self._grasp, self._runtime.gripper.held
+        if grasp is None or not any(grasp.frame.moves_with(name) for name in held):
+            return pose
+        return compose(pose, relative(tip, rotated(grasp.pose, angle)))
 
     def _plan_poses(self, waypoint: Waypoint, poses: list[FloatArray], q: FloatArray) -> Plan:
         """Plan from `q` (n,) along the poses of a segment."""

@@ -190,6 +190,10 @@ def _check_curve(spec: SceneSpec, waypoint: WaypointSpec) -> None:
         raise _error(spec, waypoint, "path", "a curve needs either 'points' or 'arc'.")
     if waypoint.path != "curve" and described:
         raise _error(spec, waypoint, "path", "'points' and 'arc' belong to a curve.", 'Write path = "curve".')
+    if waypoint.compliant and waypoint.path == "curve":
+        raise _error(
+            spec, waypoint, "compliant", "a compliant approach is a straight line.", "Leave out 'path', 'points' and 'arc'."
+        )
 
 
 def _check_bounds(spec: SceneSpec) -> None:

@@ -336,6 +336,9 @@ class WaypointSpec(PosedSpec):
     """For `curve`: the poses to pass, in the waypoint's frame, ending at the last."""
     arc: ArcSpec | None = None
     """For `curve`: a circular sweep instead of points."""
+    compliant: Switch = False
+    """Approach on a slow straight line that gives way to contact and searches the opening; for insertion. Collisions are ignored,
+    and what is held is brought to the pose that it would have if it had been grasped exactly."""
     symmetry: Annotated[int, Strict(), Kind("whole number")] = Field(default=1, ge=1, le=12)
     """The gripper may arrive turned about its z by any multiple of 2 pi / symmetry; later waypoints of the same symmetry
     keep the turn."""

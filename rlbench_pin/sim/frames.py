@@ -131,6 +131,10 @@ class Frame:
         if keep_in_place:
             self.set_pose(pose)
 
+    def moves_with(self, name: str) -> bool:
+        """Whether the body or frame `name` is the parent, or its parent, and so on."""
+        return self._places.is_below(self.name, name)
+
     def state(self) -> tuple[str, FloatArray]:
         """Parent and local pose."""
         return self._parent, self._local
@@ -304,7 +308,7 @@ class PlaceTree:
         if np.array_equal(old, new):
             return
         for body_name in self._bodies:
-            if self._is_below(body_name, name):
+            if self.is_below(body_name, name):
                 body = self._find(body_name)
                 body.place(carried(body.pose, old, new))
 
@@ -339,7 +343,7 @@ class PlaceTree:
         self.check_parent(name, parent)
         self._bodies[name] = self._bodies[name].model_copy(update={"parent": parent})
 
-    def _is_below(self, name: str, other: str) -> bool:
+    def is_below(self, name: str, other: str) -> bool:
         """Whether `other` is the parent of `name`, or its parent, and so on."""
         above = self._parent(name)
         while above is not None and above != other:

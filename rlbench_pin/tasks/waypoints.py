@@ -50,13 +50,18 @@ class Waypoint:
 
     @property
     def path(self) -> Literal["plan", "straight", "curve"]:
-        """How to get there."""
-        return self.spec.path
+        """How to get there; compliant approaches are straight."""
+        return "straight" if self.compliant else self.spec.path
+
+    @property
+    def compliant(self) -> bool:
+        """Approach slowly, giving way to contact."""
+        return self.spec.compliant
 
     @property
     def ignore_collisions(self) -> bool:
-        """Plan without looking at collisions; curves are always planned so."""
-        return self.spec.ignore_collisions or self.spec.path == "curve"
+        """Plan without looking at collisions; curves and compliant approaches are always planned so."""
+        return self.spec.ignore_collisions or self.compliant or self.spec.path == "curve"
 
     @property
     def gripper(self) -> Literal["open", "close"] | float | None:

@@ -21,7 +21,7 @@ Numbers = list[float]
 KEYS = (
     "name", "asset", "parent", "pose", "rpy", "poses", "static", "yaw", "footprint", "footprint_center", "shape", "size",
     "fixed", "collides", "color", "scale", "position", "friction", "damping", "spring", "locked", "path", "points", "arc",
-    "ignore_collisions", "gripper", "symmetry",
+    "ignore_collisions", "compliant", "gripper", "symmetry",
 )  # fmt: skip
 """The order in which keys are written."""
 _FOUR_DIGITS = frozenset({"pose", "points", "size", "footprint", "footprint_center", "color", "scale", "gripper", "position"})

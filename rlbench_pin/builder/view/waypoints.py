@@ -52,6 +52,9 @@ def show_waypoint(panel: Panel, session: Session, waypoint: WaypointSpec) -> Non
         _show_curve(panel, session, waypoint)
     ignore = waypoint.ignore_collisions
     panel.checkbox("Ignore collisions", ignore, lambda value: change("ignore_collisions", value), "For contact")
+    if waypoint.path != "curve":
+        hint = "A slow straight line that gives way to contact, for insertion"
+        panel.checkbox("Compliant", waypoint.compliant, lambda value: change("compliant", value), hint)
     word = "leave" if amount is None else amount if isinstance(amount, str) else "amount"
     panel.dropdown("Gripper", word, GRIPPER, set_gripper, "After arriving")
     if amount is not None and not isinstance(amount, str):
@@ -94,6 +97,7 @@ def _summary(waypoint: WaypointSpec) -> str:
     extras = (
         waypoint.path if waypoint.path != "plan" else "",
         "ignores collisions" if waypoint.ignore_collisions else "",
+        "compliant" if waypoint.compliant else "",
         gripper,
         f"symmetry {waypoint.symmetry}" if waypoint.symmetry > 1 else "",
     )
