@@ -112,10 +112,11 @@ class CompliantFollowing:
 
     def _force(self, q: FloatArray, torques: FloatArray) -> FloatArray:
         """The force (3,) of the world on the tip, in the world [N]."""
-        wrench: FloatArray = np.linalg.lstsq(self.model.jacobian(q).T, self.model.gravity(q) - torques, rcond=1e-3)[0]
+        wrench = np.linalg.lstsq(self.model.jacobian(q).T, self.model.gravity(q) - torques, rcond=1e-3)[0]
+        force: FloatArray = np.asarray(wrench[:3], dtype=float)
         if self._weight is None:
-            self._weight = wrench[:3]
-        return wrench[:3] - self._weight
+            self._weight = force
+        return force - self._weight
 
     def _give_way(self, across: FloatArray, against: float) -> None:
         """Move across the motion: away from the force there (3,) [N], and along the spiral where the way is blocked."""
