@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ast
 import json
+import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from hashlib import sha256
@@ -25,7 +27,13 @@ MAX_WORKERS = 1024
 _PACKAGE = ASSETS.parent
 _DECISIVE = ("reach.py", "records.py", "trials.py", "validate.py")
 """Files of this folder that trials depend on; the others only present results."""
-_UNRELATED = ("baselines", "builder", "cli", "compat", "datasets", "evaluation", "gym", "processes", "recording", "viewer")
+_UNRELATED = tuple(
+    _PACKAGE / folder
+    for folder in (
+        "assets/patterns", "assets/textures", "baselines", "builder", "cli", "compat", "datasets", "evaluation", "gym",
+        "processes", "recording", "sim/render", "viewer",
+    )
+)  # fmt: skip
 """Folders of the package that trials do not depend on."""
 _OBJECTS = ASSETS / "objects"
 """A folder for each object; trials depend on those that the task's files name."""
@@ -192,8 +200,9 @@ def _marks(tasks: Sequence[str]) -> dict[str, str]:
 
 
 def _decides(file: Path) -> bool:
-    folder = file.relative_to(_PACKAGE).parts[0]
-    return file.name in _DECISIVE if folder == "checking" else folder not in _UNRELATED
+    if file.parent == _PACKAGE / "checking":
+        return file.name in _DECISIVE
+    return not any(file.is_relative_to(folder) for folder in _UNRELATED)
 
 
 def _named_objects(files: Sequence[Path]) -> list[Path]:
@@ -212,4 +221,22 @@ def _own_assets(scene: Path) -> list[Path]:
 
 
 def _add(mark: Any, file: Path) -> None:
-    mark.update(file.name.encode() + b"\0" + file.read_bytes())
+    mark.update(file.name.encode() + b"\0" + _content(file))
+
+
+def _content(file: Path) -> bytes:
+    """Return what a file does: code without comments and docstrings, scenes without comments and deviations, else all bytes."""
+    if file.suffix == ".toml":
+        scene = tomllib.loads(file.read_text(encoding="utf-8"))
+        return json.dumps({table: value for table, value in scene.items() if table != "deviation"}).encode()
+    if file.suffix not in (".py", ".pyi"):
+        return file.read_bytes()
+    tree = ast.parse(file.read_text(encoding="utf-8"))
+    for node in ast.walk(tree):
+        if isinstance(body := getattr(node, "body", None), list):
+            node.body = [part for part in body if not _is_text(part)]  # type: ignore[attr-defined]
+    return ast.dump(tree).encode()
+
+
+def _is_text(part: ast.AST) -> bool:
+    return isinstance(part, ast.Expr) and isinstance(part.value, ast.Constant) and isinstance(part.value.value, str)

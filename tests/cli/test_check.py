@@ -92,6 +92,21 @@ def test_trials_survive_the_journal(tmp_path: Path) -> None:
     assert again.trials_of(Item("open_drawer", "demos", (1,), 3)) is None
 
 
+def test_trials_outlive_changes_that_play_no_part(tmp_path: Path) -> None:
+    """Comments, docstrings and deviations change no trial; what a scene and its class say does."""
+    scene, code = tmp_path / "scene.toml", tmp_path / "scene.py"
+    scene.write_text('format = 2  # first\n[placement]\nyaw = [0.0, 1.0]\n[[deviation]]\nname = "yaw"\n', encoding="utf-8")
+    code.write_text('"""Class."""\n\n\ndef f():\n    """Text."""\n    return 1  # one\n', encoding="utf-8")
+    before = run._content(scene), run._content(code)
+    scene.write_text("format = 2\n[placement]\nyaw = [0.0, 1.0]  # rad\n", encoding="utf-8")
+    code.write_text("def f():\n    return 1\n", encoding="utf-8")
+    assert (run._content(scene), run._content(code)) == before
+    scene.write_text("format = 2\n[placement]\nyaw = [0.0, 1.1]\n", encoding="utf-8")
+    code.write_text("def f():\n    return 2\n", encoding="utf-8")
+    assert run._content(scene) != before[0]
+    assert run._content(code) != before[1]
+
+
 def test_failures_survive_the_journal(tmp_path: Path) -> None:
     """So do failed attempts and draws without a place; a line that an earlier version wrote is done again."""
     path = tmp_path / "trials.jsonl"
@@ -117,7 +132,7 @@ def test_a_changed_task_file_is_judged_anew(tmp_path: Path) -> None:
     item, trial = Item(str(file), "demos", (0,), 3), DemoTrial(task="touch_it", seed=0, variation=0)
     TrialJournal(tmp_path / "trials.jsonl", [str(file)]).add(item, [trial])
     assert TrialJournal(tmp_path / "trials.jsonl", [str(file)]).trials_of(item) == [trial]
-    file.write_text(file.read_text() + "# changed\n")
+    file.write_text(file.read_text() + "CHANGED = True\n")
     assert TrialJournal(tmp_path / "trials.jsonl", [str(file)]).trials_of(item) is None
 
 
