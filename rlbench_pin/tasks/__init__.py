@@ -12,6 +12,7 @@ import lazy_loader as lazy
 from rlbench_pin.errors import BoundaryError
 from rlbench_pin.scene.spec import BodySpec
 from rlbench_pin.tasks.conditions import (
+    Aligned,
     AllOf,
     AnyOf,
     Condition,
@@ -61,6 +62,7 @@ __all__ = [
     "LIBRARY",
     "NO_ROTATION",
     "PLACEMENT_AREA",
+    "Aligned",
     "AllOf",
     "AnyOf",
     "BodySpec",

@@ -33,6 +33,7 @@ class ObjectKind(NamedTuple):
 
 BODY_OR_FRAME = ObjectKind("a body or a frame", ("name", "position"))
 MOVABLE = ObjectKind("a body or a frame, such as `self.world.body(name)`", ("name", "position", "pose", "set_pose"))
+POSED = ObjectKind("a body or a frame, such as `self.world.body(name)`", ("name", "pose"))
 BODY = ObjectKind(_BODY, ("name", "position"))
 COLORED_BODY = ObjectKind(_BODY, ("color",))
 LOOSE_BODY = ObjectKind(_BODY, ("name", "position", "set_velocity"))

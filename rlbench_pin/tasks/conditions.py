@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from rlbench_pin.errors import InvalidValue, TaskError
-from rlbench_pin.spatial import FloatArray, pose_to_se3
+from rlbench_pin.spatial import FloatArray, pose_to_matrix, pose_to_se3, relative
 from rlbench_pin.tasks.arguments import (
     ARM,
     BODY,
@@ -18,6 +18,7 @@ from rlbench_pin.tasks.arguments import (
     FRAME,
     GRIPPER,
     JOINT,
+    POSED,
     SENSOR,
     as_object,
     as_objects,
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from rlbench_pin.sim import Body, Frame, ObjectJoint, Sensor, SimGripper, SimRobot
 
 __all__ = [
+    "Aligned",
     "AllOf",
     "AnyOf",
     "Condition",
@@ -195,6 +197,33 @@ class DetectedSeveral(Condition):
     def met(self) -> bool:
         """Return whether at least `count` objects are detected now."""
         return sum(is_detected(element, self.sensor) for element in self.elements) >= self.count
+
+
+class Aligned(Condition):
+    """Holds while every object is turned like a reference: roll, pitch and yaw in its frame are each at most `angle`.
+
+    Args:
+        elements: Bodies and frames, one at least.
+        reference: A body or a frame.
+        angle: Largest roll, pitch and yaw, in either direction [rad].
+    """
+
+    def __init__(self, elements: Sequence[Body | Frame], reference: Body | Frame, angle: float) -> None:
+        self.elements = as_objects(elements, POSED, "elements")
+        if not self.elements:
+            raise TaskError("Aligned needs at least one element.")
+        self.reference = as_object(reference, POSED, "reference")
+        self.angle = as_number(angle, "angle [rad]", least=0.0)
+
+    def met(self) -> bool:
+        """Return whether all objects are turned like the reference now."""
+        return all(self._largest_angle(element) <= self.angle for element in self.elements)
+
+    def _largest_angle(self, element: Body | Frame) -> float:
+        turn = pose_to_matrix(relative(element.pose, self.reference.pose))
+        roll, yaw = np.arctan2(turn[2, 1], turn[2, 2]), np.arctan2(turn[1, 0], turn[0, 0])
+        pitch = np.arctan2(-turn[2, 0], np.hypot(turn[2, 1], turn[2, 2]))
+        return float(np.abs([roll, pitch, yaw]).max())
 
 
 class TipInside(Condition):

@@ -31,6 +31,7 @@ from rlbench_pin.scene.spec import BodySpec
 from rlbench_pin.sim import Request, World
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import (
+    Aligned,
     AllOf,
     AnyOf,
     Condition,
@@ -170,6 +171,10 @@ _TEXTS: tuple[tuple[type[Condition], Callable[..., str]], ...] = (
     (
         DetectedSeveral,
         lambda c: f"at least {c.count} of {', '.join(element.name for element in c.elements)} inside {c.sensor.name}",
+    ),
+    (
+        Aligned,
+        lambda c: f"{', '.join(element.name for element in c.elements)} turned like {c.reference.name} within {c.angle:.3g} rad",
     ),
     (TipInside, lambda c: f"tip inside {c.sensor.name}"),
     (FollowPath, lambda c: f"{c.body.name} visits {len(c.points)} points in order"),

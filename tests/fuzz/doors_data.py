@@ -38,7 +38,7 @@ SKIPPED = frozenset({
     "hold", "record", "rerender", "ProcessEngine", "run_trials", "explain_failure", "follow_demo", "follow_leg", "plan_trial",
     "record_legs", "evaluate", "run_challenge", "make_env", "GymnasiumEnv", "LeRobotEnv", "LazyAsyncVectorEnv", "Runtime",
     "TaskEnvironment", "Cameras", "Camera",
-    "AllOf", "AnyOf", "Detected", "DetectedSeveral", "FollowPath", "Grasped", "HasColor", "InOrder", "JointMoved",
+    "Aligned", "AllOf", "AnyOf", "Detected", "DetectedSeveral", "FollowPath", "Grasped", "HasColor", "InOrder", "JointMoved",
     "ListEmpty", "NothingGrasped", "TipInside",  # have cases elsewhere: doors_work, doors_world, test_actions
     "SpawnBoundary", "clearance", "easiest_top_grasp", "free_direction", "place_task", "settle", "at_rest",
     "swap_places",  # likewise, or asked in every tick

@@ -68,7 +68,7 @@ def condition_doors(task: TaskEnvironment) -> list[Door]:
     good: dict[str, object] = {
         "members": [held], "element": body, "sensor": _Volume(), "elements": [body, body], "count": 1, "robot": world.robot,
         "body": body, "points": np.zeros((2, 3)), "gripper": world.gripper, "rgb": [1.0, 0.0, 0.0],
-        "joint": next(iter(body.joints.values())), "distance": 0.1, "items": [1],
+        "joint": next(iter(body.joints.values())), "distance": 0.1, "items": [1], "reference": body, "angle": 0.1,
     }  # fmt: skip
     names = [name for name in conditions.__all__ if name != "Condition"]
     found = functions(conditions, names, good, {"ListEmpty": "items", "FollowPath": "points"})

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from rlbench_pin.errors import TaskError
+from rlbench_pin.spatial import compose, pose_at
 from rlbench_pin.tasks import (
+    Aligned,
     AllOf,
     AnyOf,
     Condition,
@@ -79,6 +81,28 @@ def test_detected_several_wants_at_least_so_many() -> None:
         assert DetectedSeveral(bodies, FakeSensor(seen), 2).met() is expected
     with pytest.raises(TaskError, match="asks for 4 of 3"):
         DetectedSeveral(bodies, FakeSensor(), 4)
+
+
+def test_aligned_compares_roll_pitch_and_yaw_in_the_frame_of_the_reference() -> None:
+    """Each angle may be as large as asked, in either direction; how the reference is turned in the world does not matter."""
+    turned = pose_at((0.3, 0.2, 0.1), 0.4, -1.2, 2.5)
+    chairs = [FakeBody("first"), FakeBody("second")]
+    condition = Aligned(chairs, FakeFrame(pose=turned), 0.25)
+    assert not condition.met()
+    for chair in chairs:
+        chair.set_pose(compose(turned, pose_at((1.0, 0.0, 0.0))))
+    assert condition.met()
+    for axis in np.eye(3):
+        for side in (-1.0, 1.0):
+            chairs[1].set_pose(compose(turned, pose_at((0.0, 0.0, 0.0), *(side * 0.249 * axis))))
+            assert condition.met()
+            chairs[1].set_pose(compose(turned, pose_at((0.0, 0.0, 0.0), *(side * 0.251 * axis))))
+            assert not condition.met()
+        for turn in (np.pi / 2.0, np.pi):  # on a side, or upside down
+            chairs[1].set_pose(compose(turned, pose_at((0.0, 0.0, 0.0), *(turn * axis))))
+            assert not condition.met()
+    with pytest.raises(TaskError, match="Aligned needs at least one"):
+        Aligned([], FakeFrame(), 0.25)
 
 
 def test_tip_inside_asks_about_the_tip_point() -> None:
