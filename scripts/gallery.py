@@ -20,7 +20,7 @@ COLUMNS, SIZE, GAP, SEED = 2, 320, 4, 0
 HEAD = """# Gallery
 
 The {count} tasks of the library, each in a demonstration of seed 0 and variation 0, with a sentence that asks for it. On the left
-the arm is at work; on the right is the result 1 s after success, without the arm unless it holds an object or nothing moves.
+the arm is at work; on the right is the result 1 s after success, without the arm, or with a translucent one that holds an object.
 Each image links to the task's contact sheet: its events from a camera aimed at the task, the five cameras of observations and
 `clear_robot_side`.
 `rlbench-pin view TASK` draws the sheet of any task, `rlbench-pin video TASK` films it. Written by `python scripts/gallery.py`.
@@ -32,7 +32,7 @@ def draw(name: str) -> str:
     """Write the image of a task, the arm at work beside the result, and return its first instruction."""
     demo, moments = demo_moments(find_task(name), SEED, size=SIZE)
     image = Image.new("RGB", (2 * SIZE + GAP, SIZE), (255, 255, 255))
-    image.paste(moments[-3].task, (0, 0))
+    image.paste(moments[-3].with_arm, (0, 0))
     image.paste(moments[-1].task, (SIZE + GAP, 0))
     PICTURES.mkdir(parents=True, exist_ok=True)
     image.save(PICTURES / f"{name}.jpg", quality=80, optimize=True)

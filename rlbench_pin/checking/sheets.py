@@ -29,6 +29,8 @@ _AFTER = 1.0
 _RELEASED, _FALLEN = 0.5, 0.03
 """Time for which the gripper opens [s], and motion by which a body that it held has fallen then [m]."""
 _HIDDEN = ", arm hidden on the left"
+_SHOWN = 0.35
+"""Opacity of the arm in views of the task."""
 _LARGE = 0.35
 """From this longest side on a body is not framed whole [m]."""
 _NEAR = 0.16
@@ -64,7 +66,9 @@ class Moment:
     arm_hidden: bool
     """Whether the arm is left out of its image."""
     task: Image.Image
-    """Its image."""
+    """Its image; the arm, where it is shown, is translucent."""
+    with_arm: Image.Image
+    """The same with the whole arm."""
     cameras: Mapping[str, Image.Image]
     """The five cameras of observations and the overview, by name."""
 
@@ -116,8 +120,8 @@ def demo_moments(
 ) -> tuple[Demo, list[Moment]]:
     """Play a demonstration, and return it and its events in images; see `demo_sheet`.
 
-    The last is taken 1 s after success, with arm and gripper stationary. Its task view does not show the arm, unless the gripper
-    holds a body, or nothing of the task moves.
+    Task views show the arm translucent, the first not at all. The last is taken 1 s after success, with arm and gripper
+    stationary; it does not show the arm either, unless the gripper holds a body, or nothing of the task moves.
     """
     with make_environment(low_dim_config()) as environment:
         task_environment = environment.get_task(task)
@@ -307,8 +311,7 @@ def task_view(world: World, frames: Sequence[Frame], size: int) -> CameraView:
     masks = []
     for frame in frames:
         world.restore(frame.state)
-        if frame in (frames[0], frames[-1]):
-            _hide_arm(world)
+        _hide_arm(world)
         masks.append([world.render(view, rgb=False, depth=False).mask for view in views])
     return replace(views[_clearest(np.array(masks), moving or still, still)], size=(size, size))
 
@@ -386,11 +389,12 @@ def _moment(task: TaskEnvironment, label: str, frame: Frame, view: CameraView, *
     views = {name: task.runtime.cameras[name].view() for name in CAMERAS}
     views[OVERVIEW] = clear_view()[OVERVIEW].view(world, task.runtime.description)
     cameras = rendered(world, list(views.values()), small)
-    if hides_arm:
-        _hide_arm(world)
-    (image,) = rendered(world, [view], size)
+    (whole,) = rendered(world, [view], size)
+    _hide_arm(world)
+    (without,) = rendered(world, [view], size)
+    image = without if hides_arm else Image.blend(without, whole, _SHOWN)
     world.restore(frame.state)
-    return Moment(label, view, hides_arm, image, dict(zip(views, cameras, strict=True)))
+    return Moment(label, view, hides_arm, image, whole, dict(zip(views, cameras, strict=True)))
 
 
 def _hide_arm(world: World) -> None:
