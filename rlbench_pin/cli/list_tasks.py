@@ -8,7 +8,11 @@ import os.path
 import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Annotated
 
+import tyro
+
+MaybeName = Annotated[str | None, tyro.conf.arg(metavar="NAME", help_behavior_hint="")]
 ALL = "all"
 """Name of all tasks on a command line."""
 
@@ -17,11 +21,20 @@ ALL = "all"
 class ListTasks:
     """List the tasks, each with one line of description.
 
-    Those of other packages come last, with the name of the package.
+    Those of other packages come last, with the name of the package. `rlbench-pin list cup --tier 3` lists the tasks of tier 3
+    that have to do with cups.
     """
 
+    words: tyro.conf.Positional[Annotated[tuple[str, ...], tyro.conf.arg(metavar="[WORD...]", help_behavior_hint="")]] = ()
+    """Only tasks whose name or description contains all these words."""
+    tier: Annotated[int | None, tyro.conf.arg(metavar="1|2|3|4", help_behavior_hint="")] = None
+    """Only tasks of this tier: 1 one motion, 2 one object or joint, 3 several stages, 4 long, precise or with tools."""
+    set: MaybeName = None
+    """Only tasks of this set."""
+    family: MaybeName = None
+    """Only tasks of this family, such as doors, stacking or tools."""
     sets: bool = False
-    """List the sets of tasks instead, each with how many of its tasks are built."""
+    """List the sets of tasks instead, each with how many of its tasks are built; families are sets, too."""
     json: bool = False
     """Print JSON for programs."""
 
@@ -31,7 +44,12 @@ class ListTasks:
 
         if self.sets:
             return self.print_sets()
-        titles = {name: _title(name) for name in usable_names()}
+        titles = {name: _title(name) for name in self._wanted()}
+        titles = {
+            name: title for name, title in titles.items() if all(w.lower() in f"{name} {title}".lower() for w in self.words)
+        }
+        if not titles and (self.words or self.tier or self.set or self.family):
+            print("No task fits. Leave out a word or a filter.", file=sys.stderr)
         if self.json:
             print(json.dumps(titles, indent=1))
             return 0
@@ -41,13 +59,30 @@ class ListTasks:
             print(f"{name:<{width}}  {title}" + (f"  [{origin}]" if origin else ""))
         return 0
 
+    def _wanted(self) -> tuple[str, ...]:
+        """Return the names of the tasks that tier, set and family let through."""
+        from rlbench_pin.errors import UnknownName
+        from rlbench_pin.evaluation.sets import task_families, task_set
+
+        if self.tier not in (None, 1, 2, 3, 4):
+            raise UnknownName("tier", str(self.tier), ("1", "2", "3", "4"))
+        if self.family is not None and self.family not in task_families():
+            raise UnknownName("family of tasks", self.family, task_families(), "rlbench-pin list --sets")
+        if self.set is not None:
+            task_set(self.set)
+        filters = [name for name in (self.set, self.family, f"tier{self.tier}" if self.tier else None) if name]
+        return tuple(name for name in usable_names() if all(name in task_set(known).tasks for known in filters))
+
     def print_sets(self) -> int:
         """Print one line per set; as JSON, all data of each."""
         from rlbench_pin.evaluation.sets import task_set, task_sets
 
         sets = [task_set(name) for name in task_sets()]
         if self.json:
-            content = {s.name: {"about": s.about, "tasks": s.tasks, "parts": s.parts, "missing": s.missing} for s in sets}
+            content = {
+                s.name: {"about": s.about, "tasks": s.tasks, "parts": s.parts, "missing": s.missing, "notes": s.notes}
+                for s in sets
+            }
             print(json.dumps(content, indent=1))
             return 0
         width = max(len(s.name) for s in sets)

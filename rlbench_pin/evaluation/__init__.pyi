@@ -72,6 +72,7 @@ from .sets import TaskSet as TaskSet
 from .sets import public_tasks as public_tasks
 from .sets import resolve_tasks as resolve_tasks
 from .sets import select_tasks as select_tasks
+from .sets import task_families as task_families
 from .sets import task_set as task_set
 from .sets import task_sets as task_sets
 from .sets import task_tier as task_tier

@@ -1,4 +1,4 @@
-"""Sets of tasks by name (few-shot and multi-task sets, PerAct's 18, tiers), and the tasks that some words select.
+"""Sets of tasks by name (few-shot and multi-task sets, those of published protocols, tiers, families), and what words select.
 
 `sets.json` lists the sets; they include tasks that are not built yet.
 """
@@ -23,6 +23,7 @@ __all__ = [
     "public_tasks",
     "resolve_tasks",
     "select_tasks",
+    "task_families",
     "task_set",
     "task_sets",
     "task_tier",
@@ -49,7 +50,9 @@ class TaskSet:
     tasks: tuple[str, ...]
     """All its tasks, in the order of the public lists; those to train on come first."""
     parts: Mapping[str, tuple[str, ...]]
-    """Part -> its tasks: `train` and `test` where there are both, otherwise nothing."""
+    """Part -> its tasks, such as `train` and `test`; empty where there are no parts."""
+    notes: str = ""
+    """Where the set comes from."""
 
     @property
     def missing(self) -> tuple[str, ...]:
@@ -73,7 +76,7 @@ def task_set(name: str) -> TaskSet:
     """Return a set, or a part of one.
 
     Args:
-        name: `FS10_V1`, `FS10_V1:train`, `FS10_V1:test`, `MT15_V1`, `PERACT18`, `tier1`, ...
+        name: `FS10_V1`, `FS10_V1:train`, `FS10_V1:test`, `MT15_V1`, `PERACT18`, `tier1`, `doors`, ...
 
     Raises:
         UnknownName: No set is called so, or it has no such part; proposes the nearest name.
@@ -85,7 +88,7 @@ def task_set(name: str) -> TaskSet:
     whole, _, part = name.partition(":")
     if not part:
         return contents[whole]
-    return TaskSet(name, f"{contents[whole].about} The part `{part}`.", contents[whole].parts[part], {})
+    return TaskSet(name, f"{contents[whole].about} The part `{part}`.", contents[whole].parts[part], {}, contents[whole].notes)
 
 
 def public_tasks() -> tuple[str, ...]:
@@ -96,6 +99,11 @@ def public_tasks() -> tuple[str, ...]:
 def variant_tasks() -> tuple[str, ...]:
     """Return the names of the tasks that the PerAct dialect adds to them."""
     return tuple(_data()["variants"])
+
+
+def task_families() -> tuple[str, ...]:
+    """Return the names of the sets that group tasks by what is done; each task is in one."""
+    return tuple(_data()["families"])
 
 
 def task_tier(task: str) -> int:
@@ -115,10 +123,10 @@ def task_tier(task: str) -> int:
 def set_contents() -> dict[str, TaskSet]:
     """Return name -> set, as the file has them."""
     found = {}
-    for name, content in _data()["sets"].items():
-        parts = {part: tuple(names) for part, names in content.items() if part != "about"}
+    for name, content in (*_data()["sets"].items(), *_data()["families"].items()):
+        parts = {part: tuple(names) for part, names in content.items() if part not in ("about", "notes")}
         tasks = tuple(task for names in parts.values() for task in names)
-        found[name] = TaskSet(name, content["about"], tasks, {} if WHOLE in parts else parts)
+        found[name] = TaskSet(name, content["about"], tasks, {} if WHOLE in parts else parts, content["notes"])
     return found
 
 

@@ -53,3 +53,22 @@ def test_sets_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert content["FS10_V1"]["missing"] == list(first.missing)
     assert content["FS10_V1"]["parts"]["test"] == list(first.parts["test"])
     assert len(content["MT100_V1"]["tasks"]) == 100
+
+
+def listed(capsys: pytest.CaptureFixture[str], *words: str) -> list[str]:
+    """Return the names that `list` prints."""
+    assert main(["list", *words]) == 0
+    return [line.split()[0] for line in capsys.readouterr().out.splitlines()]
+
+
+def test_lists_are_filtered(capsys: pytest.CaptureFixture[str]) -> None:
+    """By words of names and descriptions, tier, set and family, all of which have to fit."""
+    assert listed(capsys, "drawer", "cube") == ["put_item_in_drawer", "take_item_out_of_drawer"]
+    assert set(listed(capsys, "--tier", "1")) <= set(task_set("tier1").tasks)
+    assert listed(capsys, "--family", "doors", "--tier", "1", "microwave") == ["close_microwave"]
+    assert set(listed(capsys, "--set", "FS10_V1:test")) == set(task_set("FS10_V1:test").tasks)
+    assert main(["list", "no such thing"]) == 0
+    assert "No task fits" in capsys.readouterr().err
+    for words, hint in ((["--tier", "7"], "tier"), (["--family", "door"], "doors"), (["--set", "FS10"], "FS10_V1")):
+        assert main(["list", *words]) == 2
+        assert hint in capsys.readouterr().err

@@ -11,6 +11,7 @@ from rlbench_pin.evaluation.sets import (
     public_tasks,
     resolve_tasks,
     select_tasks,
+    task_families,
     task_set,
     task_sets,
     task_tier,
@@ -20,6 +21,7 @@ from rlbench_pin.tasks import LIBRARY, task_names
 
 SPLITS = {"FS10_V1": (10, 5), "FS25_V1": (25, 5), "FS50_V1": (50, 5), "FS95_V1": (95, 5)}
 SIZES = {
+    "COLOSSEUM20": 20,
     "MT15_V1": 15,
     "MT30_V1": 30,
     "MT55_V1": 55,
@@ -45,16 +47,32 @@ def test_the_public_set_has_106_tasks() -> None:
 
 def test_sizes() -> None:
     """Of every set and its parts; each task is in a set once, and known."""
-    assert set(task_sets()) == {*SPLITS, *SIZES}
+    assert set(task_sets()) == {*SPLITS, *SIZES, "AGNOSTOS41", *task_families()}
+    for name in {*SPLITS, *SIZES}:
+        assert task_set(name).notes
     for name in task_sets():
         held = task_set(name)
-        assert len(set(held.tasks)) == len(held.tasks) == (sum(SPLITS[name]) if name in SPLITS else SIZES[name])
+        assert len(set(held.tasks)) == len(held.tasks)
+        if name in SPLITS or name in SIZES:
+            assert len(held.tasks) == (sum(SPLITS[name]) if name in SPLITS else SIZES[name])
         assert set(held.tasks) <= {*public_tasks(), *variant_tasks()}
         assert held.about and sorted((*held.available, *held.missing)) == sorted(held.tasks)
     for name, (train, test) in SPLITS.items():
         parts = task_set(name).parts
         assert (len(parts["train"]), len(parts["test"])) == (train, test)
         assert task_set(f"{name}:train").tasks + task_set(f"{name}:test").tasks == task_set(name).tasks
+
+
+def test_agnostos_has_the_tasks_of_peract_and_23_others() -> None:
+    """18 seen and 23 unseen."""
+    assert task_set("AGNOSTOS41:seen").tasks == task_set("PERACT18").tasks
+    assert len(task_set("AGNOSTOS41:unseen").tasks) == 23
+
+
+def test_every_task_is_in_one_family() -> None:
+    """Public tasks and variants."""
+    grouped = [name for family in task_families() for name in task_set(family).tasks]
+    assert sorted(grouped) == sorted((*public_tasks(), *variant_tasks()))
 
 
 def test_sets_nest() -> None:
