@@ -1,7 +1,7 @@
-"""Draw an animated image of every task of the library, each from the beginning of a demonstration to its end.
+"""Draw all tasks of the library side by side: a film of their demonstrations, and a sheet of their ends.
 
-Usage: python scripts/readme_animation.py [TASK ...] [--out FILE.webp]    docs/images/tasks.webp by default
-All tasks take as long in the image, so that they do not go at the same speed; the last moment stands still for a while.
+Usage: python scripts/readme_animation.py [TASK ...] [--out FILE.webp]    docs/images/tasks.webp by default, and tasks.jpg beside it
+All tasks take as long in the film, so that they do not go at the same speed; the last moment stands still for a while.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from rlbench_pin.tasks import library_names
 OUT = Path(__file__).resolve().parents[1] / "docs" / "images" / "tasks.webp"
 CELL, PICTURES, STILL, PAUSE, SEED, QUALITY = (150, 140), 44, 8, 110, 0, 40
 """Size of a task [px], images of a demonstration, of its end, time of each [ms], seed, quality of WebP."""
-LIMIT = 3_000_000
+LIMIT = 4_000_000
 """Bytes that the file may have."""
 EYE = (0.75, 1.45, 1.95)
 """Ahead of the robot's left shoulder [m]."""
@@ -61,9 +61,10 @@ def main() -> None:
     for name in options.tasks or library_names():
         clips[name] = clip_of(name)
         print(f"{name}: {len(clips[name])} images", flush=True)
-    first, *rest = (Image.fromarray(image) for image in grid_frames(clips, CELL))
+    first, *rest = [Image.fromarray(image) for image in grid_frames(clips, CELL)]
     options.out.parent.mkdir(parents=True, exist_ok=True)
     first.save(options.out, save_all=True, append_images=rest, duration=PAUSE, loop=0, quality=QUALITY, method=4)
+    rest[-1].save(options.out.with_suffix(".jpg"), quality=82, optimize=True)
     size = options.out.stat().st_size
     print(options.out, size // 1024, "KiB")
     if size > LIMIT:
