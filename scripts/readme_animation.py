@@ -1,6 +1,6 @@
 """Draw all tasks of the library side by side: a film of their demonstrations, and a sheet of their ends.
 
-Usage: python scripts/readme_animation.py [TASK ...] [--out FILE.webp]    docs/images/tasks.webp by default, and tasks.jpg beside it
+Usage: python scripts/readme_animation.py [TASK ...] [--out FILE.webp]    docs/images/tasks.webp, and tasks.jpg beside it
 All tasks take as long in the film, so that they do not go at the same speed; the last moment stands still for a while.
 """
 
