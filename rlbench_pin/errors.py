@@ -38,7 +38,6 @@ __all__ = [
     "InvalidTarget",
     "InvalidValue",
     "MissingExtra",
-    "MissingTasks",
     "NoIkSolution",
     "NoPath",
     "NoShapedReward",
@@ -555,25 +554,3 @@ class IncompatibleResults(EvaluationError):
     def __init__(self, first: str, second: str, differences: Sequence[str], advice: str) -> None:
         self.differences = tuple(differences)
         super().__init__(f"The results of '{first}' and '{second}' cannot be compared: {'; '.join(differences)}. {advice}")
-
-
-class MissingTasks(EvaluationError):
-    """Tasks of a set are known by name, but not built yet.
-
-    Attributes:
-        asked: What was asked for.
-        missing: Names of the tasks that are missing.
-        available: Names of those that are there.
-    """
-
-    def __init__(self, asked: str, missing: Sequence[str], available: Sequence[str]) -> None:
-        self.asked, self.missing, self.available = asked, tuple(missing), tuple(available)
-        rest = (
-            f"`--available` (`available_only=True` in Python) takes the {len(self.available)} that are there."
-            if self.available
-            else "`rlbench-pin list --sets` says what there is of each set."
-        )
-        super().__init__(
-            f"{asked}: {len(self.missing)} of {len(self.missing) + len(self.available)} tasks are not built yet: "
-            f"{', '.join(self.missing)}. {rest}"
-        )

@@ -55,8 +55,6 @@ class Run:
     """Split of the tasks into training and test: V1, FS10_V1, FS25_V1, FS50_V1 or FS95_V1."""
     tasks: OnlyTasks = ()
     """Only these test tasks, separated by spaces or commas."""
-    available: bool = False
-    """Leave out the tasks that are not built."""
     episodes: int = 25
     """Episodes of each test task, spread evenly over its variations; the same for each number of demonstrations."""
     seed: int = 0
@@ -126,7 +124,6 @@ class Run:
             split=self.split,
             shots=self.shots,
             only=split_names(self.tasks),
-            available=self.available,
             episodes=self.episodes,
             seed=self.seed,
             max_steps=self.max_steps,
@@ -149,7 +146,7 @@ class Run:
 
 @dataclass(frozen=True)
 class Splits:
-    """List the splits of the challenge, and how many of their tasks are built."""
+    """List the splits of the challenge."""
 
     json: bool = False
     """Print JSON for programs, with the names of all tasks."""
@@ -160,14 +157,12 @@ class Splits:
 
         splits = [meta_split(name) for name in meta_splits()]
         if self.json:
-            content = {s.name: {"about": s.about, "train": s.train, "test": s.test, "missing": s.missing} for s in splits}
+            content = {s.name: {"about": s.about, "train": s.train, "test": s.test} for s in splits}
             print(json.dumps(content, indent=1))
             return 0
         for s in splits:
-            built = [sum(name not in s.missing for name in names) for names in (s.train, s.test)]
-            train, test = (f"{n:>2} of {len(names):>2} built" for n, names in zip(built, (s.train, s.test)))
-            print(f"{s.name:<7}  train {train}  test {test}  {s.about}")
-        print("`--json` names the tasks, and those that are missing.")
+            print(f"{s.name:<7}  train {len(s.train):>2}  test {len(s.test):>2}  {s.about}")
+        print("`--json` names the tasks.")
         return 0
 
 

@@ -62,8 +62,6 @@ class Evaluate:
     `file.py:factory`, or the address of a policy server: `tcp://HOST:PORT`, `unix:PATH`. See docs/policies.md."""
     tasks: TaskNames = TASKS
     """Task names, task files, sets of tasks such as FS10_V1, or `all`, separated by spaces or commas."""
-    available: bool = False
-    """Leave out the tasks of a set that are not built."""
     episodes: MaybeInt = None
     """Episodes of each task, spread evenly over its variations; default 25."""
     variations: int = -1
@@ -143,7 +141,6 @@ class Evaluate:
         """Return the settings of the evaluation.
 
         Raises:
-            MissingTasks: A set has tasks that are not built.
             UnknownName: There is no such task or set.
         """
         from rlbench_pin.evaluation.run import EvaluationConfig
@@ -152,7 +149,7 @@ class Evaluate:
         words = checked_names(self.tasks, split_names, "rlbench-pin evaluate POLICY --tasks TASK...")
         return EvaluationConfig(
             policy=self.policy,
-            tasks=resolve_tasks(words, self.available),
+            tasks=resolve_tasks(words),
             task_set=" ".join(words),
             episodes=EPISODES if self.episodes is None else self.episodes,
             seed=self.seed,

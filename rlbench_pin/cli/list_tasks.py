@@ -34,7 +34,7 @@ class ListTasks:
     family: MaybeName = None
     """Only tasks of this family, such as doors, stacking or tools."""
     sets: bool = False
-    """List the sets of tasks instead, each with how many of its tasks are built; families are sets, too."""
+    """List the sets of tasks instead; families are sets, too."""
     json: bool = False
     """Print JSON for programs."""
 
@@ -79,16 +79,13 @@ class ListTasks:
 
         sets = [task_set(name) for name in task_sets()]
         if self.json:
-            content = {
-                s.name: {"about": s.about, "tasks": s.tasks, "parts": s.parts, "missing": s.missing, "notes": s.notes}
-                for s in sets
-            }
+            content = {s.name: {"about": s.about, "tasks": s.tasks, "parts": s.parts, "notes": s.notes} for s in sets}
             print(json.dumps(content, indent=1))
             return 0
         width = max(len(s.name) for s in sets)
         for s in sets:
-            print(f"{s.name:<{width}}  {len(s.available):>3} of {len(s.tasks):>3} built  {s.about}")
-        print("`FS10_V1:train` and `FS10_V1:test` are the parts of a set. `--json` names the tasks, and those that are missing.")
+            print(f"{s.name:<{width}}  {len(s.tasks):>3}  {s.about}")
+        print("`FS10_V1:train` and `FS10_V1:test` are the parts of a set. `--json` names the tasks.")
         return 0
 
 

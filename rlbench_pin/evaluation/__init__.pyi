@@ -67,11 +67,9 @@ from .run.evaluate import EvaluationProgress as EvaluationProgress
 from .run.evaluate import EvaluationStopped as EvaluationStopped
 from .run.evaluate import evaluate as evaluate
 from .run.runner import EpisodeRunner as EpisodeRunner
-from .sets import TaskSelection as TaskSelection
 from .sets import TaskSet as TaskSet
 from .sets import public_tasks as public_tasks
 from .sets import resolve_tasks as resolve_tasks
-from .sets import select_tasks as select_tasks
 from .sets import task_families as task_families
 from .sets import task_set as task_set
 from .sets import task_sets as task_sets

@@ -1,6 +1,6 @@
 """Sets of tasks by name (few-shot and multi-task sets, those of published protocols, tiers, families), and what words select.
 
-`sets.json` lists the sets; they include tasks that are not built yet.
+`sets.json` lists the sets.
 """
 
 from __future__ import annotations
@@ -12,17 +12,15 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from rlbench_pin.errors import MissingTasks, UnknownName
+from rlbench_pin.errors import UnknownName
 from rlbench_pin.tasks import find_task, task_class, task_names, usable_task_names
 from rlbench_pin.tasks.task import snake_case
 from rlbench_pin.values import as_flag, as_names, as_text
 
 __all__ = [
-    "TaskSelection",
     "TaskSet",
     "public_tasks",
     "resolve_tasks",
-    "select_tasks",
     "task_families",
     "task_set",
     "task_sets",
@@ -34,7 +32,7 @@ DATA = Path(__file__).with_name("sets.json")
 SETS_COMMAND = "rlbench-pin list --sets"
 _COMMAND = "rlbench-pin list [--sets]"
 ALL = "all"
-"""Selects all tasks that are built."""
+"""Selects all tasks."""
 WHOLE = "tasks"
 """The part of a set that has no parts."""
 
@@ -53,18 +51,6 @@ class TaskSet:
     """Part -> its tasks, such as `train` and `test`; empty where there are no parts."""
     notes: str = ""
     """Where the set comes from."""
-
-    @property
-    def missing(self) -> tuple[str, ...]:
-        """Names of the tasks that are not built yet."""
-        built = set(task_names())
-        return tuple(name for name in self.tasks if name not in built)
-
-    @property
-    def available(self) -> tuple[str, ...]:
-        """Names of the tasks that are built."""
-        built = set(task_names())
-        return tuple(name for name in self.tasks if name in built)
 
 
 def task_sets() -> tuple[str, ...]:
@@ -92,7 +78,7 @@ def task_set(name: str) -> TaskSet:
 
 
 def public_tasks() -> tuple[str, ...]:
-    """Return the names of the 106 tasks of the public task set, in alphabetical order, built or not."""
+    """Return the names of the 106 tasks of the public task set, in alphabetical order."""
     return tuple(_data()["public"])
 
 
@@ -136,49 +122,18 @@ def _data() -> dict[str, Any]:
     return content
 
 
-@dataclass(frozen=True)
-class TaskSelection:
-    """Tasks that were asked for."""
-
-    asked: str
-    """The words, with blanks between them."""
-    tasks: tuple[str, ...]
-    """Names of those that are built, and files, each once, in order."""
-    missing: tuple[str, ...]
-    """Names of those that are not."""
-
-
-def resolve_tasks(words: Sequence[str], available_only: bool = False) -> tuple[str, ...]:
+def resolve_tasks(words: Sequence[str]) -> tuple[str, ...]:
     """Return the tasks that words name, each once, in order.
 
     Args:
         words: Names of tasks (`reach_target`, `ReachTarget`), files (`mine/slide_bolt.py`), sets (`FS10_V1`, `MT15_V1`, `tier1`),
             parts of sets (`FS10_V1:test`), and `all`.
-        available_only: Leave out those that are known by name but not built yet.
-
-    Raises:
-        MissingTasks: Some are not built yet, and they are not to be left out, or nothing would be left.
-        UnknownName: A word is neither a task nor a set; proposes the nearest name.
-        TaskError: A file holds no task.
-    """
-    available_only, selection = as_flag(available_only, "available_only"), select_tasks(words)
-    if selection.missing and not (available_only and selection.tasks):
-        raise MissingTasks(selection.asked, selection.missing, selection.tasks)
-    return selection.tasks
-
-
-def select_tasks(words: Sequence[str]) -> TaskSelection:
-    """Return the tasks that words name, those that are not built yet apart from the others.
 
     Raises:
         UnknownName: A word is neither a task nor a set; proposes the nearest name.
         TaskError: A file holds no task.
     """
-    asked = as_names(words, "words")
-    built = set(task_names())
-    found = tuple(dict.fromkeys(name for word in asked for name in _named(word)))
-    missing = tuple(name for name in found if name in _known() and name not in built)
-    return TaskSelection(" ".join(asked), tuple(name for name in found if name not in missing), missing)
+    return tuple(dict.fromkeys(name for word in as_names(words, "words") for name in _named(word)))
 
 
 def _named(word: str) -> Iterator[str]:
@@ -194,7 +149,7 @@ def _named(word: str) -> Iterator[str]:
         yield name
     else:
         try:
-            yield task_class(word).get_name()  # a task that is built, but in no public list
+            yield task_class(word).get_name()  # a task of another package
         except UnknownName as error:
             known = (*_known(), *task_names(), *set_contents(), ALL)
             raise UnknownName("task or set of tasks", word, known, _COMMAND) from error

@@ -101,7 +101,7 @@ def few_shot() -> dict[str, Row]:
     found = {}
     for split, episodes in (("FS10_V1", "25"), ("V1", "10")):
         folder = f"nearest_{split}"
-        words = ("--split", split, "--available", "--shots", *map(str, SHOTS), "--episodes", episodes, "--time-limit", "120")
+        words = ("--split", split, "--shots", *map(str, SHOTS), "--episodes", episodes, "--time-limit", "120")
         play = ("challenge", "run", "nearest", *words, "--workers", "{jobs}", "--out", f"{{out}}/{folder}")
         found[folder] = Row({f"{folder}_{shots}": f"{folder}/shots_{shots}.json" for shots in SHOTS}, play)
     return found

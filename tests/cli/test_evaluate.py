@@ -46,7 +46,6 @@ def test_evaluate_a_policy(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
         ((f"{FILE}", "--tasks", "reach_target"), "Still, EndsWorker, WrongShape, Poses"),
         (("nowhere.py", "--tasks", "reach_target"), "nowhere.py:NAME"),
         (("nowhere.py:make", "--tasks", "reach_target"), "nowhere.py"),
-        (("noop", "--tasks", "FS95_V1"), "not built"),
     ],
 )
 def test_misuse_of_policies_is_explained(

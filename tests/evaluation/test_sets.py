@@ -1,4 +1,4 @@
-"""The sets hold what the public lists say, nest as these do, and a set whose tasks are not all built says which are missing."""
+"""The sets hold what the public lists say, and nest as these do."""
 
 from __future__ import annotations
 
@@ -6,11 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from rlbench_pin.errors import InvalidValue, MissingTasks, TaskError, UnknownName
+from rlbench_pin.errors import InvalidValue, TaskError, UnknownName
 from rlbench_pin.evaluation.sets import (
     public_tasks,
     resolve_tasks,
-    select_tasks,
     task_families,
     task_set,
     task_sets,
@@ -39,10 +38,10 @@ IN_NO_SET = {
 
 
 def test_the_public_set_has_106_tasks() -> None:
-    """And the library builds nothing else but variants of PerAct."""
+    """And the library has them, the variants, and nothing else."""
     assert len(set(public_tasks())) == 106 and list(public_tasks()) == sorted(public_tasks())
     assert not set(variant_tasks()) & set(public_tasks())
-    assert {file.stem for file in LIBRARY.glob("*.toml")} <= {*public_tasks(), *variant_tasks()}
+    assert {file.stem for file in LIBRARY.glob("*.toml")} == {*public_tasks(), *variant_tasks()}
 
 
 def test_sizes() -> None:
@@ -56,7 +55,7 @@ def test_sizes() -> None:
         if name in SPLITS or name in SIZES:
             assert len(held.tasks) == (sum(SPLITS[name]) if name in SPLITS else SIZES[name])
         assert set(held.tasks) <= {*public_tasks(), *variant_tasks()}
-        assert held.about and sorted((*held.available, *held.missing)) == sorted(held.tasks)
+        assert held.about
     for name, (train, test) in SPLITS.items():
         parts = task_set(name).parts
         assert (len(parts["train"]), len(parts["test"])) == (train, test)
@@ -112,28 +111,9 @@ def test_words_are_mixed() -> None:
     """Names, classes' names, files, sets and parts; each task once, in order."""
     file = str(LIBRARY / "reach_target.py")
     words = ["open_drawer", "ReachTarget", "FS10_V1:test", "open_box", file]
-    selection = select_tasks(words)
-    known = ["open_drawer", "reach_target", *task_set("FS10_V1").parts["test"]]
-    assert [*selection.tasks, *selection.missing] == [
-        *(name for name in known if name in task_names()), file, *(name for name in known if name not in task_names()),
-    ]  # fmt: skip
-    assert selection.asked == " ".join(words)
+    assert list(resolve_tasks(words)) == ["open_drawer", "reach_target", *task_set("FS10_V1").parts["test"], file]
     assert set(resolve_tasks(["all"])) == set(task_names())
     assert resolve_tasks([]) == ()
-
-
-def test_a_set_that_is_not_all_built_says_what_is_missing() -> None:
-    """It runs the rest only when asked to; with nothing left it does not run at all."""
-    held = task_set("MT100_V1")
-    if not held.missing:
-        pytest.skip("all tasks of MT100_V1 are built")
-    with pytest.raises(MissingTasks, match=f"{len(held.missing)} of 100 tasks are not built yet") as raised:
-        resolve_tasks(["MT100_V1"])
-    assert raised.value.missing == held.missing and all(name in str(raised.value) for name in held.missing)
-    assert "available_only=True" in str(raised.value)
-    assert resolve_tasks(["MT100_V1"], available_only=True) == held.available
-    with pytest.raises(MissingTasks, match="list --sets"):
-        resolve_tasks([held.missing[0]], available_only=True)
 
 
 def test_hostile_words(tmp_path: Path) -> None:

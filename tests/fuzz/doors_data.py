@@ -30,7 +30,7 @@ SKIPPED = frozenset({
     "Rate", "NoopEpisode", "Move", "TaskInfo", "StoredEpisode", "RecordReport", "ReplayResult", "Command",
     "CheckProgress", "Failure", "Item", "Reach", "TaskReport", "TaskState", "DemoOutcome", "EnvironmentState",
     "SegmentReport", "ActionSpec", "EpisodeItem", "EpisodeOutcome", "EvaluationProgress", "PolicyContext",
-    "Reference", "TaskSet", "TaskSelection", "Comparison", "Pairs", "TaskComparison", "PValues", "Summary",
+    "Reference", "TaskSet", "Comparison", "Pairs", "TaskComparison", "PValues", "Summary",
     "TaskSummary", "Estimate", "Table",  # records that doors return, or policies are given
     "Follower", "TrackingProblem", "Waypoint", "Task",  # what the package makes itself; users read them
     "ChallengeProgress", "Demonstration", "LearningCurve", "ShotsResult", "MetaSplit", "TrainingTask",  # likewise

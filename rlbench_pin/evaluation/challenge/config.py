@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 
-from rlbench_pin.errors import InvalidArgument, MissingTasks, RlbenchPinError, UnknownName, shown
+from rlbench_pin.errors import InvalidArgument, RlbenchPinError, UnknownName, shown
 from rlbench_pin.evaluation.policies.policy import PolicyReferenceError
 from rlbench_pin.evaluation.policies.references import find_policy
 from rlbench_pin.evaluation.run.config import LARGEST_START, MAX_EPISODES, SECONDS, EvaluationConfig
@@ -83,29 +83,10 @@ class MetaSplit:
     test: tuple[str, ...]
     """The meta-test tasks, of which a learner gets demonstrations alone."""
 
-    @property
-    def missing(self) -> tuple[str, ...]:
-        """Names of the tasks that are not built yet."""
-        built = set(task_names())
-        return tuple(name for name in (*self.train, *self.test) if name not in built)
-
-    def chosen(self, available_only: bool = False, only: Sequence[str] = ()) -> MetaSplit:
-        """Return the split with the tasks that are built.
-
-        Args:
-            available_only: Leave out those that are not built yet.
-            only: Test tasks to keep to; all when none is named.
-
-        Raises:
-            MissingTasks: Some are not built yet, and are not to be left out; or none to test on would be left.
-        """
+    def chosen(self, only: Sequence[str]) -> MetaSplit:
+        """Return the split with the test tasks to keep to; all when none is named."""
         names = as_names(only, "only")
-        kept = MetaSplit(self.name, self.about, self.train, tuple(t for t in self.test if not names or t in names))
-        missing = kept.missing
-        train, test = (tuple(n for n in some if n not in missing) for some in (kept.train, kept.test))
-        if missing and not (as_flag(available_only, "available_only") and test):
-            raise MissingTasks(self.name, missing, (*train, *test))
-        return MetaSplit(self.name, self.about, train, test)
+        return MetaSplit(self.name, self.about, self.train, tuple(t for t in self.test if not names or t in names))
 
 
 def meta_splits() -> tuple[str, ...]:
@@ -192,8 +173,6 @@ class ChallengeConfig:
     """Numbers of demonstrations of each test task; the fewer are the first of the more."""
     only: tuple[str, ...] = ()
     """Test tasks to keep to; all of the split when none is named."""
-    available: bool = False
-    """Leave out the tasks that are not built."""
     episodes: int = 25
     """Episodes of each test task, for each number of demonstrations; always the same ones."""
     seed: int = 0
@@ -223,7 +202,6 @@ class ChallengeConfig:
             "split": meta_split(self.split).name,
             "shots": tuple(sorted(set(shots))),
             "only": tuple(dict.fromkeys(as_names(self.only, "only", InvalidArgument))),
-            "available": as_flag(self.available, "available", InvalidArgument),
             "episodes": as_whole(self.episodes, "episodes", InvalidArgument, least=1, most=MAX_EPISODES),
             "seed": as_whole(self.seed, "seed", InvalidArgument, least=0, most=LARGEST_START),
             "robot": robot_description(self.robot).name,
@@ -257,12 +235,8 @@ class ChallengeConfig:
         return int.from_bytes(hmac.digest(self.secret, f"rlbench_pin challenge/{self.seed}".encode(), "sha256")[:6], "big")
 
     def tasks(self) -> MetaSplit:
-        """Return the tasks of the run.
-
-        Raises:
-            MissingTasks: Some are not built, and are not to be left out.
-        """
-        return meta_split(self.split).chosen(self.available, self.only)
+        """Return the tasks of the run."""
+        return meta_split(self.split).chosen(self.only)
 
     def evaluation(self, shots: int) -> EvaluationConfig:
         """Return the evaluation with so many demonstrations."""

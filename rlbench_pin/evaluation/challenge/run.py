@@ -89,7 +89,6 @@ def run_challenge(
     Raises:
         ChallengeConflict: There is another run in the folder, or this one, without `resume`.
         ChallengeStopped: `stop` was set before all was done.
-        MissingTasks: Tasks of the split are not built, and are not to be left out.
         NoDemonstrations: A task of the test could not be demonstrated.
         PolicySettingsError: The learner asks for what is withheld; PolicyFault: it does not start, or fails while it practises.
         StorageError: The disk cannot be written to.

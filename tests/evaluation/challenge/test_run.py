@@ -38,7 +38,6 @@ from tests.evaluation.challenge.learners import Still
 LEARNERS = Path(__file__).with_name("learners.py")
 CONFIG = ChallengeConfig(
     learner=f"{LEARNERS}:Still", split="FS10_V1", shots=(2, 1), only=("unplug_charger",), episodes=2, max_seconds=2.0,
-    available=True,
 )  # fmt: skip
 
 OBSERVATION = Observation(joint_positions=np.zeros(7), gripper_open=1.0)

@@ -35,7 +35,7 @@ def test_thirteen_ways_lead_nowhere(tmp_path: Path) -> None:
     report = tmp_path / "spy" / "report.json"
     report.parent.mkdir()
     config = ChallengeConfig(
-        learner=f"{SPY}:Spy?report={report}", split="FS10_V1", shots=(2,), only=("unplug_charger",), episodes=2, available=True,
+        learner=f"{SPY}:Spy?report={report}", split="FS10_V1", shots=(2,), only=("unplug_charger",), episodes=2,
         seed=1,
     )  # fmt: skip
     curve = run_challenge(config, tmp_path / "run", engine=SerialEngine())
@@ -59,7 +59,7 @@ def test_what_is_withheld_cannot_be_asked_for(asked: str) -> None:
 @pytest.mark.slow
 def test_it_is_refused_before_anything_is_played(tmp_path: Path) -> None:
     """Nothing is made then."""
-    config = ChallengeConfig(learner=f"{LEARNERS}:Still?fault=masks", split="FS10_V1", shots=(1,), available=True)
+    config = ChallengeConfig(learner=f"{LEARNERS}:Still?fault=masks", split="FS10_V1", shots=(1,))
     with pytest.raises(PolicySettingsError, match="is withheld in the challenge"):
         run_challenge(config, tmp_path, engine=SerialEngine())
     assert sorted(path.name for path in tmp_path.iterdir() if not path.name.startswith(".")) == ["challenge.json"]
@@ -70,7 +70,7 @@ SECRET = b"0123456789abcdef"
 
 def test_a_secret_draws_other_seeds_and_is_never_written(tmp_path: Path) -> None:
     """Demonstrations and episodes follow from its keyed hash; who has the secret can compute it, others see the SHA-256."""
-    plain = ChallengeConfig(learner="nearest", split="FS10_V1", shots=(1,), only=("unplug_charger",), available=True, seed=3)
+    plain = ChallengeConfig(learner="nearest", split="FS10_V1", shots=(1,), only=("unplug_charger",), seed=3)
     secret = replace(plain, secret=SECRET)
     assert (plain.drawing_seed, plain.secret_sha256) == (3, "")
     assert plain.evaluation(1).task_set == "challenge FS10_V1"
@@ -106,7 +106,7 @@ def test_links_in_the_folder_of_a_run_are_refused(name: str, tmp_path: Path) -> 
     folder, elsewhere = tmp_path / "run", tmp_path / "elsewhere"
     folder.mkdir()
     (folder / name).symlink_to(elsewhere)
-    config = ChallengeConfig(learner="nearest", split="FS10_V1", shots=(1,), only=("unplug_charger",), available=True)
+    config = ChallengeConfig(learner="nearest", split="FS10_V1", shots=(1,), only=("unplug_charger",))
     with pytest.raises(ChallengeConflict, match="is a link"):
         run_challenge(config, folder, engine=SerialEngine(), resume=True)
     assert not elsewhere.exists()

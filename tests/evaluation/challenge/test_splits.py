@@ -6,7 +6,7 @@ from collections import Counter
 
 import pytest
 
-from rlbench_pin.errors import InvalidValue, MissingTasks, UnknownName
+from rlbench_pin.errors import InvalidValue, UnknownName
 from rlbench_pin.evaluation import meta_split, meta_splits, public_tasks, task_set, task_tier
 from rlbench_pin.tasks import task_names
 
@@ -28,16 +28,13 @@ def test_the_few_shot_sets_are_splits() -> None:
         assert not set(split.train) & set(split.test)
 
 
-def test_tasks_that_are_not_built_are_left_out_only_when_told_to() -> None:
-    """Otherwise the error lists them; one of the test tasks may be kept to."""
+def test_test_tasks_may_be_kept_to() -> None:
+    """One, or all; those to train on stay."""
     split = meta_split("V1")
-    if split.missing:
-        with pytest.raises(MissingTasks) as caught:
-            split.chosen()
-        assert caught.value.missing == split.missing
-    chosen = split.chosen(available_only=True)
-    assert {*chosen.train, *chosen.test} == {*split.train, *split.test} & set(task_names())
-    assert split.chosen(True, ["push_buttons"]).test == ("push_buttons",)
+    assert split.chosen([]) == split
+    assert split.chosen(["push_buttons"]).test == ("push_buttons",)
+    assert split.chosen(["push_buttons"]).train == split.train
+    assert {*split.train, *split.test} <= set(task_names())
 
 
 def test_wrong_names() -> None:
@@ -45,4 +42,4 @@ def test_wrong_names() -> None:
     with pytest.raises(UnknownName, match="FS10_V1"):
         meta_split("FS10")
     with pytest.raises(InvalidValue):
-        meta_split("V1").chosen(True, 3)  # type: ignore[arg-type]
+        meta_split("V1").chosen(3)  # type: ignore[arg-type]

@@ -1,7 +1,7 @@
 """The tasks by name: `ReachTarget` and the others, `rlbench.tasks.reach_target` and the others, and the task sets.
 
 Programs also import, reload and list one module per task. All these names are aliases of this module, so that `importlib.reload`
-finds a file. A task that the library does not have yet raises an error when it is made or loaded.
+finds a file.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from rlbench_pin.tasks import camel_case
 
 
 def _task_class(name: str) -> type[Task]:
-    """Return RLBench's class of a library task, or of a task of RLBench that the library lacks."""
+    """Return RLBench's class of a library task."""
     text = f"The task `{name}` of our library."
     return type(camel_case(name), (Task,), {"__module__": f"{__name__}.{name}", "__doc__": text, "library_name": name})
 

@@ -14,7 +14,6 @@ from pyrep.objects.object import Object, view_of
 from pyrep.objects.shape import Shape
 from rlbench.backend.conditions import Condition, NativeCondition, condition_of
 from rlbench.backend.waypoints import Waypoint, waypoint_of
-from rlbench_pin.compat.known_tasks import check_present, library_task
 from rlbench_pin.compat.objects import Element
 from rlbench_pin.compat.paper_tasks import PaperTask, adapter_of
 from rlbench_pin.compat.simulator import Simulator
@@ -24,7 +23,7 @@ from rlbench_pin.errors import RlbenchPinError, TaskError
 from rlbench_pin.observation import Observation
 from rlbench_pin.sim import Body, Frame, ObjectJoint
 from rlbench_pin.spatial import FloatArray
-from rlbench_pin.tasks import LIBRARY
+from rlbench_pin.tasks import LIBRARY, task_class
 from rlbench_pin.tasks import Task as NativeTask
 from rlbench_pin.tasks.task import RotationBounds, snake_case
 
@@ -68,8 +67,6 @@ class Task:
     """Name of the library task that the class is, or is derived from; empty for others."""
 
     def __init__(self, pyrep: PyRep, robot: Robot, name: str | None = None) -> None:
-        if self.library_name:
-            check_present(self.library_name)
         self.pyrep, self.robot = pyrep, robot
         self.name = snake_case(type(self).__name__) if name is None else name
         self._native: NativeTask | None = None
@@ -97,7 +94,7 @@ class Task:
     @classmethod
     def native_origin(cls) -> type[NativeTask]:
         """Return the native class of the methods that are not overridden."""
-        return library_task(cls.library_name) if cls.library_name else NativeTask
+        return task_class(cls.library_name) if cls.library_name else NativeTask
 
     @classmethod
     def native_class(cls) -> type[NativeTask]:
