@@ -15,7 +15,7 @@ from typing import Any
 from rlbench_pin.errors import UnknownName
 from rlbench_pin.tasks import find_task, task_class, task_names, usable_task_names
 from rlbench_pin.tasks.task import snake_case
-from rlbench_pin.values import as_flag, as_names, as_text
+from rlbench_pin.values import as_names, as_text
 
 __all__ = [
     "TaskSet",

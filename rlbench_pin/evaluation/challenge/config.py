@@ -17,8 +17,7 @@ from rlbench_pin.evaluation.policies.references import find_policy
 from rlbench_pin.evaluation.run.config import LARGEST_START, MAX_EPISODES, SECONDS, EvaluationConfig
 from rlbench_pin.evaluation.sets import task_set
 from rlbench_pin.robot.description import DEFAULT_ROBOT, robot_description
-from rlbench_pin.tasks import task_names
-from rlbench_pin.values import as_choice, as_flag, as_names, as_number, as_path, as_record, as_several, as_text, as_whole
+from rlbench_pin.values import as_choice, as_names, as_number, as_path, as_record, as_several, as_text, as_whole
 
 DATA = Path(__file__).with_name("splits.json")
 LEARNERS: Mapping[str, str] = {"nearest": "rlbench_pin.baselines.few_shot:Nearest"}
