@@ -10,16 +10,33 @@ import argparse
 import json
 import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
 from rlbench_pin.checking.page import current_keys, interval, page
+from rlbench_pin.evaluation.sets import public_tasks, variant_tasks
+from rlbench_pin.tasks import task_class
 
 CAMERAS = ("naive ", "cpu ", "egl ")
 """First words of the names of camera benchmarks."""
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "docs" / "results"
+
+
+def variations(names: Iterable[str]) -> int:
+    """Return how many variations tasks have in all."""
+    kinds = map(task_class, names)
+    return sum(kind.variation_count(object.__new__(kind)) for kind in kinds)
+
+
+def counts(_: dict[str, Any]) -> str:
+    """Return the sentence that counts tasks and variations."""
+    public, variants = public_tasks(), variant_tasks()
+    return (
+        f"{len(public) + len(variants)} tasks with {variations((*public, *variants))} variations: the {len(public)} public tasks of "
+        f"RLBench with {variations(public)}, and {len(variants)} known variants with {variations(variants)}."
+    )
 
 
 def summary(results: dict[str, Any]) -> str:
@@ -79,6 +96,7 @@ def update_page(description: str | None, page: Path, written_anew: Callable[[], 
 
 # document, marker of the part (None: all of it), results, text
 PARTS = (
+    ("README.md", "counts", "demo_success.json", counts),
     ("README.md", "tasks", "demo_success.json", summary),
     ("docs/results/demo_success.md", None, "demo_success.json", report_page),
     ("docs/results/benchmarks.md", None, "benchmarks.json", benchmark_page),

@@ -24,6 +24,12 @@ def test_links_lead_to_files() -> None:
     assert [t for t in targets if not (ROOT / t).exists()] == []
 
 
+def test_counts() -> None:
+    """All public tasks with all variations, and six variants; the sentence and the row of the comparison say so."""
+    assert "112 tasks with 586 variations: the 106 public tasks of RLBench with 568, and 6 known variants with 18." in README
+    assert "| 112 (586 variations) |" in README
+
+
 def test_make_targets_exist() -> None:
     """Every `make` target that the README names is one."""
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
