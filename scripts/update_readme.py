@@ -34,8 +34,8 @@ def counts(_: dict[str, Any]) -> str:
     """Return the sentence that counts tasks and variations."""
     public, variants = public_tasks(), variant_tasks()
     return (
-        f"{len(public) + len(variants)} tasks with {variations((*public, *variants))} variations: the {len(public)} public tasks of "
-        f"RLBench with {variations(public)}, and {len(variants)} known variants with {variations(variants)}."
+        f"{len(public) + len(variants)} tasks with {variations((*public, *variants))} variations: "
+        f"the {len(public)} public tasks of RLBench with {variations(public)}, and {len(variants)} known variants with {variations(variants)}."
     )
 
 
