@@ -35,7 +35,8 @@ def counts(_: dict[str, Any]) -> str:
     public, variants = public_tasks(), variant_tasks()
     return (
         f"{len(public) + len(variants)} tasks with {variations((*public, *variants))} variations: "
-        f"the {len(public)} public tasks of RLBench with {variations(public)}, and {len(variants)} known variants with {variations(variants)}."
+        f"the {len(public)} public tasks of RLBench with {variations(public)}, "
+        f"and {len(variants)} known variants with {variations(variants)}."
     )
 
 
