@@ -26,5 +26,5 @@ class ReachAndDrag(Task):
         return [
             f"Drag the cube onto the middle of the {name} square with the stick.",
             f"The wooden block must get to the centre of the {name} field: use the rod to push it there.",
-            f"With the stick in hand, move the cube over until it covers the middle of the {name} area.",
+            f"With the stick in hand, move the cube over to the middle of the {name} area.",
         ]

@@ -93,6 +93,7 @@ def _block() -> Model:
         0.4,
         (Visual(mesh_shape("block", hull_of(corners)), patterned((0.58, 0.40, 0.24), "wood"), crease=0.1),),
         (top, base),
+        friction=1.2,
     )
     notes = (f"its upper side falls from {z} at x = {-x / 2.0} by {RISE:.4f} rad towards +x",)
     return Model("spatula_block", "objects/spatula_block", "bottom centre", (link,), notes=notes)

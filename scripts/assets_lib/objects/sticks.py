@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from assets_lib.cabinets import bevelled_box
-from assets_lib.mesh import Mesh, cylinder, hull_of, icosphere, lathe, merge, rotation
+from assets_lib.mesh import Mesh, cylinder, hull_of, lathe, merge, rotation
 from assets_lib.urdf import Link, Model, Vec3, Visual, box_shape, cylinder_shape, mesh_shape, patterned, plastic, sphere_shape
 
 RADIUS = 0.01
@@ -55,7 +55,7 @@ def _cue() -> Model:
 
 def _reach_stick() -> Model:
     end = STICK / 2.0
-    pole = _turned([(RADIUS, -end + 0.07), (RADIUS, end - 0.02)])
+    pole = _turned([(RADIUS, -end + 0.073), (RADIUS, end - 0.022)])
     sleeve = _turned([(RADIUS - 0.002, -end), (RADIUS, -end + 0.002), (RADIUS, -end + 0.072), (RADIUS - 0.001, -end + 0.073)])
     cap = _turned([(RADIUS, end - 0.022), (RADIUS, end - 0.003), (RADIUS - 0.003, end)])
     visuals = (
@@ -100,15 +100,18 @@ def _rest() -> Model:
     return Model("stick_rest", "objects/stick_rest", "bottom centre", (link,), notes=notes)
 
 
+def _zone(low: float, high: float) -> Mesh:
+    """Return the part of the ball between two latitudes [rad]."""
+    outline = [(BALL * float(np.cos(a)), BALL * float(np.sin(a))) for a in np.linspace(low, high, 7)]
+    return lathe([(0.0, outline[0][1]), *outline, (0.0, outline[-1][1])], 28)
+
+
 def _ball() -> Model:
-    band = [(BALL * 1.002 * float(np.cos(a)), BALL * 1.002 * float(np.sin(a))) for a in np.linspace(-0.5, 0.5, 5)]
+    pole, edge, lying = 1.57, 0.45, (0.9, 0.3, 0.0)
+    caps = merge([_zone(edge, pole), _zone(-pole, -edge)]).moved(rpy=lying)
     visuals = (
-        Visual(mesh_shape("ball", icosphere(BALL, 3)), IVORY, crease=3.0),
-        Visual(
-            mesh_shape("band", lathe([(0.0, band[0][1]), *band, (0.0, band[-1][1])], 28).moved(rpy=(0.5, 0.3, 0.0))),
-            RED,
-            crease=3.0,
-        ),
+        Visual(mesh_shape("caps", caps), IVORY, crease=0.9),
+        Visual(mesh_shape("band", _zone(-edge, edge).moved(rpy=lying)), RED, crease=0.9),
     )
     link = Link("billiard_ball", 0.05, visuals, (sphere_shape(BALL),), friction=0.5, rolling=0.0002)
     return Model("billiard_ball", "objects/billiard_ball", "centre", (link,), notes=(f"rests with its origin at {BALL} m",))

@@ -55,6 +55,9 @@ def _can() -> Model:
             (0.0, 0.0),
             (RADIUS - 0.002, 0.0),
             (RADIUS, 0.003),
+            (RADIUS, 0.016),
+            (RADIUS, 0.05),
+            (RADIUS, 0.083),
             (RADIUS, HEIGHT - 0.002),
             (RADIUS - 0.0015, HEIGHT),
             (RADIUS - 0.003, HEIGHT - 0.002),
@@ -94,7 +97,7 @@ def _can() -> Model:
     )
     link = Link("watering_can", 0.2, visuals, shapes, friction=0.8, center=(0.0, 0.0, 0.045))
     notes = (
-        f"body {2 * RADIUS} across and {HEIGHT} high; spout towards +x, middle of its head at {HEAD}, which faces 45 degrees upwards",
+        f"body {2 * RADIUS} across and {HEIGHT} high; spout towards +x, middle of its head at {HEAD}, facing 45 degrees upwards",
         f"handle bar, diameter {2 * BAR_RADIUS}, in the plane y = 0, middle at {GRIP}, rising towards +x by {SLOPE} rad",
     )
     return Model("watering_can", "objects/watering_can", "bottom centre", (link,), notes=notes)
@@ -107,12 +110,7 @@ def _leaf(length: float, width: float, droop: float) -> Mesh:
     half = 0.5 * width * np.sin(np.pi * np.clip(t, 0.06, 0.98)) ** 0.8
     pieces = []
     for i in range(len(t) - 1):
-        points = [
-            middle[k] + (0.0, s * half[k], w - 0.12 * half[k] * 0.0)
-            for k in (i, i + 1)
-            for s in (-1.0, 1.0)
-            for w in (0.0, 0.0012)
-        ]
+        points = [middle[k] + (0.0, s * half[k], w) for k in (i, i + 1) for s in (-1.0, 1.0) for w in (0.0, 0.0012)]
         pieces.append(hull_of(np.round(np.array(points), 6)))
     return merge(pieces)
 
