@@ -13,9 +13,11 @@ SPOUT, SPOUT_RADIUS = ((0.036, 0.030), (0.116, 0.110)), 0.007
 """x and z of both ends of the spout, and its radius [m]."""
 ROSE = 0.017
 """Radius of the head of the spout [m]."""
-HEAD: Vec3 = (0.125, 0.0, 0.119)
+HEAD: Vec3 = (0.1265, 0.0, 0.117)
 """Middle of the holes of the head [m]."""
-SLOPE, BAR, BAR_RADIUS = 0.4363, 0.09, 0.009
+FACE = 0.985
+"""Angle between where they face and upwards [rad]."""
+SLOPE, BAR, BAR_RADIUS = 0.2, 0.09, 0.009
 """Slope of the handle bar, which rises towards the spout [rad], its length and radius [m]."""
 GRIP: Vec3 = (-0.02, 0.0, 0.155)
 POT, POT_TOP, POT_HEIGHT, POT_WALL, SOIL = 0.045, 0.06, 0.10, 0.006, 0.07
@@ -77,7 +79,7 @@ def _can() -> Model:
         for r, n in ((0.0, 1), (0.006, 6), (0.012, 10))
         for a in np.arange(n) * 2.0 * np.pi / n
     ]
-    face = (0.0, float(np.pi / 4.0), 0.0)
+    face = (0.0, FACE, 0.0)
     curve = [rod(a, b, BAR_RADIUS * 0.6, 12) for a, b in struts]
     knees = [icosphere(BAR_RADIUS * 0.98, 2).moved(place) for place in (rear, front)]
     visuals = (
@@ -97,7 +99,7 @@ def _can() -> Model:
     )
     link = Link("watering_can", 0.2, visuals, shapes, friction=0.8, center=(0.0, 0.0, 0.045))
     notes = (
-        f"body {2 * RADIUS} across and {HEIGHT} high; spout towards +x, middle of its head at {HEAD}, facing 45 degrees upwards",
+        f"body {2 * RADIUS} across and {HEIGHT} high; spout towards +x, middle of its head at {HEAD}, {FACE} rad from upwards",
         f"handle bar, diameter {2 * BAR_RADIUS}, in the plane y = 0, middle at {GRIP}, rising towards +x by {SLOPE} rad",
     )
     return Model("watering_can", "objects/watering_can", "bottom centre", (link,), notes=notes)

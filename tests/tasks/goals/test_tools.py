@@ -8,6 +8,8 @@ from rlbench_pin.tasks import COLORS
 from tests.tasks.goals.goal import Goal, goal_of
 
 IN_POCKET = (0.045, 0.0, 0.02)
+OVER_POT = (-0.1515, 0.0, 0.033)
+"""Where the can has its head over the pot."""
 
 
 @goal_of("hit_ball_with_queue")
@@ -60,7 +62,7 @@ def test_the_stick_does_not_count_for_the_cube(goal: Goal) -> None:
 
 def pour(goal: Goal) -> list[str]:
     """Hold the head of the can over the pot for one tick, and return the drops that come out."""
-    goal.put("can", (-0.15, 0.0, 0.046), on="plant")
+    goal.put("can", OVER_POT, on="plant")
     goal.tick()
     return [name for name in goal.world.bodies if name.startswith("drop")]
 
@@ -68,8 +70,8 @@ def pour(goal: Goal) -> list[str]:
 @goal_of("water_plants")
 def test_five_drops_come_out_where_the_head_is_over_the_pot(goal: Goal) -> None:
     """Once; not beside the pot, and not with the can as a whole in the pot."""
-    for x, y, z in ((-0.15, 0.021, 0.046), (-0.171, 0.0, 0.046), (-0.129, 0.0, 0.046), (-0.15, 0.0, 0.067), (0.0, 0.0, 0.08)):
-        goal.put("can", (x, y, z), on="plant")
+    for offset in ((0.0, 0.021, 0.0), (-0.021, 0.0, 0.0), (0.021, 0.0, 0.0), (0.0, 0.0, 0.021), (0.1515, 0.0, 0.05)):
+        goal.put("can", np.add(OVER_POT, offset), on="plant")
         goal.tick()
         assert "drop0" not in goal.world.bodies
         assert not goal.reached()
