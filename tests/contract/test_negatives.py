@@ -199,7 +199,7 @@ NEGATIVES = {
     "close_door": Negative(Omission(waypoints=(2, 3))),  # the fingers close on the lever and stay
     "close_microwave": Negative(Omission(waypoints=(1,))),
     "get_ice_from_fridge": Negative(Omission(waypoints=(4,)), done=holding("cup")),  # in front of the niche
-    "hit_ball_with_queue": Negative(spoil=moved("waypoint4", z=0.05), done=holding("cue")),  # over the ball
+    "hit_ball_with_queue": Negative(Omission(waypoints=(4,)), done=holding("cue")),
     "hockey": Negative(Omission(waypoints=(4,)), done=holding("stick")),
     "insert_onto_square_peg": Negative(Omission(waypoints=(4,)), done=holding("ring")),  # above the pillar
     "lift_numbered_block": Negative(Omission(waypoints=(2,)), done=holding("block2"), variation=1),

@@ -6,7 +6,19 @@ import numpy as np
 
 from assets_lib.cabinets import bevelled_box
 from assets_lib.mesh import Mesh, cylinder, hull_of, lathe, merge, rotation
-from assets_lib.urdf import Link, Model, Vec3, Visual, box_shape, cylinder_shape, mesh_shape, patterned, plastic, sphere_shape
+from assets_lib.urdf import (
+    Link,
+    Model,
+    Shape,
+    Vec3,
+    Visual,
+    box_shape,
+    cylinder_shape,
+    mesh_shape,
+    patterned,
+    plastic,
+    sphere_shape,
+)
 
 RADIUS = 0.01
 AXIS = 0.03
@@ -15,6 +27,8 @@ CUE, TAPER, TIP_RADIUS = 0.35, 0.06, 0.006
 """Length of the cue, of its thinner end towards +x, and the radius of its tip [m]."""
 STICK = 0.30
 BALL = 0.02
+MARGIN = 0.001
+"""The engine keeps cylinders so far from other things [m]."""
 POCKET, WALL = (0.08, 0.10, 0.05), 0.008
 """Depth, width, height, and thickness of the walls [m]."""
 V_PLATE: Vec3 = (0.02, 0.006, 0.022)
@@ -71,22 +85,28 @@ def _reach_stick() -> Model:
     return Model("reach_stick", "objects/reach_stick", "centre", (link,), notes=notes)
 
 
-def _rest() -> Model:
-    """Return a block with a notch along x."""
+def _notch(below: float) -> tuple[Shape, ...]:
+    """Return the two sloping plates of a notch, a distance below the place where they touch a stick."""
     plates = []
     for side in (-1.0, 1.0):
         roll = (side * float(np.pi / 4.0), 0.0, 0.0)
-        under = rotation(roll) @ np.array([0.0, side * 0.003, -RADIUS - V_PLATE[1] / 2.0])
-        plates.append(box_shape((V_PLATE[0], V_PLATE[2], V_PLATE[1]), (0.0, float(under[1]), AXIS + float(under[2])), roll))
+        _, y, z = rotation(roll) @ np.array([0.0, side * 0.003, -RADIUS - below - V_PLATE[1] / 2.0])
+        plates.append(box_shape((V_PLATE[0], V_PLATE[2], V_PLATE[1]), (0.0, float(y), AXIS + float(z)), roll))
+    return tuple(plates)
+
+
+def _rest() -> Model:
+    """Return a block with a notch along x."""
     foot = box_shape(FOOT, (0.0, 0.0, FOOT[2] / 2.0))
     x = V_PLATE[0] / 2.0 - 0.0005
     root = AXIS - 1.42 * RADIUS
-    sides = [(-0.022, FOOT[2]), (0.022, FOOT[2]), (0.016, 0.024), (-0.016, 0.024)]
     halves = [
-        hull_of(np.array([(u, s * abs(y), z) for u in (-x, x) for y, z in (*sides[1:3], (0.0, root), (0.0, FOOT[2]))]))
+        hull_of(
+            np.array([(u, s * y, z) for u in (-x, x) for y, z in ((0.022, FOOT[2]), (0.016, 0.024), (0.0, root), (0.0, FOOT[2]))])
+        )
         for s in (-1.0, 1.0)
     ]
-    lining = merge(plate.mesh() for plate in plates)
+    lining = merge(plate.mesh() for plate in _notch(0.0))
     visuals = (
         Visual(
             mesh_shape("block", merge([*halves, bevelled_box(FOOT, (0.0, 0.0, FOOT[2] / 2.0))])),
@@ -95,7 +115,7 @@ def _rest() -> Model:
         ),
         Visual(mesh_shape("lining", lining), FELT, crease=0.1),
     )
-    link = Link("stick_rest", 0.3, visuals, (*plates, foot), friction=0.8)
+    link = Link("stick_rest", 0.3, visuals, (*_notch(MARGIN), foot), friction=0.8)
     notes = (f"holds a stick of radius {RADIUS} along x in a notch, its axis at z = {AXIS}",)
     return Model("stick_rest", "objects/stick_rest", "bottom centre", (link,), notes=notes)
 
