@@ -199,6 +199,7 @@ NEGATIVES = {
     "close_door": Negative(Omission(waypoints=(2, 3))),  # the fingers close on the lever and stay
     "close_microwave": Negative(Omission(waypoints=(1,))),
     "get_ice_from_fridge": Negative(Omission(waypoints=(4,)), done=holding("cup")),  # in front of the niche
+    "hit_ball_with_queue": Negative(Omission(waypoints=(4,)), done=holding("cue")),
     "hockey": Negative(Omission(waypoints=(4,)), done=holding("stick")),
     "insert_onto_square_peg": Negative(Omission(waypoints=(4,)), done=holding("ring")),  # above the pillar
     "lift_numbered_block": Negative(Omission(waypoints=(2,)), done=holding("block2"), variation=1),
@@ -224,7 +225,9 @@ NEGATIVES = {
         spoil=lambda task: task.world.frame("waypoint1").move_to("handle_middle"), done=cube_is_in("middle"), variation=2
     ),
     "put_rubbish_in_color_bin": Negative(spoil=take_the_other_bin, done=paper_is_in_the_other_bin, variation=0),
+    "reach_and_drag": Negative(Omission(waypoints=(5,)), done=holding("stick")),
     "reach_target": Negative(spoil=moved("waypoint0", z=0.03), done=tip_is_near_the_ball),
+    "scoop_with_spatula": Negative(Omission(waypoints=(2,)), done=holding("spatula")),  # lifted without the cube
     "screw_nail": Negative(Omission(waypoints=(5,)), done=holding("screwdriver")),
     "set_clock_to_time": Negative(spoil=turn_the_hand_too_far, done=it_is_half_past, variation=0),
     "slide_block_to_color_target": Negative(spoil=push_to_another_square, done=block_is_on_another_square),
@@ -237,6 +240,7 @@ NEGATIVES = {
     "tv_on": Negative(spoil=moved("waypoint4", y=0.06), done=remote_lies_loose),  # beside the place in front of the television
     "toilet_seat_up": Negative(Omission(waypoints=(4, 5))),  # half way up
     "unplug_charger": Negative(spoil=moved("waypoint1", x=-0.098, z=0.0146), done=holding("charger")),  # the pins stay 4 mm deep
+    "water_plants": Negative(spoil=moved("waypoint4", x=-0.04, z=0.02), done=holding("can")),  # tilted beside the plant
 }
 """What each task cannot do without, or must not do; grasping where nothing is said."""
 

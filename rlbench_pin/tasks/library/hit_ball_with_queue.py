@@ -1,0 +1,26 @@
+"""Strike a ball into a pocket with a cue."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, Grasped, InOrder, Task
+
+
+class HitBallWithQueue(Task):
+    """The cue must have been held before the ball is in the pocket."""
+
+    def init_task(self) -> None:
+        """The cue may be grasped; success is a grasp, then the ball in the pocket."""
+        cue, ball = self.world.body("cue"), self.world.body("ball")
+        self.register_graspable_objects(["cue"])
+        in_pocket = Detected(ball, self.world.sensor("pocket"))
+        self.register_success_conditions([InOrder([Grasped(self.gripper, cue), in_pocket])])
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Return the sentences; only the place of the task varies."""
+        return [
+            "Take the cue and sink the ball in the pocket.",
+            "The billiard ball must go into the pocket: hit it with the cue.",
+            "Use the billiard stick to shoot the white ball in.",
+        ]

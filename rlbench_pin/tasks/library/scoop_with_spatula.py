@@ -1,0 +1,25 @@
+"""Lift a cube with a spatula."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, Grasped, Task
+
+
+class ScoopWithSpatula(Task):
+    """The cube must be in the air while the spatula is held."""
+
+    def init_task(self) -> None:
+        """The spatula may be grasped; success is the cube in the air while it is held."""
+        spatula, cube = self.world.body("spatula"), self.world.body("cube")
+        self.register_graspable_objects(["spatula"])
+        self.register_success_conditions([Detected(cube, self.world.sensor("air")), Grasped(self.gripper, spatula)])
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Return the sentences; only the place of the task varies."""
+        return [
+            "Lift the cube up with the spatula and keep hold of the spatula.",
+            "The little block has to get off the table: pick it up on the blade of the spatula you hold.",
+            "With the turner in hand, raise the cube into the air.",
+        ]
