@@ -18,7 +18,7 @@ class InsertUsbInComputer(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
         return [
-            "Plug the memory stick into the computer.",
-            "The thumb drive fits the port in front of the PC: push it all the way in.",
-            "To connect the flash drive, slide its metal end into the slot of the desktop.",
+            "Connect the memory stick to the computer.",
+            "The PC has a free port in its front, so push the thumb drive into it.",
+            "Slide the metal end of the flash drive into the slot of the desktop.",
         ]

@@ -41,7 +41,7 @@ class PutPlateInColoredDishRack(Task):
         self.patch.sample(self.rack, rng, min_distance=0.2)
         name = colors[0].name
         return [
-            f"Put the plate in the dish rack, between the two {name} pegs.",
-            f"The {name} lane is free: stand the dish up there and let go of it.",
-            f"Let the plate dry: it goes into the slot of the rack whose posts are {name}.",
+            f"Put the plate in the dish rack, between the {name} pegs.",
+            f"The {name} lane is free: set the dish upright there and let go of it.",
+            f"Leave the plate to dry in the slot of the rack whose posts are {name}.",
         ]

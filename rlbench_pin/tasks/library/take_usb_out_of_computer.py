@@ -21,5 +21,5 @@ class TakeUsbOutOfComputer(Task):
         return [
             "Pull the memory stick out of the computer and let go of it.",
             "The thumb drive is no longer needed in the PC, so take it out of its port and leave it.",
-            "Disconnect the flash drive from the desktop, then drop it.",
+            "Get the flash drive out of the desktop, then drop it.",
         ]
