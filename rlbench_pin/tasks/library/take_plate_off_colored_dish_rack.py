@@ -37,6 +37,6 @@ class TakePlateOffColoredDishRack(Task):
         color = self.colors[variation]
         return [
             f"Take the plate from between the {color} pegs and lay it on the mat.",
-            f"The dish at the {color} posts is dry, so put it down flat on the round mat.",
+            f"A dry dish stands at the {color} posts: put it down flat on the round mat.",
             f"Unload the {color} lane of the rack: its plate goes onto the mat.",
         ]

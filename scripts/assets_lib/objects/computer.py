@@ -14,7 +14,7 @@ FEET = 0.008
 TIP = (0.018, 0.015, 0.006)
 """Length, width and height of the metal tip of the stick [m]."""
 BODY = (0.035, 0.020, 0.012)
-CLEARANCE = 0.0015
+CLEARANCE = 0.001
 SLOT_DEPTH, SLOT_WIDTH, SLOT_HEIGHT = 0.02, TIP[1] + 2.0 * CLEARANCE, TIP[2] + 2.0 * CLEARANCE
 PORT = 0.12
 """Height of the middle of the slot [m]."""
