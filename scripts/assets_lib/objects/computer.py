@@ -9,7 +9,7 @@ from assets_lib.mesh import Mesh, box, cylinder, hull_of, lathe, merge, rod
 from assets_lib.prisms import mark, rectangle, regular_polygon
 from assets_lib.urdf import Link, Model, Shape, Visual, box_shape, mesh_shape, metal, patterned, plastic, shining
 
-DEPTH, WIDTH, HEIGHT = 0.36, 0.20, 0.36
+DEPTH, WIDTH, HEIGHT = 0.36, 0.20, 0.25
 FEET = 0.008
 TIP = (0.018, 0.015, 0.006)
 """Length, width and height of the metal tip of the stick [m]."""
@@ -81,25 +81,25 @@ def _holes() -> Mesh:
     """Return grilles and jacks of the front, and the shade in the slot."""
     rows = [_on_front(0.0, 0.028 + 0.010 * k, 0.13, 0.004) for k in range(5)]
     jacks = [cylinder(0.004, 0.001, 12).moved((-0.0005, y, PORT + 0.034), (0.0, HALF_PI, 0.0)) for y in (-0.012, 0.012)]
-    gaps = [_on_front(0.0, z, 0.16, 0.0016) for z in (0.212, 0.254, 0.296)]
+    gaps = [_on_front(0.0, z, 0.16, 0.0016) for z in (0.176, 0.236)]
     inside = box((0.0004, SLOT_WIDTH, SLOT_HEIGHT), (SLOT_DEPTH - 0.0002, 0.0, PORT))
     top = [box((0.012, 0.13, 0.0006), (0.10 + 0.022 * k, 0.0, HEIGHT + 0.0003)) for k in range(8)]
-    sides = [box((0.012, 0.0006, 0.14), (0.14 + 0.022 * k, s * (WIDTH / 2.0 + 0.0003), 0.18)) for k in range(5) for s in (-1, 1)]
+    sides = [box((0.012, 0.0006, 0.14), (0.14 + 0.022 * k, s * (WIDTH / 2.0 + 0.0003), 0.13)) for k in range(5) for s in (-1, 1)]
     return merge([*rows, *jacks, *gaps, inside, *top, *sides])
 
 
 def _back() -> tuple[Visual, ...]:
     """Return the back: sockets, a fan and slots for cards."""
     x = DEPTH
-    plate = mark(rectangle(0.045, 0.15) + (-0.06, 0.25), x + 0.0006, "x")
+    plate = mark(rectangle(0.045, 0.13) + (-0.06, 0.17), x + 0.0006, "x")
     sockets = [
-        mark(rectangle(0.014, 0.016) + (-0.06 + dy, 0.19 + 0.024 * k), x + 0.0012, "x") for dy in (-0.01, 0.01) for k in range(5)
+        mark(rectangle(0.014, 0.016) + (-0.06 + dy, 0.122 + 0.024 * k), x + 0.0012, "x") for dy in (-0.01, 0.01) for k in range(5)
     ]
-    slots = [mark(rectangle(0.10, 0.009) + (-0.02, 0.05 + 0.018 * k), x + 0.0006, "x") for k in range(6)]
-    fan = mark(regular_polygon(0.045, 24) + (0.035, 0.27), x + 0.0006, "x")
-    ring = lathe([(0.045, 0.0), (0.048, 0.0), (0.048, 0.002), (0.045, 0.002)], 24).moved((x, 0.035, 0.27), (0.0, HALF_PI, 0.0))
+    slots = [mark(rectangle(0.10, 0.007) + (-0.02, 0.03 + 0.012 * k), x + 0.0006, "x") for k in range(5)]
+    fan = mark(regular_polygon(0.045, 24) + (0.035, 0.17), x + 0.0006, "x")
+    ring = lathe([(0.045, 0.0), (0.048, 0.0), (0.048, 0.002), (0.045, 0.002)], 24).moved((x, 0.035, 0.17), (0.0, HALF_PI, 0.0))
     grille = [
-        rod((x + 0.002, 0.035 - dy, 0.27 - dz), (x + 0.002, 0.035 + dy, 0.27 + dz), 0.0012, 6)
+        rod((x + 0.002, 0.035 - dy, 0.17 - dz), (x + 0.002, 0.035 + dy, 0.17 + dz), 0.0012, 6)
         for dy, dz in ((0.046, 0.0), (0.0, 0.046))
     ]
     return (
@@ -112,9 +112,9 @@ def _computer() -> Model:
     w, rear = WIDTH / 2.0, DEPTH - SLOT_DEPTH
     size, center = (rear, WIDTH - 0.004, HEIGHT - FEET), ((DEPTH + SLOT_DEPTH) / 2.0, 0.0, (HEIGHT + FEET) / 2.0)
     feet = [box((0.04, 0.03, FEET), (x, s * (w - 0.025), FEET / 2.0)) for x in (0.05, DEPTH - 0.04) for s in (-1, 1)]
-    button = cylinder(0.011, 0.003, 24, bevel=0.001).moved((-0.001, 0.0, 0.330), (0.0, HALF_PI, 0.0))
+    button = cylinder(0.011, 0.003, 24, bevel=0.001).moved((-0.001, 0.0, 0.207), (0.0, HALF_PI, 0.0))
     ring = lathe([(0.011, 0.0), (0.0135, 0.0), (0.0135, 0.0012), (0.011, 0.0012)], 24).moved(
-        (0.0, 0.0, 0.330), (0.0, -HALF_PI, 0.0)
+        (0.0, 0.0, 0.207), (0.0, -HALF_PI, 0.0)
     )
     visuals = (
         Visual(mesh_shape("case", bevelled_box(size, center)), CASE),

@@ -22,7 +22,7 @@ def test_the_tip_of_the_stick_has_to_reach_the_rear_of_the_port(goal: Goal) -> N
         ((-0.0355, 0.0, 0.12), (0.0, 0.0, 0.0)),  # in front
         ((-0.0175, 0.0, 0.12), (0.0, 0.0, np.pi)),  # backwards
         ((-0.0355, 0.0, 0.14), (0.0, 0.0, 0.0)),  # over the port
-        ((-0.01, 0.0, 0.36 + 0.006), (0.0, 0.0, 0.0)),  # on top
+        ((-0.01, 0.0, 0.25 + 0.006), (0.0, 0.0, 0.0)),  # on top
         ((-0.028, 0.0, 0.12), (0.0, 0.0, 0.15)),  # turned, its tip half in
         ((-0.028, 0.0, 0.12), (0.0, 0.15, 0.0)),  # tilted, its tip half in
     ):
