@@ -157,7 +157,7 @@ def _stick() -> Model:
         Visual(mesh_shape("tip", bevelled_box(tip_size, tip_at, 0.0005)), SILVER),
         Visual(mesh_shape("tip_holes", merge([*holes, mouth])), DARK),
     )
-    link = Link("memory_stick", 0.03, visuals, (box_shape(BODY), box_shape(tip_size, tip_at)), friction=0.9)
+    link = Link("memory_stick", 0.03, visuals, (box_shape(BODY), box_shape(tip_size, tip_at)), friction=0.9, anchored=True)
     notes = (
         f"metal tip along +x, {TIP[1]} wide, {TIP[2]} high, to x = {x + TIP[0]:.4f}",
         f"rests with its origin at {BODY[2] / 2.0} m; grasp it across y ({BODY[1]})",
