@@ -13,6 +13,8 @@ LENGTH, WIDTH, BASE = 0.24, 0.14, 0.02
 LANES = (-0.05, 0.0, 0.05)
 """Middle of each lane along x [m]."""
 PEG_RADIUS, PEG_HEIGHT, GAP = 0.006, 0.09, 0.022
+PEG_FOOT = 0.004
+"""Height at which the pegs begin, inside the bar that carries them [m]."""
 PLATE_RADIUS, PLATE_HEIGHT = 0.08, 0.012
 RAIL, BAR = 0.012, 0.016
 CRADLE = 0.034
@@ -39,8 +41,8 @@ def _rack_boxes() -> list[Box]:
 
 def _lane(number: int) -> Link:
     """Return the two pegs of a lane and its marks on both sides, as a link of its own that a task colours."""
-    height = BASE + PEG_HEIGHT
-    places = [(LANES[number] + s * (GAP / 2.0 + PEG_RADIUS), 0.0, height / 2.0) for s in (-1, 1)]
+    height = BASE + PEG_HEIGHT - PEG_FOOT
+    places = [(LANES[number] + s * (GAP / 2.0 + PEG_RADIUS), 0.0, PEG_FOOT + height / 2.0) for s in (-1, 1)]
     pegs = merge(cylinder(PEG_RADIUS, height, 20, bevel=0.002).moved(place) for place in places)
     marks = [box((GAP + 0.004, BAR - 0.004, 0.001), (LANES[number], s * (WIDTH - BAR) / 2.0, BASE)) for s in (-1, 1)]
     solid = tuple(cylinder_shape(PEG_RADIUS, height, place) for place in places)
