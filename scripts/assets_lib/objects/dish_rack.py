@@ -62,17 +62,23 @@ def _rack() -> Model:
     return Model("dish_rack", "objects/dish_rack", "bottom centre", (link, *lanes), joints, notes)
 
 
+def _band(inner: tuple[float, float], outer: tuple[float, float]) -> list[tuple[float, float]]:
+    """Return the outline of a thin ring between two points (radius, z) of a surface."""
+    (a, low), (b, high) = inner, outer
+    return [(a, low - 0.0004), (b, high - 0.0004), (b, high + 0.0004), (a, low + 0.0004), (a, low - 0.0004)]
+
+
 def _plate() -> Model:
     """Return a plate that lies in the plane z = 0; its upper side faces z."""
     h, r, foot = PLATE_HEIGHT / 2.0, PLATE_RADIUS, 0.05
     china = [(0.0, -h), (foot, -h), (r, h - 0.004), (r, h), (r - 0.003, h), (foot, -h + 0.005), (0.0, -h + 0.005)]
-    slope = (2.0 * h - 0.005) / (r - 0.003 - foot)
-    ends = [(a, -h + 0.005 + slope * (a - foot)) for a in (0.062, 0.069)]
-    (inner, low), (outer, high) = ends
-    ring = [(inner, low - 0.001), (outer, high - 0.001), (outer, high + 0.0004), (inner, low + 0.0004), (inner, low - 0.001)]
+    above, below = (2.0 * h - 0.005) / (r - 0.003 - foot), (2.0 * h - 0.004) / (r - foot)
+    upper = [(a, -h + 0.005 + above * (a - foot)) for a in (0.062, 0.069)]
+    lower = [(a, -h + below * (a - foot) - 0.0004) for a in (0.062, 0.067)]
+    rings = merge(lathe(_band(*ends), 40) for ends in (upper, lower))
     visuals = (
-        Visual(mesh_shape("china", lathe(china, 40)), glass((0.93, 0.93, 0.90))),
-        Visual(mesh_shape("ring", lathe(ring, 40)), (0.20, 0.36, 0.58)),
+        Visual(mesh_shape("china", lathe(china, 40)), glass((0.93, 0.93, 0.90)), crease=0.2),
+        Visual(mesh_shape("rings", rings), (0.20, 0.36, 0.58)),
     )
     link = Link("rack_plate", 0.15, visuals, plate_solids(r, PLATE_HEIGHT), friction=0.8)
     notes = (f"diameter {2 * r}, {PLATE_HEIGHT} high; a solid with twelve sides to what touches it, a corner towards -y",)
