@@ -80,11 +80,11 @@ def _symbol() -> Mesh:
 def _holes() -> Mesh:
     """Return grilles and jacks of the front, and the shade in the slot."""
     rows = [_on_front(0.0, 0.028 + 0.010 * k, 0.13, 0.004) for k in range(5)]
-    jacks = [cylinder(0.004, 0.001, 12).moved((-0.0005, y, PORT + 0.034), (0.0, HALF_PI, 0.0)) for y in (-0.012, 0.012)]
+    jacks = [cylinder(0.004, 0.001, 8).moved((-0.0005, y, PORT + 0.034), (0.0, HALF_PI, 0.0)) for y in (-0.012, 0.012)]
     gaps = [_on_front(0.0, z, 0.16, 0.0016) for z in (0.176, 0.236)]
     inside = box((0.0004, SLOT_WIDTH, SLOT_HEIGHT), (SLOT_DEPTH - 0.0002, 0.0, PORT))
-    top = [box((0.012, 0.13, 0.0006), (0.10 + 0.022 * k, 0.0, HEIGHT + 0.0003)) for k in range(8)]
-    sides = [box((0.012, 0.0006, 0.14), (0.14 + 0.022 * k, s * (WIDTH / 2.0 + 0.0003), 0.13)) for k in range(5) for s in (-1, 1)]
+    top = [box((0.012, 0.13, 0.0006), (0.12 + 0.03 * k, 0.0, HEIGHT + 0.0003)) for k in range(5)]
+    sides = [box((0.012, 0.0006, 0.14), (0.16 + 0.03 * k, s * (WIDTH / 2.0 + 0.0003), 0.13)) for k in range(3) for s in (-1, 1)]
     return merge([*rows, *jacks, *gaps, inside, *top, *sides])
 
 
@@ -96,8 +96,8 @@ def _back() -> tuple[Visual, ...]:
         mark(rectangle(0.014, 0.016) + (-0.06 + dy, 0.122 + 0.024 * k), x + 0.0012, "x") for dy in (-0.01, 0.01) for k in range(5)
     ]
     slots = [mark(rectangle(0.10, 0.007) + (-0.02, 0.03 + 0.012 * k), x + 0.0006, "x") for k in range(5)]
-    fan = mark(regular_polygon(0.045, 24) + (0.035, 0.17), x + 0.0006, "x")
-    ring = lathe([(0.045, 0.0), (0.048, 0.0), (0.048, 0.002), (0.045, 0.002)], 24).moved((x, 0.035, 0.17), (0.0, HALF_PI, 0.0))
+    fan = mark(regular_polygon(0.045, 16) + (0.035, 0.17), x + 0.0006, "x")
+    ring = lathe([(0.045, 0.0), (0.048, 0.0), (0.048, 0.002), (0.045, 0.002)], 16).moved((x, 0.035, 0.17), (0.0, HALF_PI, 0.0))
     grille = [
         rod((x + 0.002, 0.035 - dy, 0.17 - dz), (x + 0.002, 0.035 + dy, 0.17 + dz), 0.0012, 6)
         for dy, dz in ((0.046, 0.0), (0.0, 0.046))
@@ -112,8 +112,8 @@ def _computer() -> Model:
     w, rear = WIDTH / 2.0, DEPTH - SLOT_DEPTH
     size, center = (rear, WIDTH - 0.004, HEIGHT - FEET), ((DEPTH + SLOT_DEPTH) / 2.0, 0.0, (HEIGHT + FEET) / 2.0)
     feet = [box((0.04, 0.03, FEET), (x, s * (w - 0.025), FEET / 2.0)) for x in (0.05, DEPTH - 0.04) for s in (-1, 1)]
-    button = cylinder(0.011, 0.003, 24, bevel=0.001).moved((-0.001, 0.0, 0.207), (0.0, HALF_PI, 0.0))
-    ring = lathe([(0.011, 0.0), (0.0135, 0.0), (0.0135, 0.0012), (0.011, 0.0012)], 24).moved(
+    button = cylinder(0.011, 0.003, 16, bevel=0.001).moved((-0.001, 0.0, 0.207), (0.0, HALF_PI, 0.0))
+    ring = lathe([(0.011, 0.0), (0.0135, 0.0), (0.0135, 0.0012), (0.011, 0.0012)], 16).moved(
         (0.0, 0.0, 0.207), (0.0, -HALF_PI, 0.0)
     )
     visuals = (

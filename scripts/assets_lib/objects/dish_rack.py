@@ -43,7 +43,7 @@ def _lane(number: int) -> Link:
     """Return the two pegs of a lane and its marks on both sides, as a link of its own that a task colours."""
     height = BASE + PEG_HEIGHT - PEG_FOOT
     places = [(LANES[number] + s * (GAP / 2.0 + PEG_RADIUS), 0.0, PEG_FOOT + height / 2.0) for s in (-1, 1)]
-    pegs = merge(cylinder(PEG_RADIUS, height, 20, bevel=0.002).moved(place) for place in places)
+    pegs = merge(cylinder(PEG_RADIUS, height, 12, bevel=0.002).moved(place) for place in places)
     marks = [box((GAP + 0.004, BAR - 0.004, 0.001), (LANES[number], s * (WIDTH - BAR) / 2.0, BASE)) for s in (-1, 1)]
     solid = tuple(cylinder_shape(PEG_RADIUS, height, place) for place in places)
     seen = Visual(mesh_shape(f"pegs{number}", merge([pegs, *marks])), plastic((0.6, 0.6, 0.6)))
