@@ -185,6 +185,25 @@ def paper_is_in_the_other_bin(task: Task) -> bool:
     return not task.gripper.grasped and task.world.sensor("blue_bottom").detects("rubbish")
 
 
+def use_another_lane(task: Task) -> None:
+    """Carry the plate to a lane of the dish rack that is not asked for."""
+    frame, goal = task.world.frame("waypoint4"), task.world.sensor("lane")
+    frame.set_parent(f"lane{(int(goal.parent[-1]) + 1) % 3}")
+    frame.set_local([*frame.local[:2], frame.local[2] + goal.local[2], *frame.local[3:]])
+
+
+def plate_is_in_another_lane(task: Task) -> bool:
+    """Whether the plate was let go in a lane of the dish rack that is not asked for."""
+    places = [task.world.frame(f"lane{i}").position for i in range(3)]
+    near = [float(np.linalg.norm((place - task.world.body("plate").position)[:2])) < 0.01 for place in places]
+    return not task.gripper.grasped and near[int(task.world.sensor("lane").parent[-1]) - 2]
+
+
+def plate_lies_beside_the_mat(task: Task) -> bool:
+    """Whether the plate was let go outside the dish rack."""
+    return not task.gripper.grasped and not task.world.sensor("rack_space").detects("plate")
+
+
 NO_GRASP = Negative(Omission(grasps=True))
 NEGATIVES = {
     "beat_the_buzz": Negative(spoil=moved("waypoint2", z=0.03), done=holding("wand")),  # the ring touches the rod
@@ -202,6 +221,7 @@ NEGATIVES = {
     "hit_ball_with_queue": Negative(Omission(waypoints=(4,)), done=holding("cue")),
     "hockey": Negative(Omission(waypoints=(4,)), done=holding("stick")),
     "insert_onto_square_peg": Negative(Omission(waypoints=(4,)), done=holding("ring")),  # above the pillar
+    "insert_usb_in_computer": Negative(spoil=moved("waypoint4", x=-0.01), done=holding("stick")),  # 8 mm deep
     "lift_numbered_block": Negative(Omission(waypoints=(2,)), done=holding("block2"), variation=1),
     "lamp_off": Negative(Omission(waypoints=(1,))),
     "lamp_on": Negative(Omission(waypoints=(1,))),
@@ -224,6 +244,7 @@ NEGATIVES = {
     "put_item_in_drawer": Negative(  # into the drawer below
         spoil=lambda task: task.world.frame("waypoint1").move_to("handle_middle"), done=cube_is_in("middle"), variation=2
     ),
+    "put_plate_in_colored_dish_rack": Negative(spoil=use_another_lane, done=plate_is_in_another_lane),
     "put_rubbish_in_color_bin": Negative(spoil=take_the_other_bin, done=paper_is_in_the_other_bin, variation=0),
     "reach_and_drag": Negative(Omission(waypoints=(5,)), done=holding("stick")),
     "reach_target": Negative(spoil=moved("waypoint0", z=0.03), done=tip_is_near_the_ball),
@@ -235,6 +256,7 @@ NEGATIVES = {
     "slide_block_to_target": Negative(Omission(waypoints=(1,))),
     "sweep_to_dustpan_of_size": Negative(spoil=sweep_the_other_way, done=crumbs_are_in_the_other_pan),
     "take_lid_off_saucepan": Negative(Omission(waypoints=(2,)), done=holding("lid")),
+    "take_plate_off_colored_dish_rack": Negative(spoil=moved("waypoint4", y=-0.12), done=plate_lies_beside_the_mat),
     "turn_tap": Negative(spoil=turn_the_left_handle, done=left_handle_is_turned, variation=1),
     "toilet_seat_down": Negative(Omission(waypoints=(1, 2, 3))),  # pressed on where no seat is
     "tv_on": Negative(spoil=moved("waypoint4", y=0.06), done=remote_lies_loose),  # beside the place in front of the television

@@ -17,6 +17,7 @@ from rlbench_pin.urdf import read_urdf
 FLOOR, CAMERAS_THAT_SEE = 40, 3
 HARD_TO_SEE = {
     "empty_dishwasher": "the plate is behind a closed door",
+    "insert_usb_in_computer": "a memory stick is small",
     "lamp_off": "only the cap of the button moves",
     "lamp_on": "only the cap of the button moves",
     "open_wine_bottle": "a cap is small",
@@ -31,6 +32,7 @@ HARD_TO_SEE = {
     "take_item_out_of_drawer": "the cube is in a closed drawer",
     "take_shoes_out_of_box": "the shoes are in a closed box",
     "take_tray_out_of_oven": "the tray is in a closed oven",
+    "take_usb_out_of_computer": "a memory stick is small",
     "turn_oven_on": "a knob is small",
 }
 """Tasks whose decisive part falls short, and why: here all of their things together are asked for."""

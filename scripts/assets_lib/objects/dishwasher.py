@@ -161,10 +161,10 @@ def _rack_link() -> Link:
     return Link("rack_link", 0.5, visuals, shapes, friction=0.8)
 
 
-def _plate_solids() -> tuple[Shape, ...]:
+def plate_solids(radius: float, height: float) -> tuple[Shape, ...]:
     """Return six crossed boxes, together a prism with twelve sides: on edge, a cylinder rocks forever in the physics."""
     half = HALF_PI / 6.0
-    size = (2.0 * PLATE_RADIUS * cos(half), 2.0 * PLATE_RADIUS * sin(half), PLATE_HEIGHT)
+    size = (2.0 * radius * cos(half), 2.0 * radius * sin(half), height)
     return tuple(box_shape(size, (0.0, 0.0, 0.0), (0.0, 0.0, (2 * k + 1) * half)) for k in range(6))
 
 
@@ -177,7 +177,7 @@ def _plate() -> Model:
         Visual(mesh_shape("china", lathe(outline, 32)), (0.96, 0.96, 0.94)),
         Visual(mesh_shape("ring", ring), (0.80, 0.15, 0.15)),
     )
-    link = Link("plate", 0.15, visuals, _plate_solids(), friction=0.8)
+    link = Link("plate", 0.15, visuals, plate_solids(PLATE_RADIUS, PLATE_HEIGHT), friction=0.8)
     notes = (f"diameter {2 * r}, {PLATE_HEIGHT} high; a solid with twelve sides to what touches it, a corner towards -y",)
     return Model("dinner_plate", "objects/dinner_plate", "centre", (link,), notes=notes)
 

@@ -1,0 +1,24 @@
+"""Push a memory stick into the port of a computer."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, Task
+
+
+class InsertUsbInComputer(Task):
+    """The tip of the stick must be at the rear of the port in the front of the computer; it may still be held."""
+
+    def init_task(self) -> None:
+        """The stick may be grasped; success is that it reaches the rear of the port, where only its tip fits."""
+        self.register_graspable_objects(["stick"])
+        self.register_success_conditions([Detected(self.world.body("stick"), self.world.sensor("port"))])
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Return the sentences; only the place of the task varies."""
+        return [
+            "Connect the memory stick to the computer.",
+            "The PC has a free port in its front, so push the thumb drive into it.",
+            "Slide the metal end of the flash drive into the slot of the desktop.",
+        ]

@@ -1,0 +1,47 @@
+"""Stand a plate between the pegs of the asked colour in a dish rack."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import COLORS, Detected, NothingGrasped, SpawnBoundary, Task, distractor_colors
+
+LANES = 3
+TURN = (0.0, 0.0, 0.5)
+"""How far the stand of the plate is turned [rad]."""
+
+
+class PutPlateInColoredDishRack(Task):
+    """The plate must stand in the asked one of three lanes, let go.
+
+    The colour of the lane varies, which lane has it, the colours of the other two, and where stand and rack are.
+    """
+
+    def init_task(self) -> None:
+        """The plate may be grasped; success is the plate in the lane, and an empty gripper."""
+        self.rack, self.stand = self.world.body("rack"), self.world.body("stand")
+        self.patch = SpawnBoundary([self.world.region("patch")])
+        self.register_graspable_objects(["plate"])
+        in_lane = Detected(self.world.body("plate"), self.world.sensor("lane"))
+        self.register_success_conditions([in_lane, NothingGrasped(self.gripper)])
+
+    def variation_count(self) -> int:
+        """One for each colour of the lane."""
+        return len(COLORS)
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Draw which lane is the goal, colour all three, and place the stand with the plate, and the rack."""
+        colors = (COLORS[variation], *distractor_colors(rng, variation, LANES - 1))
+        goal, *others = rng.permutation(LANES)
+        for lane, (_, rgb) in zip((goal, *others), colors, strict=True):
+            self.rack.set_color(rgb, f"lane{lane}")
+        self.world.sensor("lane").set_parent(f"lane{goal}")
+        self.patch.clear()
+        self.patch.sample(self.stand, rng, min_rotation=TURN, max_rotation=TURN)
+        self.patch.sample(self.rack, rng, min_distance=0.2)
+        name = colors[0].name
+        return [
+            f"Put the plate in the dish rack, between the {name} pegs.",
+            f"The {name} lane is free: set the dish upright there and let go of it.",
+            f"Leave the plate to dry in the slot of the rack whose posts are {name}.",
+        ]
