@@ -73,7 +73,7 @@ def _umbrella() -> Model:
         box_shape((2 * HANDLE, 2 * HANDLE, straight), (0.0, 0.0, high + straight / 2.0)),
         *hook,
     )
-    link = Link("umbrella", 0.1, visuals, shapes, friction=0.6, rolling=0.0003, center=(0.002, 0.0, 0.18))
+    link = Link("umbrella", 0.1, visuals, shapes, friction=0.6, rolling=0.0003, center=(0.002, 0.0, 0.155))
     notes = (
         f"along z, {LENGTH} long, canopy of diameter {2 * CANOPY_RADIUS} from z = {low} to {high}",
         f"handle {2 * HANDLE} thick up to z = {HOOK[1]}, then a hook towards +x, its top around ({HOOK[0]}, 0, {HOOK[1] + HOOK[0]})",
@@ -108,7 +108,7 @@ def _stand() -> Model:
         Visual(mesh_shape("ribs", merge(ribs)), metal((0.40, 0.32, 0.24))),
     )
     floor = cylinder_shape(radius - WALL, FLOOR, (0.0, 0.0, FLOOR / 2.0))
-    link = Link("umbrella_stand", 2.0, visuals, (floor, *walls), friction=0.4)
+    link = Link("umbrella_stand", 2.0, visuals, (floor, *walls), friction=0.8)
     notes = (f"hollow, open above; inner radius {radius - WALL}, floor at z = {FLOOR}, rim at z = {height}",)
     return Model("umbrella_stand", "objects/umbrella_stand", "bottom centre", (link,), notes=notes)
 
