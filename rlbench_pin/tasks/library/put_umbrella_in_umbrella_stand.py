@@ -7,7 +7,7 @@ import numpy as np
 from rlbench_pin.tasks import Detected, NothingGrasped, Task, Waypoint
 
 ASIDE = 0.7
-"""Angle between where the level hand points at the stand and the direction away from the robot: at 0 the wrist cannot bend so far [rad]."""
+"""Angle between the level hand at the stand and the direction away from the robot; at 0 the wrist cannot bend so far [rad]."""
 
 
 class PutUmbrellaInUmbrellaStand(Task):

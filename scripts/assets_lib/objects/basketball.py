@@ -112,7 +112,8 @@ def _hoop() -> Model:
     )
     link = Link("basketball_hoop", 1.5, visuals, (*wires, bracket, board, post, foot), friction=0.5)
     notes = (
-        f"ring around the z axis, inner diameter {2 * RIM}, its middle at z = {RIM_HEIGHT}, {2 * WIRE} thick; the net is only seen",
+        f"ring around the z axis, inner diameter {2 * RIM}, its middle at z = {RIM_HEIGHT}, {2 * WIRE} thick",
+        "the net is only seen",
         f"backboard in front of the post, its face towards -x at x = {front:.3f}, up to z = {BOARD_Z + BOARD[2] / 2.0}",
     )
     return Model("basketball_hoop", "objects/basketball_hoop", "on the floor below the middle of the ring", (link,), notes=notes)

@@ -6,7 +6,20 @@ import numpy as np
 
 from assets_lib.mesh import FloatArray, Mesh, box, cylinder, hull_of, merge, rod
 from assets_lib.prisms import bevelled_box
-from assets_lib.urdf import Link, Model, Shape, Vec3, Visual, box_shape, cylinder_shape, glass, mesh_shape, metal, plastic, shining
+from assets_lib.urdf import (
+    Link,
+    Model,
+    Shape,
+    Vec3,
+    Visual,
+    box_shape,
+    cylinder_shape,
+    glass,
+    mesh_shape,
+    metal,
+    plastic,
+    shining,
+)
 
 HANDSET = (0.15, 0.045, 0.025)
 ANTENNA = (0.005, 0.022, 0.013)
@@ -117,7 +130,7 @@ def _cradle() -> Model:
     shapes = (mesh_shape("wedge_hull", _wedge(CRADLE[1], SKIN)), *cheeks, stop)
     middle = _on_bed(HANDSET[0] / 2.0, HANDSET[2] / 2.0)
     notes = (
-        f"trough along x, {2 * inner:.3f} wide, rising towards +x by {SLOPE} rad; its lower end is at x = {FOOT[0]}, z = {FOOT[1]}",
+        f"trough along x, {2 * inner:.3f} wide, rising towards +x by {SLOPE} rad from x = {FOOT[0]}, z = {FOOT[1]}",
         f"a handset that lies in it has its origin at ({middle[0]:.4f}, 0, {middle[2]:.4f}), pitched by -{SLOPE} rad",
     )
     link = Link("phone_cradle", 0.4, visuals, shapes, friction=0.4)

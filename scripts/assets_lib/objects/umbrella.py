@@ -6,11 +6,23 @@ import numpy as np
 
 from assets_lib.mesh import Mesh, box, cylinder, icosphere, lathe, merge, rod
 from assets_lib.prisms import bevelled_box
-from assets_lib.urdf import Link, Model, Vec3, Visual, box_shape, cylinder_shape, mesh_shape, metal, patterned, plastic
+from assets_lib.urdf import (
+    Link,
+    Model,
+    Vec3,
+    Visual,
+    box_shape,
+    cylinder_shape,
+    mesh_shape,
+    metal,
+    patterned,
+    plastic,
+    sphere_shape,
+)
 
 LENGTH = 0.34
-SPIKE, CANOPY, CANOPY_RADIUS = 0.035, (0.035, 0.235), 0.015
-"""Where the spike ends and the canopy lies, from the tip [m]."""
+SPIKE, CANOPY, CANOPY_RADIUS = 0.005, (0.035, 0.235), 0.015
+"""Radius of the spike; where the canopy lies, from the tip, and its radius [m]."""
 NARROW = (0.10, 0.010)
 """Where the canopy has its full radius, and the radius of its lower part [m]."""
 HANDLE = 0.007
@@ -26,7 +38,9 @@ BRONZE, STEEL = metal((0.47, 0.38, 0.28)), metal((0.72, 0.73, 0.75))
 
 def _arc(radius: float = HOOK[0], count: int = 9) -> list[Vec3]:
     """Return points on the axis of the hook, from the top of the handle to its end."""
-    points = [(HOOK[0] - radius * float(np.cos(a)), 0.0, HOOK[1] + radius * float(np.sin(a))) for a in np.linspace(0, np.pi, count)]
+    points = [
+        (HOOK[0] - radius * float(np.cos(a)), 0.0, HOOK[1] + radius * float(np.sin(a))) for a in np.linspace(0, np.pi, count)
+    ]
     return [*points, (2.0 * HOOK[0], 0.0, HOOK[1] - 0.012)]
 
 
@@ -49,12 +63,13 @@ def _umbrella() -> Model:
     handle += [rod(a, b, HANDLE, 12) for a, b in zip(arc[:-1], arc[1:], strict=True)]
     handle += [icosphere(HANDLE, 1).moved(p) for p in arc[-1:]]
     strap = lathe([(0.013, 0.175), (0.0156, 0.175), (0.0156, 0.189), (0.013, 0.189)], 24)
+    spike = merge([rod((0.0, 0.0, SPIKE), (0.0, 0.0, low + 0.004), SPIKE, 12), icosphere(SPIKE, 1).moved((0.0, 0.0, SPIKE))])
     button = cylinder(0.004, 0.003, 12).moved((0.0, -0.0155, 0.182), (np.pi / 2.0, 0.0, 0.0))
     visuals = (
         Visual(mesh_shape("canopy", _folds()), patterned(NAVY, "cloth"), crease=0.4),
         Visual(mesh_shape("strap", strap), STRAP),
         Visual(mesh_shape("button", button), STEEL),
-        Visual(mesh_shape("spike", merge([rod((0.0, 0.0, 0.003), (0.0, 0.0, low + 0.004), 0.004, 10), icosphere(0.005, 1).moved((0, 0, 0.005))])), STEEL),
+        Visual(mesh_shape("spike", spike), STEEL),
         Visual(mesh_shape("handle", merge(handle)), patterned(plastic(WOOD), "wood")),
     )
     a, b = NARROW[0], CANOPY_RADIUS
@@ -67,7 +82,8 @@ def _umbrella() -> Model:
         middle = ((p[0] + q[0]) / 2.0, 0.0, (p[2] + q[2]) / 2.0)
         hook.append(box_shape((2 * HANDLE, 2 * HANDLE, length + 0.004), middle, (0.0, pitch, 0.0)))
     shapes = (
-        cylinder_shape(0.005, low, (0.0, 0.0, low / 2.0)),
+        sphere_shape(SPIKE, (0.0, 0.0, SPIKE)),
+        cylinder_shape(SPIKE, low - SPIKE, (0.0, 0.0, (low + SPIKE) / 2.0)),
         cylinder_shape(NARROW[1], a - low, (0.0, 0.0, (a + low) / 2.0)),
         cylinder_shape(b, high - a, (0.0, 0.0, (a + high) / 2.0)),
         box_shape((2 * HANDLE, 2 * HANDLE, straight), (0.0, 0.0, high + straight / 2.0)),
@@ -76,7 +92,7 @@ def _umbrella() -> Model:
     link = Link("umbrella", 0.1, visuals, shapes, friction=0.6, rolling=0.0003, center=(0.002, 0.0, 0.155))
     notes = (
         f"along z, {LENGTH} long, canopy of diameter {2 * CANOPY_RADIUS} from z = {low} to {high}",
-        f"handle {2 * HANDLE} thick up to z = {HOOK[1]}, then a hook towards +x, its top around ({HOOK[0]}, 0, {HOOK[1] + HOOK[0]})",
+        f"handle {2 * HANDLE} thick up to z = {HOOK[1]}; hook towards +x, its top around ({HOOK[0]}, 0, {HOOK[1] + HOOK[0]})",
     )
     return Model("umbrella", "objects/umbrella", "end of the spike", (link,), notes=notes)
 
@@ -97,9 +113,13 @@ def _stand() -> Model:
     )
     bands = []
     for low, high, out in ((0.0, 0.014, 0.003), (height - 0.016, height - 0.004, 0.0022)):
-        bands.append(lathe([(radius - 0.002, low), (radius + out, low + 0.001), (radius + out, high - 0.001), (radius - 0.002, high)], 40))
+        bands.append(
+            lathe([(radius - 0.002, low), (radius + out, low + 0.001), (radius + out, high - 0.001), (radius - 0.002, high)], 40)
+        )
     ribs = [
-        box((0.0025, 0.005, height - 0.04)).moved((radius + 0.0008, 0.0, height / 2.0)).moved((0, 0, 0), (0.0, 0.0, 2 * np.pi * i / 16))
+        box((0.0025, 0.005, height - 0.04))
+        .moved((radius + 0.0008, 0.0, height / 2.0))
+        .moved((0, 0, 0), (0.0, 0.0, 2 * np.pi * i / 16))
         for i in range(16)
     ]
     visuals = (
@@ -123,7 +143,7 @@ def _rest() -> Model:
     posts = []
     for x in FORKS:
         for s in (-1.0, 1.0):
-            out = (arm / 2.0 + 0.0) / float(np.sqrt(2.0))
+            out = arm / 2.0 / float(np.sqrt(2.0))
             under = thick / 2.0 / float(np.sqrt(2.0))
             shapes.append(
                 box_shape((0.012, arm, thick), (x, s * (out + under), valley + out - under), (s * float(np.pi / 4.0), 0.0, 0.0))
@@ -133,7 +153,9 @@ def _rest() -> Model:
         posts.append(bevelled_box((0.012, 0.02, tall), 0.001).moved((x, 0.0, board[2])))
     arms = [s.mesh() for s in shapes if s.rpy[0]]
     visuals = (
-        Visual(mesh_shape("board", bevelled_box(board, 0.003).moved((place[0], 0.0, 0.0))), patterned((0.62, 0.47, 0.31), "wood")),
+        Visual(
+            mesh_shape("board", bevelled_box(board, 0.003).moved((place[0], 0.0, 0.0))), patterned((0.62, 0.47, 0.31), "wood")
+        ),
         Visual(mesh_shape("forks", merge([*posts, *arms])), patterned((0.50, 0.36, 0.23), "wood")),
     )
     link = Link("umbrella_rest", 0.6, visuals, tuple(shapes), friction=0.6)
