@@ -24,7 +24,7 @@ class PutUmbrellaInUmbrellaStand(Task):
         """Return the sentences; only the place of the task varies."""
         self.register_rounds(1)  # so that a reset, too, aims before it tries what the arm reaches
         return [
-            "Stand the umbrella up in its holder, tip down.",
+            "Set the umbrella upright into its holder, tip down.",
             "The rain is over, so please put the umbrella into the stand the right way up.",
             "Park the folded umbrella in its stand with the handle above.",
         ]
