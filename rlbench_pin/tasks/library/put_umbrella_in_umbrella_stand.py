@@ -6,8 +6,11 @@ import numpy as np
 
 from rlbench_pin.tasks import Detected, NothingGrasped, Task, Waypoint
 
-ASIDE = 0.7
-"""Angle between the level hand at the stand and the direction away from the robot; at 0 the wrist cannot bend so far [rad]."""
+ASIDE, PER_METRE = 1.3, -0.9
+"""Angle between the level hand at the stand and the direction away from the robot: at the robot, and its growth with the distance.
+
+At 0 the wrist cannot bend so far; far from the robot a large angle is out of reach. [rad], [rad/m].
+"""
 
 
 class PutUmbrellaInUmbrellaStand(Task):
@@ -33,5 +36,5 @@ class PutUmbrellaInUmbrellaStand(Task):
         """Reach the round stand with the hand level and pointing away from the robot, a little aside."""
         place = self.world.body("stand").position
         x, y = place[:2] - np.array(self.robot.description.base_pose[:2])
-        half = (np.arctan2(y, x) + ASIDE) / 2.0
+        half = (np.arctan2(y, x) + ASIDE + PER_METRE * np.hypot(x, y)) / 2.0
         self.world.frame("away").set_pose([*place, 0.0, 0.0, np.sin(half), np.cos(half)])
