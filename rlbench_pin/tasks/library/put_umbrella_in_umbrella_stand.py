@@ -7,7 +7,7 @@ import numpy as np
 from rlbench_pin.tasks import Detected, NothingGrasped, Task, Waypoint
 
 ASIDE, PER_METRE = 1.3, -0.9
-"""Angle between the level hand at the stand and the direction away from the robot: at the robot, and its growth with the distance.
+"""Angle between the level hand at the stand and the direction away from the robot: next to it, and its growth with the distance.
 
 At 0 the wrist cannot bend so far; far from the robot a large angle is out of reach. [rad], [rad/m].
 """
