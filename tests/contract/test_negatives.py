@@ -204,8 +204,20 @@ def plate_lies_beside_the_mat(task: Task) -> bool:
     return not task.gripper.grasped and not task.world.sensor("rack_space").detects("plate")
 
 
+def ball_lies_in_front(task: Task) -> bool:
+    """Whether the ball was let go and has fallen to the table in front of the hoop."""
+    return not task.gripper.grasped and bool(task.world.body("ball").position[2] - task.world.body("hoop").position[2] < 0.2)
+
+
+def piece_lies_on_the_others(task: Task) -> bool:
+    """Whether the loose piece was let go over the glued ones, not in the gap."""
+    height = task.world.body("piece").position[2] - task.world.body("tray").position[2]
+    return not task.gripper.grasped and bool(0.01 < height < 0.03)
+
+
 NO_GRASP = Negative(Omission(grasps=True))
 NEGATIVES = {
+    "basketball_in_hoop": Negative(spoil=moved("waypoint3", x=-0.14), done=ball_lies_in_front),
     "beat_the_buzz": Negative(spoil=moved("waypoint2", z=0.03), done=holding("wand")),  # the ring touches the rod
     "close_box": Negative(Omission(waypoints=(7,)), done=lid_is_up),  # folded up, not pushed over
     "close_jar": Negative(spoil=close_the_other_jar, done=other_jar_is_shut),
@@ -254,9 +266,11 @@ NEGATIVES = {
     "slide_block_to_color_target": Negative(spoil=push_to_another_square, done=block_is_on_another_square),
     "slide_cabinet_open": Negative(Omission(waypoints=(2,))),
     "slide_block_to_target": Negative(Omission(waypoints=(1,))),
+    "solve_puzzle": Negative(spoil=moved("waypoint4", x=-0.04, z=0.015), done=piece_lies_on_the_others),
     "sweep_to_dustpan_of_size": Negative(spoil=sweep_the_other_way, done=crumbs_are_in_the_other_pan),
     "take_lid_off_saucepan": Negative(Omission(waypoints=(2,)), done=holding("lid")),
     "take_plate_off_colored_dish_rack": Negative(spoil=moved("waypoint4", y=-0.12), done=plate_lies_beside_the_mat),
+    "take_umbrella_out_of_umbrella_stand": Negative(Omission(waypoints=(2,)), done=holding("umbrella")),
     "turn_tap": Negative(spoil=turn_the_left_handle, done=left_handle_is_turned, variation=1),
     "toilet_seat_down": Negative(Omission(waypoints=(1, 2, 3))),  # pressed on where no seat is
     "tv_on": Negative(spoil=moved("waypoint4", y=0.06), done=remote_lies_loose),  # beside the place in front of the television

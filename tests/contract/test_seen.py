@@ -28,6 +28,7 @@ HARD_TO_SEE = {
     "put_rubbish_in_bin": "a crumpled paper is small",
     "put_rubbish_in_color_bin": "a crumpled paper is small",
     "screw_nail": "a screw and the screwdriver are thin",
+    "solve_puzzle": "one piece of a puzzle is small",
     "take_cup_out_from_cabinet": "the cup is behind a closed door",
     "take_item_out_of_drawer": "the cube is in a closed drawer",
     "take_shoes_out_of_box": "the shoes are in a closed box",

@@ -1,0 +1,40 @@
+"""Put a folded umbrella into its stand."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, NothingGrasped, Task, Waypoint
+
+ASIDE, PER_METRE = 1.3, -0.9
+"""Angle between the level hand at the stand and the direction away from the robot: next to it, and its growth with the distance.
+
+At 0 the wrist cannot bend so far; far from the robot a large angle is out of reach. [rad], [rad/m].
+"""
+
+
+class PutUmbrellaInUmbrellaStand(Task):
+    """The tip of the umbrella must be at the bottom of the stand, and the umbrella be let go."""
+
+    def init_task(self) -> None:
+        """The umbrella may be grasped; success is its tip near the floor of the stand, and an empty gripper."""
+        self.register_graspable_objects(["umbrella"])
+        self.register_waypoint_ability_start(0, self._aim_away_from_robot)
+        inside = Detected(self.world.frame("tip"), self.world.sensor("inside"))
+        self.register_success_conditions([inside, NothingGrasped(self.gripper)])
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Return the sentences; only the place of the task varies."""
+        self.register_rounds(1)  # so that a reset, too, aims before it tries what the arm reaches
+        return [
+            "Set the umbrella upright into its holder, tip down.",
+            "The rain is over, so please put the umbrella into the stand the right way up.",
+            "Park the folded umbrella in its stand with the handle above.",
+        ]
+
+    def _aim_away_from_robot(self, waypoint: Waypoint) -> None:
+        """Reach the round stand with the hand level and pointing away from the robot, a little aside."""
+        place = self.world.body("stand").position
+        x, y = place[:2] - np.array(self.robot.description.base_pose[:2])
+        half = (np.arctan2(y, x) + ASIDE + PER_METRE * np.hypot(x, y)) / 2.0
+        self.world.frame("away").set_pose([*place, 0.0, 0.0, np.sin(half), np.cos(half)])

@@ -1,0 +1,26 @@
+"""Put the last piece into a jigsaw puzzle."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, NothingGrasped, Task
+
+
+class SolvePuzzle(Task):
+    """The loose piece must lie in the empty place, the right way round, and be let go."""
+
+    def init_task(self) -> None:
+        """The piece may be grasped; success is the piece at the bottom of the gap, its picture upright, and an empty gripper."""
+        self.register_graspable_objects(["piece"])
+        in_gap = Detected(self.world.body("piece"), self.world.sensor("gap"))
+        upright = Detected(self.world.frame("upper_edge"), self.world.sensor("upper_side"))
+        self.register_success_conditions([in_gap, upright, NothingGrasped(self.gripper)])
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Return the sentences; only the place of the task varies."""
+        return [
+            "Fit the missing piece into the picture.",
+            "One piece is left over, please complete the jigsaw with it.",
+            "Finish the puzzle.",
+        ]
