@@ -18,7 +18,7 @@ from rlbench_pin.tasks import (
 
 
 class StackChairs(Task):
-    """Two chairs must be stacked on the one with the cushion of the asked colour, turned like it, in either order, and be let go."""
+    """Two chairs must be stacked on the one whose cushion has the asked colour, in either order, turned like it, and be let go."""
 
     def init_task(self) -> None:
         """All chairs may be grasped; each round puts the next one on the stack."""
@@ -49,7 +49,7 @@ class StackChairs(Task):
         return [
             f"Pile the chairs up, the {name} one at the bottom.",
             f"Both other chairs go over the {name} chair, so please put them there.",
-            f"Stack every chair; leave the {name} one where it is.",
+            f"Stack every chair on the {name} one, all facing the same way.",
         ]
 
     def _aim_at_next_chair(self, waypoint: Waypoint) -> None:
