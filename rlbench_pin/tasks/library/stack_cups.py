@@ -16,7 +16,7 @@ from rlbench_pin.tasks import (
     free_direction,
 )
 
-HEADINGS = np.arange(12) * np.pi / 6.0
+HEADINGS = np.arange(16) * np.pi / 8.0
 """Directions from the finger outside a cup to the one inside, best first [rad]."""
 LANE, LENGTH = 0.06, 0.15
 """Half width and length of the free space beside a cup that the outer finger needs [m]."""
@@ -64,9 +64,9 @@ class StackCups(Task):
         frame.set_pose([*frame.position, 0.0, 0.0, np.sin(half), np.cos(half)])
 
     def _aim_at_next_cup(self, waypoint: Waypoint) -> None:
-        """Go for the cup of this round, and for the one that was put down last."""
+        """Go for the cup of this round, and for the next place in the base."""
         self.world.frame("waypoint1").set_parent(f"side{self.round + 1}")
-        self.world.frame("waypoint4").set_parent(f"side{self.round}")
+        self.world.frame("waypoint4").set_parent(f"nest{self.round}")
 
     def _stay_after_last_cup(self, waypoint: Waypoint) -> None:
         waypoint.skip = self.round == 1

@@ -11,7 +11,9 @@ SEGMENTS = 12
 DROP, SWELL = 0.005, 0.0025
 """Radius of a drop, and how much larger it is seen [m]."""
 WATER = (0.20, 0.62, 1.0)
-NESTING = 0.0006
+FLOOR, NESTING_FLOOR = 0.004, 0.026
+"""Height of the floor of a cup; of one that nests, which rests on the floor of the one below, so that walls do not wedge [m]."""
+THINNER = 0.0006
 """How much thinner the collision parts of a cup that nests are, whose inner faces then touch the seen wall from inside [m]."""
 RIM, INSIDE = (0.93, 0.91, 0.86), (0.16, 0.15, 0.15)
 
@@ -47,14 +49,14 @@ def leaning_walls(
 
 
 def _cup(name: str, bottom: float, top: float, height: float, wall: float, *, nests: bool = False) -> Model:
-    floor = 0.004
+    floor = NESTING_FLOOR if nests else FLOOR
     lip = wall / 2.0
     outer = [(0.0, 0.0), (bottom - 0.002, 0.0), (bottom, 0.002), (top, height - lip), (top - lip, height)]
     inner = [(top - wall, height - lip), (bottom - wall + (top - bottom) * floor / height, floor), (0.0, floor)]
     body = Visual(mesh_shape("cup", lathe([*outer, *inner], 24)), plastic((0.85, 0.20, 0.18)))
     foot = cylinder_shape(bottom * float(np.cos(np.pi / SEGMENTS)), floor, (0.0, 0.0, floor / 2.0))
     if nests:
-        shapes = (foot, *leaning_walls(bottom, top, height, wall - NESTING, floor, segments=16, nests=True))
+        shapes = (foot, *leaning_walls(bottom, top, height, wall - THINNER, FLOOR, segments=16, nests=True))
     else:
         shapes = (foot, *leaning_walls(bottom, top, height, wall, floor))
     links = (
