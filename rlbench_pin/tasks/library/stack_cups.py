@@ -57,7 +57,7 @@ class StackCups(Task):
         ]
 
     def _find_free_side(self, number: int) -> None:
-        """Turn the frame on a cup, so that its x points away from where no other cup stands."""
+        """Turn the frame on a cup so that its x points where no other cup stands."""
         places = [cup.position[:2] for cup in self.cups]
         heading = free_direction(places[number], HEADINGS, places, LANE, LENGTH) or 0.0
         frame, half = self.world.frame(f"side{number}"), (heading + np.pi) / 2.0
