@@ -18,7 +18,7 @@ from rlbench_pin.tasks import (
 
 
 class StackChairs(Task):
-    """Two chairs must be stacked on the one whose cushion has the asked colour, in either order, turned like it, and be let go."""
+    """Two chairs must be stacked on the one whose cushion has the asked colour, in either order, turned like it, and let go."""
 
     def init_task(self) -> None:
         """All chairs may be grasped; each round puts the next one on the stack."""
