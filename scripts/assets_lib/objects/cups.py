@@ -11,10 +11,16 @@ SEGMENTS = 12
 DROP, SWELL = 0.005, 0.0025
 """Radius of a drop, and how much larger it is seen [m]."""
 WATER = (0.20, 0.62, 1.0)
+FLOOR, NESTING_FLOOR = 0.004, 0.026
+"""Height of the floor of a cup; of one that nests, which rests on the floor of the one below, so that walls do not wedge [m]."""
+THINNER = 0.0006
+"""How much thinner the collision parts of a cup that nests are, whose inner faces then touch the seen wall from inside [m]."""
 RIM, INSIDE = (0.93, 0.91, 0.86), (0.16, 0.15, 0.15)
 
 
-def leaning_walls(bottom: float, top: float, height: float, wall: float, floor: float) -> tuple[Shape, ...]:
+def leaning_walls(
+    bottom: float, top: float, height: float, wall: float, floor: float, *, segments: int = SEGMENTS, nests: bool = False
+) -> tuple[Shape, ...]:
     """Return boxes around a hollow cone, from the floor to the rim; their outer faces touch the cone from inside.
 
     Args:
@@ -23,31 +29,36 @@ def leaning_walls(bottom: float, top: float, height: float, wall: float, floor: 
         height: Height [m].
         wall: Thickness of the wall [m].
         floor: Thickness of the floor [m].
+        segments: Number of boxes.
+        nests: Make the boxes as wide as the foot allows, with gaps above, so that one such cone fits in another at any yaw.
     """
     lean = float(np.arctan2(top - bottom, height))
-    fit = float(np.cos(np.pi / SEGMENTS))
+    fit = float(np.cos(np.pi / segments))
     middle = (floor + height) / 2.0
     radius = (bottom + (top - bottom) * middle / height) * fit - wall / 2.0
     size = (
         wall,
-        2.0 * top * float(np.sin(np.pi / SEGMENTS)),
+        2.0 * (bottom if nests else top) * float(np.sin(np.pi / segments)),
         (height - floor) / float(np.cos(lean)) - wall * float(np.sin(lean)),
     )
     shapes = []
-    for i in range(SEGMENTS):
-        a = 2.0 * float(np.pi) * i / SEGMENTS
+    for i in range(segments):
+        a = 2.0 * float(np.pi) * i / segments
         shapes.append(box_shape(size, (radius * float(np.cos(a)), radius * float(np.sin(a)), middle), (0.0, lean, a)))
     return tuple(shapes)
 
 
-def _cup(name: str, bottom: float, top: float, height: float, wall: float) -> Model:
-    floor = 0.004
+def _cup(name: str, bottom: float, top: float, height: float, wall: float, *, nests: bool = False) -> Model:
+    floor = NESTING_FLOOR if nests else FLOOR
     lip = wall / 2.0
     outer = [(0.0, 0.0), (bottom - 0.002, 0.0), (bottom, 0.002), (top, height - lip), (top - lip, height)]
     inner = [(top - wall, height - lip), (bottom - wall + (top - bottom) * floor / height, floor), (0.0, floor)]
     body = Visual(mesh_shape("cup", lathe([*outer, *inner], 24)), plastic((0.85, 0.20, 0.18)))
     foot = cylinder_shape(bottom * float(np.cos(np.pi / SEGMENTS)), floor, (0.0, 0.0, floor / 2.0))
-    shapes = (foot, *leaning_walls(bottom, top, height, wall, floor))
+    if nests:
+        shapes = (foot, *leaning_walls(bottom, top, height, wall - THINNER, FLOOR, segments=16, nests=True))
+    else:
+        shapes = (foot, *leaning_walls(bottom, top, height, wall, floor))
     links = (
         Link("cup", 0.079, (body,), shapes, friction=0.8, center=(0.0, 0.0, 0.4 * height)),
         _lining(inner, top, height, wall),
@@ -91,7 +102,7 @@ def models() -> tuple[Model, ...]:
     return (
         _cup("cup", 0.029, 0.035, 0.09, 0.004),
         _cup("cup_slim", 0.028, 0.0325, 0.09, 0.004),
-        _cup("cup_conical", 0.025, 0.0375, 0.09, 0.003),
+        _cup("cup_conical", 0.025, 0.0375, 0.09, 0.003, nests=True),
         _cup("cup_straight", 0.0325, 0.0325, 0.09, 0.004),
         _drop(),
     )

@@ -1,0 +1,61 @@
+"""Stack two chairs on a third."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import (
+    COLORS,
+    NO_ROTATION,
+    Aligned,
+    Detected,
+    NothingGrasped,
+    SpawnBoundary,
+    Task,
+    Waypoint,
+    distractor_colors,
+)
+
+
+class StackChairs(Task):
+    """Two chairs must be stacked on the one whose cushion has the asked colour, in either order, turned like it, and let go."""
+
+    def init_task(self) -> None:
+        """All chairs may be grasped; each round puts the next one on the stack."""
+        self.chairs = [self.world.body(name) for name in ("base", "chair0", "chair1")]
+        self.boundary = SpawnBoundary([self.world.region("patch")])
+        self.register_graspable_objects(chair.name for chair in self.chairs)
+        self.register_waypoint_ability_start(0, self._aim_at_next_chair)
+        self.register_waypoint_ability_start(5, self._stay_after_last_chair)
+        above = self.world.sensor("above_base")
+        stacked = [Detected(self.world.frame(f"seat{i}"), above) for i in range(2)]
+        aligned = Aligned(self.chairs[1:], self.chairs[0], 0.25)
+        self.register_success_conditions([*stacked, aligned, NothingGrasped(self.gripper)])
+
+    def variation_count(self) -> int:
+        """One for each colour of the cushion of the lowest chair."""
+        return len(COLORS)
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Colour and place the chairs, all turned alike."""
+        self.register_rounds(2)
+        colors = [COLORS[variation], *distractor_colors(rng, variation, 2)]
+        self.boundary.clear()
+        for chair, color in zip(self.chairs, colors, strict=True):
+            chair.set_color(color.rgb, "cushion")
+        for chair in (*self.chairs[1:], self.chairs[0]):
+            self.boundary.sample(chair, rng, min_rotation=NO_ROTATION, max_rotation=NO_ROTATION, min_distance=0.13)
+        name = colors[0].name
+        return [
+            f"Pile the chairs up, the {name} one at the bottom.",
+            f"Both other chairs go over the {name} chair, so please put them there.",
+            f"Stack every chair on the {name} one, all facing the same way.",
+        ]
+
+    def _aim_at_next_chair(self, waypoint: Waypoint) -> None:
+        """Go for the chair of this round, and for the one that was put down last."""
+        self.world.frame("waypoint1").set_parent(f"chair{self.round}")
+        self.world.frame("waypoint4").set_parent(("base", "chair0")[self.round])
+
+    def _stay_after_last_chair(self, waypoint: Waypoint) -> None:
+        waypoint.skip = self.round == 1
