@@ -6,8 +6,8 @@ import numpy as np
 
 from rlbench_pin.tasks import Detected, NothingGrasped, SpawnBoundary, Task, clearance
 
-APART = 0.27
-"""Distance of the knife from the block, so that neither blade nor gripper touches it [m]."""
+APART = 0.26
+"""Distance of board and knife from the block, so that neither blade nor gripper touches it [m]."""
 
 
 class PutKnifeInKnifeBlock(Task):
@@ -28,7 +28,7 @@ class PutKnifeInKnifeBlock(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Place block and board, then the knife on the board, clear of the block."""
-        self.patch.scatter([self.block, self.board], rng)
+        self.patch.scatter([self.block, self.board], rng, min_distance=APART)
         self.on_board.scatter([self.base], rng, accept=lambda: clearance(self.base, [self.block]) > APART)
         return [
             "Return the knife to the wooden block.",
