@@ -223,6 +223,8 @@ NEGATIVES = {
     "put_item_in_drawer": Negative(  # into the drawer below
         spoil=lambda task: task.world.frame("waypoint1").move_to("handle_middle"), done=cube_is_in("middle"), variation=2
     ),
+    "put_knife_in_knife_block": Negative(Omission(waypoints=(4,)), done=holding("knife")),  # in front of the slot
+    "put_knife_on_chopping_board": Negative(Omission(waypoints=(3,)), done=holding("knife")),  # above its block
     "put_rubbish_in_color_bin": Negative(spoil=take_the_other_bin, done=paper_is_in_the_other_bin, variation=0),
     "reach_target": Negative(spoil=moved("waypoint0", z=0.03), done=tip_is_near_the_ball),
     "screw_nail": Negative(Omission(waypoints=(5,)), done=holding("screwdriver")),

@@ -28,7 +28,7 @@ class PutKnifeInKnifeBlock(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Place block and board, then the knife on the board, clear of the block."""
-        self.patch.scatter([self.block, self.board], rng, min_distance=APART)
+        self.patch.scatter([self.block, self.board], rng, accept=lambda: clearance(self.board, [self.block]) > APART)
         self.on_board.scatter([self.base], rng, accept=lambda: clearance(self.base, [self.block]) > APART)
         return [
             "Return the knife to the wooden block.",

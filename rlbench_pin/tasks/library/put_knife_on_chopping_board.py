@@ -8,7 +8,7 @@ from rlbench_pin.tasks import Detected, NothingGrasped, SpawnBoundary, Task
 
 
 class PutKnifeOnChoppingBoard(Task):
-    """The knife, in its block at first, must be on the chopping board, let go.
+    """The knife, in its block at first, must lie on the chopping board with handle and blade, let go.
 
     The place of the block varies.
     """
@@ -18,8 +18,8 @@ class PutKnifeOnChoppingBoard(Task):
         self.block = self.world.body("block")
         self.patch = SpawnBoundary([self.world.region("patch")])
         self.register_graspable_objects(["knife"])
-        on_board = Detected(self.world.body("knife"), self.world.sensor("on_board"))
-        self.register_success_conditions([on_board, NothingGrasped(self.gripper)])
+        lies = [Detected(self.world.frame(part), self.world.sensor("on_board")) for part in ("handle", "blade")]
+        self.register_success_conditions([*lies, NothingGrasped(self.gripper)])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Place the block with the knife."""
@@ -27,5 +27,5 @@ class PutKnifeOnChoppingBoard(Task):
         return [
             "Draw the knife from its block and lay it on the board.",
             "I am about to chop, so get the knife onto the board.",
-            "Bring the knife from its block to the chopping board.",
+            "A knife is in the wooden block: pull it out and put it down flat on the chopping board.",
         ]
