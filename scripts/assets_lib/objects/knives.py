@@ -17,7 +17,7 @@ SLANT = np.pi / 4.0
 SLOT = (0.10, 0.035, 0.010)
 """Depth, width and height of the open slot [m]."""
 BLOCK_LENGTH, BLOCK_WIDTH, ABOVE, BELOW, LOW_EDGE, FOOT = 0.125, 0.10, 0.035, 0.075, 0.06, 0.02
-"""Along the slots and across; over and under the axis of the open slot; height of the lower edge of the front; setback of the foot [m]."""
+"""Of the block along the slots and across, over and under the open slot; its front ends so high, and the foot is set back [m]."""
 BOARD, BOARD_BEVEL = (0.24, 0.16, 0.015), 0.003
 WALNUT, MAPLE, GROOVE = patterned((0.36, 0.21, 0.12), "wood"), patterned((0.86, 0.72, 0.50), "wood"), (0.62, 0.47, 0.29)
 GRIP, STEEL, EDGE, DARK = plastic((0.09, 0.09, 0.10)), metal((0.78, 0.80, 0.83)), metal((0.92, 0.93, 0.95)), (0.05, 0.03, 0.02)
@@ -25,8 +25,9 @@ GRIP, STEEL, EDGE, DARK = plastic((0.09, 0.09, 0.10)), metal((0.78, 0.80, 0.83))
 
 def _blade() -> Mesh:
     x = HANDLE[0] / 2.0
-    outline = [(x, 0.014), (x, -0.014), (0.105, -0.0135), (0.138, -0.007), (0.152, 0.0), (TIP, 0.008), (0.148, 0.0125), (0.12, 0.014)]
-    return hull_prism(np.array(outline), -BLADE[2] / 2.0, BLADE[2] / 2.0)
+    edge = [(x, -0.014), (0.105, -0.0135), (0.138, -0.007), (0.152, 0.0), (TIP, 0.008)]
+    spine = [(0.148, 0.0125), (0.12, 0.014), (x, 0.014)]
+    return hull_prism(np.array(edge + spine), -BLADE[2] / 2.0, BLADE[2] / 2.0)
 
 
 def _both_sides(points: list[tuple[float, float]] | np.ndarray, height: float) -> Mesh:
@@ -37,7 +38,8 @@ def _both_sides(points: list[tuple[float, float]] | np.ndarray, height: float) -
 
 def _edge() -> Mesh:
     """Return the ground edge of the blade, on both sides."""
-    strip = [(0.054, -0.0138), (0.105, -0.0133), (0.138, -0.0068), (0.154, 0.0022), (0.136, -0.0045), (0.104, -0.0095), (0.054, -0.0095)]
+    strip = [(0.054, -0.0138), (0.105, -0.0133), (0.138, -0.0068), (0.154, 0.0022)]
+    strip += [(0.136, -0.0045), (0.104, -0.0095), (0.054, -0.0095)]
     height = BLADE[2] / 2.0 + 0.0003
     parts = [strip[0:2] + strip[5:7], strip[1:3] + strip[4:6], strip[2:5]]
     above = merge(mark(part, height, "z") for part in parts)
