@@ -257,6 +257,8 @@ NEGATIVES = {
         spoil=lambda task: task.world.frame("waypoint1").move_to("handle_middle"), done=cube_is_in("middle"), variation=2
     ),
     "put_plate_in_colored_dish_rack": Negative(spoil=use_another_lane, done=plate_is_in_another_lane),
+    "put_knife_in_knife_block": Negative(Omission(waypoints=(4,)), done=holding("knife")),  # in front of the slot
+    "put_knife_on_chopping_board": Negative(Omission(waypoints=(3,)), done=holding("knife")),  # above its block
     "put_rubbish_in_color_bin": Negative(spoil=take_the_other_bin, done=paper_is_in_the_other_bin, variation=0),
     "reach_and_drag": Negative(Omission(waypoints=(5,)), done=holding("stick")),
     "reach_target": Negative(spoil=moved("waypoint0", z=0.03), done=tip_is_near_the_ball),
