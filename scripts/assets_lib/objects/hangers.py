@@ -20,9 +20,9 @@ APEX, SLOPE, HALF, THICK, DEEP = -0.068, 0.32, 0.10, 0.012, 0.016
 """Height of the shoulders under the middle of the hook, their slope [rad], half width, thickness and height [m]."""
 BAR = (-0.118, 0.085, 0.004)
 """Height, half length and radius of the lower bar [m]."""
-PEG, PEG_Y = (0.010, 0.024, 0.040), 0.07
+PEG, PEG_Y = (0.010, 0.020, 0.038), 0.07
 """Size of the two flat pegs on the shoulders, and how far they are from the middle [m]."""
-PEG_TOP = -0.045
+PEG_TOP = -0.048
 SLOT, PLATE = 0.0135, (0.006, 0.09, 0.055)
 """Width of the slot of the stand, and size of the plates on its sides [m]."""
 BASE = (0.10, 0.15, 0.016)
