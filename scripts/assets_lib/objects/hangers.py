@@ -63,10 +63,10 @@ def _hanger() -> Model:
     pegs = tuple(box_shape(PEG, (0.0, s * PEG_Y, PEG_TOP - PEG[2] / 2.0)) for s in (-1.0, 1.0))
     sides = tuple(((0.0, s * half, end), (0.0, s * half, z)) for s in (-1.0, 1.0))
     bar = ((0.0, -half, z), (0.0, half, z))
-    rounded = merge(
-        bevelled_box((PEG[0], PEG[1], PEG[2]), 0.002).moved((0.0, s * PEG_Y, PEG_TOP - PEG[2])) for s in (-1.0, 1.0)
-    )
-    tips = [icosphere(DEEP / 2.0, 2).scaled((0.75, 1.0, 1.0)).moved((0.0, s * HALF, APEX - HALF * np.tan(SLOPE))) for s in (-1, 1)]
+    rounded = merge(bevelled_box((PEG[0], PEG[1], PEG[2]), 0.002).moved((0.0, s * PEG_Y, PEG_TOP - PEG[2])) for s in (-1.0, 1.0))
+    tips = [
+        icosphere(DEEP / 2.0, 2).scaled((0.75, 1.0, 1.0)).moved((0.0, s * HALF, APEX - HALF * np.tan(SLOPE))) for s in (-1, 1)
+    ]
     visuals = (
         Visual(mesh_shape("hook", _tube(points, WIRE)), STEEL),
         Visual(
@@ -84,7 +84,7 @@ def _hanger() -> Model:
     )
     notes = (
         f"flat in the yz plane, {THICK} thick; hook above, inner diameter {2 * HOOK_INNER}, open towards +y",
-        f"hung on `clothes_rail` its origin is {HOOK_INNER - RAIL_RADIUS} below the axis of the rail",
+        f"hung on `clothes_rail` its origin is {HOOK_INNER - RAIL_RADIUS:.3f} below the axis of the rail",
         f"two flat pegs {PEG} at y = +-{PEG_Y}, upper side at z = {PEG_TOP}; lower bar at z = {z}",
     )
     link = Link("hanger", 0.08, visuals, shapes, friction=0.5, center=(0.0, 0.0, -0.085))

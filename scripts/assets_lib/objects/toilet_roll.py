@@ -61,7 +61,9 @@ def _stand() -> Model:
     out, rise = TIP
     straight = ARM - ARM_RADIUS
     visuals = (
-        Visual(mesh_shape("foot", cylinder(radius, tall, 36, bevel=0.003).moved((0.0, 0.0, tall / 2.0))), metal((0.30, 0.31, 0.33))),
+        Visual(
+            mesh_shape("foot", cylinder(radius, tall, 36, bevel=0.003).moved((0.0, 0.0, tall / 2.0))), metal((0.30, 0.31, 0.33))
+        ),
         Visual(
             mesh_shape(
                 "post",
@@ -92,7 +94,7 @@ def _stand() -> Model:
         sphere_shape(ARM_RADIUS, (out, 0.0, ARM_HEIGHT + rise)),
     )
     notes = (
-        f"arm along +x, diameter {2 * ARM_RADIUS}, axis at z = {ARM_HEIGHT}, from the post at x = 0 to x = {out + ARM_RADIUS:.3f}",
+        f"arm along +x, diameter {2 * ARM_RADIUS}, axis at z = {ARM_HEIGHT}, from x = 0 to x = {out + ARM_RADIUS:.3f}",
         f"its tip turns up by {rise}; a roll hung on it has its axis at z = {ARM_HEIGHT + ARM_RADIUS - INNER:.4f}",
     )
     link = Link("toilet_roll_stand", 2.0, visuals, shapes, friction=0.5)
