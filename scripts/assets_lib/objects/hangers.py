@@ -15,11 +15,12 @@ RAIL_LENGTH, RAIL_RADIUS, RAIL_HEIGHT = 0.45, 0.0075, 0.3425
 FOOT = (0.03, 0.18, 0.018)
 HOOK_INNER, WIRE = 0.0175, 0.003
 """Inner radius of the hook and radius of its wire [m]."""
-HOOK_END = np.deg2rad(15.0)
+HOOK_END, HOOK_PARTS = np.deg2rad(20.0), 8
+"""Angle at which the hook ends [rad], and its straight parts; one of them lies level on the rail."""
 APEX, SLOPE, HALF, THICK, DEEP = -0.068, 0.32, 0.10, 0.012, 0.016
 """Height of the shoulders under the middle of the hook, their slope [rad], half width, thickness and height [m]."""
 BAR = (-0.118, 0.085, 0.004)
-"""Height, half length and radius of the lower bar [m]."""
+"""Height, half length and half thickness of the lower bar, which is flat below [m]."""
 PEG, PEG_Y = (0.010, 0.020, 0.038), 0.07
 """Size of the two flat pegs on the shoulders, and how far they are from the middle [m]."""
 PEG_TOP = -0.048
@@ -32,7 +33,7 @@ STEEL, WOOD, DARK = metal((0.74, 0.75, 0.78)), (0.62, 0.40, 0.22), (0.20, 0.20, 
 def _hook_points() -> list[Vec3]:
     """Return the middle line of the hook, from the shoulders to its end; it is open towards +y."""
     radius = HOOK_INNER + WIRE
-    angles = np.linspace(np.pi, HOOK_END, 10)
+    angles = np.linspace(np.pi, HOOK_END, HOOK_PARTS + 1)
     arc = [(0.0, radius * float(np.cos(a)), radius * float(np.sin(a))) for a in angles]
     return [(0.0, 0.0, APEX), (0.0, 0.0, -0.055), (0.0, -radius, -0.034), *arc]
 
@@ -62,7 +63,7 @@ def _hanger() -> Model:
     )
     pegs = tuple(box_shape(PEG, (0.0, s * PEG_Y, PEG_TOP - PEG[2] / 2.0)) for s in (-1.0, 1.0))
     sides = tuple(((0.0, s * half, end), (0.0, s * half, z)) for s in (-1.0, 1.0))
-    bar = ((0.0, -half, z), (0.0, half, z))
+    flat = box_shape((2.0 * radius, 2.0 * (half + radius), 2.0 * radius), (0.0, 0.0, z))
     rounded = merge(bevelled_box((PEG[0], PEG[1], PEG[2]), 0.002).moved((0.0, s * PEG_Y, PEG_TOP - PEG[2])) for s in (-1.0, 1.0))
     tips = [
         icosphere(DEEP / 2.0, 2).scaled((0.75, 1.0, 1.0)).moved((0.0, s * HALF, APEX - HALF * np.tan(SLOPE))) for s in (-1, 1)
@@ -73,14 +74,19 @@ def _hanger() -> Model:
             mesh_shape("shoulders", merge([*(shape.mesh() for shape in shoulders), *tips])), patterned(WOOD, "wood"), crease=0.5
         ),
         Visual(mesh_shape("pegs", rounded), patterned((0.48, 0.29, 0.15), "wood"), crease=0.1),
-        Visual(mesh_shape("bar", merge([_tube([sides[0][0], *bar, sides[1][0]], radius)])), patterned(WOOD, "wood")),
+        Visual(
+            mesh_shape("bar", merge([*(_tube(list(side), radius) for side in sides), flat.mesh()])),
+            patterned(WOOD, "wood"),
+            crease=0.5,
+        ),
         Visual(mesh_shape("collar", cylinder(0.006, 0.006, 14).moved((0.0, 0.0, APEX + DEEP / 2.0 + 0.002))), STEEL),
     )
     shapes = (
         *(_segment(a, b, WIRE) for a, b in pairwise(points)),
         *shoulders,
         *pegs,
-        *(_segment(a, b, radius) for a, b in (*sides, bar)),
+        *(_segment(a, b, radius) for a, b in sides),
+        flat,
     )
     notes = (
         f"flat in the yz plane, {THICK} thick; hook above, inner diameter {2 * HOOK_INNER}, open towards +y",
