@@ -104,7 +104,7 @@ def _rail() -> Model:
     feet = tuple(box_shape(FOOT, (s * out, 0.0, z / 2.0)) for s in (-1.0, 1.0))
     rail = cylinder_shape(RAIL_RADIUS, RAIL_LENGTH, (0.0, 0.0, RAIL_HEIGHT), (0.0, float(np.pi / 2.0), 0.0))
     wood = merge(bevelled_box(FOOT, 0.003).moved((s * out, 0.0, 0.0)) for s in (-1.0, 1.0))
-    knobs = [icosphere(0.012, 2).moved((s * out, 0.0, RAIL_HEIGHT)) for s in (-1.0, 1.0)]
+    knobs = [icosphere(0.012, 1).moved((s * out, 0.0, RAIL_HEIGHT)) for s in (-1.0, 1.0)]
     visuals = (
         Visual(mesh_shape("feet", wood), patterned((0.34, 0.22, 0.14), "wood"), crease=0.1),
         Visual(mesh_shape("posts", merge(shape.mesh() for shape in posts)), patterned(DARK, "brushed")),
