@@ -41,7 +41,7 @@ def _hook_points() -> list[Vec3]:
 def _tube(points: list[Vec3], radius: float) -> Mesh:
     """Return a bent round bar with round joints."""
     rods = [rod(a, b, radius, 10) for a, b in pairwise(points)]
-    return merge([*rods, *(icosphere(radius, 1).moved(p) for p in points)])
+    return merge([*rods, *(icosphere(radius, 0).moved(p) for p in points)])
 
 
 def _segment(a: Vec3, b: Vec3, radius: float) -> Shape:
@@ -66,7 +66,7 @@ def _hanger() -> Model:
     flat = box_shape((2.0 * radius, 2.0 * (half + radius), 2.0 * radius), (0.0, 0.0, z))
     rounded = merge(bevelled_box((PEG[0], PEG[1], PEG[2]), 0.002).moved((0.0, s * PEG_Y, PEG_TOP - PEG[2])) for s in (-1.0, 1.0))
     tips = [
-        icosphere(DEEP / 2.0, 2).scaled((0.75, 1.0, 1.0)).moved((0.0, s * HALF, APEX - HALF * np.tan(SLOPE))) for s in (-1, 1)
+        icosphere(DEEP / 2.0, 1).scaled((0.75, 1.0, 1.0)).moved((0.0, s * HALF, APEX - HALF * np.tan(SLOPE))) for s in (-1, 1)
     ]
     visuals = (
         Visual(mesh_shape("hook", _tube(points, WIRE)), STEEL),

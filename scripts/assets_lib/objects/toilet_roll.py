@@ -23,7 +23,7 @@ HALF_PI = 1.57079633
 
 def _turned(profile: list[tuple[float, float]]) -> Mesh:
     """Turn an outline about the x axis."""
-    return lathe(profile, 36).moved(rpy=(0.0, HALF_PI, 0.0))
+    return lathe(profile, 24).moved(rpy=(0.0, HALF_PI, 0.0))
 
 
 def _roll() -> Model:
@@ -67,7 +67,7 @@ def _stand() -> Model:
         Visual(
             mesh_shape(
                 "post",
-                merge([rod((0.0, 0.0, tall), (0.0, 0.0, POST), POST_RADIUS, 16), icosphere(0.012, 2).moved((0.0, 0.0, POST))]),
+                merge([rod((0.0, 0.0, tall), (0.0, 0.0, POST), POST_RADIUS, 16), icosphere(0.012, 1).moved((0.0, 0.0, POST))]),
             ),
             STEEL,
         ),
@@ -78,8 +78,8 @@ def _stand() -> Model:
                     [
                         rod((0.0, 0.0, ARM_HEIGHT), (straight, 0.0, ARM_HEIGHT), ARM_RADIUS, 20),
                         rod((straight, 0.0, ARM_HEIGHT), (out, 0.0, ARM_HEIGHT + rise), ARM_RADIUS, 20),
-                        icosphere(ARM_RADIUS, 2).moved((out, 0.0, ARM_HEIGHT + rise)),
-                        icosphere(ARM_RADIUS, 2).moved((straight, 0.0, ARM_HEIGHT)),
+                        icosphere(ARM_RADIUS, 1).moved((out, 0.0, ARM_HEIGHT + rise)),
+                        icosphere(ARM_RADIUS, 1).moved((straight, 0.0, ARM_HEIGHT)),
                     ]
                 ),
             ),
