@@ -40,7 +40,7 @@ def _hook_points() -> list[Vec3]:
 
 def _tube(points: list[Vec3], radius: float) -> Mesh:
     """Return a bent round bar with round joints."""
-    rods = [rod(a, b, radius, 10) for a, b in pairwise(points)]
+    rods = [rod(a, b, radius, 8) for a, b in pairwise(points)]
     return merge([*rods, *(icosphere(radius, 0).moved(p) for p in points)])
 
 
