@@ -1,0 +1,34 @@
+"""Move a coat hanger from one clothes rail to another."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, NothingGrasped, Task
+
+
+class MoveHanger(Task):
+    """The hanger must hang on the second rail by its hook, let go. Where on the first rail it hangs at the start varies.
+
+    It hangs when the top of its hook is on the rail and its lower bar is below the rail.
+    """
+
+    def init_task(self) -> None:
+        """The hanger may be grasped; success is that it hangs on the second rail, let go."""
+        self.hanger = self.world.body("hanger")
+        on_rail = Detected(self.hanger, self.world.sensor("other_rail"))
+        top = Detected(self.world.frame("hook_top"), self.world.sensor("rail_top"))
+        below = Detected(self.world.frame("bar_middle"), self.world.sensor("below_rail"))
+        self.register_graspable_objects(["hanger"])
+        self.register_success_conditions([on_rail, top, below, NothingGrasped(self.gripper)])
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Shift the hanger along its rail."""
+        pose = self.hanger.pose
+        pose[0] += rng.uniform(-0.1, 0.3)
+        self.hanger.set_pose(pose)
+        return [
+            "Move the coat hanger to the other rail.",
+            "The hanger should be on the empty rail: unhook it and carry it across.",
+            "Take the hanger off its rail and hang it by the hook on the rail beside it.",
+        ]

@@ -1,0 +1,33 @@
+"""Hang a coat hanger on a clothes rail."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, NothingGrasped, SpawnBoundary, Task
+
+
+class PlaceHangerOnRack(Task):
+    """The hanger must hang on the rail by its hook, let go. The stand in which it waits is anywhere beside the rail.
+
+    It hangs when the top of its hook is on the rail and its lower bar is below the rail.
+    """
+
+    def init_task(self) -> None:
+        """The hanger may be grasped; success is that it hangs on the rail, let go."""
+        self.stand, hanger = self.world.body("stand"), self.world.body("hanger")
+        self.boundary = SpawnBoundary([self.world.region("patch")])
+        on_rail = Detected(hanger, self.world.sensor("rail"))
+        top = Detected(self.world.frame("hook_top"), self.world.sensor("rail_top"))
+        below = Detected(self.world.frame("bar_middle"), self.world.sensor("below_rail"))
+        self.register_graspable_objects(["hanger"])
+        self.register_success_conditions([on_rail, top, below, NothingGrasped(self.gripper)])
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Place the stand with the hanger."""
+        self.boundary.scatter([self.stand], rng)
+        return [
+            "Hang the coat hanger on the clothes rail.",
+            "The hanger belongs on the rack, by its hook.",
+            "Take the wooden hanger out of the stand, hook it over the bar and let go.",
+        ]

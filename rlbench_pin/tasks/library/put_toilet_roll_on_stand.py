@@ -1,0 +1,33 @@
+"""Put a roll of toilet paper on the arm of a stand."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, NothingGrasped, SpawnBoundary, Task
+
+
+class PutToiletRollOnStand(Task):
+    """The roll must be on the arm, up to the post, and let go. The block with the roll and the stand vary in place and yaw.
+
+    It is on the arm when both ends of its hole are around the arm.
+    """
+
+    def init_task(self) -> None:
+        """The roll may be grasped; success is the roll on the arm, at the post, let go."""
+        self.block, self.stand = self.world.body("block"), self.world.body("stand")
+        self.patches = [SpawnBoundary([self.world.region(name)]) for name in ("block_patch", "stand_patch")]
+        at_post = Detected(self.world.body("roll"), self.world.sensor("arm_root"))
+        ends = [Detected(self.world.frame(f"end{i}"), self.world.sensor("around_arm")) for i in range(2)]
+        self.register_graspable_objects(["roll"])
+        self.register_success_conditions([at_post, *ends, NothingGrasped(self.gripper)])
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Place the block with the roll, and the stand."""
+        for patch, body in zip(self.patches, (self.block, self.stand), strict=True):
+            patch.scatter([body], rng)
+        return [
+            "Put the toilet paper on the stand.",
+            "The roll belongs on the arm of the holder: push it up to the post and let go.",
+            "Slide the roll of toilet paper all the way onto the bar.",
+        ]

@@ -1,0 +1,26 @@
+"""Take a roll of toilet paper off the arm of a stand."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, Grasped, InOrder, Task
+
+
+class TakeToiletRollOffStand(Task):
+    """The roll must be off the arm, and have been held before: one that was knocked off does not count. Only the place varies."""
+
+    def init_task(self) -> None:
+        """The roll may be grasped; success is that it was held, and is off the arm."""
+        roll = self.world.body("roll")
+        self.register_graspable_objects(["roll"])
+        off = Detected(roll, self.world.sensor("arm_zone"), negated=True)
+        self.register_success_conditions([InOrder([Grasped(self.gripper, roll)]), off])
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Return the sentences; only the place of the task varies."""
+        return [
+            "Take the toilet paper off the stand.",
+            "I need the toilet roll, so slide it off the arm of its holder.",
+            "Pull the paper roll from the metal bar.",
+        ]
