@@ -22,5 +22,5 @@ class StackWine(Task):
         return [
             "Lay the bottle of wine in the upper row of the rack.",
             "The wine should be stored lying down, so put the bottle into a notch at the top of the wooden holder.",
-            "A bottle was left beside the rack: place it on the free row above the others.",
+            "A bottle was left beside the rack: move it to the free row above the others.",
         ]
