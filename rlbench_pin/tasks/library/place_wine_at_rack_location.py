@@ -1,4 +1,4 @@
-"""Lay a wine bottle at the left, in the middle or at the right of a rack; a variant of `stack_wine`, beside the paper's 106 tasks."""
+"""Lay a wine bottle in the asked notch of a rack; a variant of `stack_wine`, beside the paper's 106 tasks."""
 
 from __future__ import annotations
 

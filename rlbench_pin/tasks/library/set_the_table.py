@@ -8,13 +8,14 @@ from rlbench_pin.tasks import Detected, NothingGrasped, Task
 
 PIECES = ("plate", "fork", "knife", "spoon", "glass")
 POINTS = (
-    "plate_middle", "fork_middle", "fork_tip", "knife_middle", "knife_tip", "spoon_middle", "spoon_tip", "glass_middle", "glass_rim",
-)  # fmt: skip
+    *("plate_middle", "fork_middle", "fork_tip", "knife_middle", "knife_tip"),
+    *("spoon_middle", "spoon_tip", "glass_middle", "glass_rim"),
+)
 """Points of the pieces; each must be in the sensor `<point>_place`."""
 
 
 class SetTheTable(Task):
-    """The plate must lie on the middle of the mat, fork to its left, knife and spoon to its right, the glass behind; all let go."""
+    """The plate must lie in the middle, the fork to its left, knife and spoon to its right, the glass behind; all let go."""
 
     def init_task(self) -> None:
         """All pieces may be grasped; success is every point at its place and an empty gripper."""
@@ -25,8 +26,8 @@ class SetTheTable(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
         return [
-            "Lay one place setting on the mat: plate in the middle, fork at its left, knife and then spoon at its right, glass behind the knife.",
-            "A guest arrives soon, so set the table: the fork goes left of the plate, the knife right of it, the spoon outside, "
-            "and the glass above the knife.",
+            "Lay the mat: plate in the middle, fork left of it, knife and spoon right of it, and the glass behind the knife.",
+            "A guest arrives soon, so set the table: the plate goes between fork and knife, the spoon is outermost, "
+            "at the right, and the drinking glass is at the tip of the knife.",
             "For one person, please put the dinner plate, the cutlery and the drinking glass where they belong on the placemat.",
         ]

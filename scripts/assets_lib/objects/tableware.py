@@ -8,7 +8,22 @@ import numpy as np
 
 from assets_lib.cabinets import bevelled
 from assets_lib.mesh import Mesh, cylinder, hull_of, lathe, merge
-from assets_lib.urdf import Link, Model, Paint, Shape, Vec3, Visual, box_shape, cylinder_shape, glass, mesh_shape, metal, pane, patterned, plastic
+from assets_lib.urdf import (
+    Link,
+    Model,
+    Paint,
+    Shape,
+    Vec3,
+    Visual,
+    box_shape,
+    cylinder_shape,
+    glass,
+    mesh_shape,
+    metal,
+    pane,
+    patterned,
+    plastic,
+)
 
 PLATE, RIM, WALL, FLOOR = 0.085, 0.022, 0.005, 0.005
 """Radius and height of the plate, thickness of its wall and of its floor [m]."""
@@ -27,7 +42,12 @@ COASTER, COASTER_HEIGHT = 0.045, 0.006
 MAT = (0.30, 0.42)
 """Depth and width of the mat [m]."""
 CHINA, BLUE, STEEL = glass((0.93, 0.93, 0.90)), glass((0.22, 0.34, 0.52)), metal((0.74, 0.75, 0.77))
-CLEAR, WOOD, CORK, LINEN = pane((0.78, 0.88, 0.90), 0.4), patterned(plastic((0.60, 0.43, 0.28)), "wood"), (0.72, 0.55, 0.36), (0.62, 0.66, 0.60)
+CLEAR, WOOD, CORK, LINEN = (
+    pane((0.62, 0.80, 0.86), 0.55),
+    patterned(plastic((0.60, 0.43, 0.28)), "wood"),
+    (0.72, 0.55, 0.36),
+    (0.62, 0.66, 0.60),
+)
 Section = tuple[float, float, float, float]
 """Of a rod along x: x, half width, lower and upper z [m]."""
 
@@ -72,7 +92,11 @@ def _fork() -> Mesh:
     tines = []
     for k in range(4):
         y = (k - 1.5) * 0.0052
-        sections = [(0.049, 0.0016, BOTTOM, TOP - 0.005), (0.066, 0.0014, BOTTOM, TOP - 0.005), (0.08, 0.0007, BOTTOM + 0.001, TOP - 0.005)]
+        sections = [
+            (0.049, 0.0016, BOTTOM, TOP - 0.005),
+            (0.066, 0.0014, BOTTOM, TOP - 0.005),
+            (0.08, 0.0007, BOTTOM + 0.001, TOP - 0.005),
+        ]
         tines.append(_rod(sections, [y, y, y]))
     return merge([body, *tines])
 
@@ -80,7 +104,9 @@ def _fork() -> Mesh:
 def _knife() -> Mesh:
     handle = _rod([*_handle(0.0055)[:4], (-0.01, 0.0058, BOTTOM, TOP), (0.004, 0.0052, BOTTOM, TOP)])
     outline = [(0.0, -0.006), (0.0, 0.005), (0.06, 0.009), (0.072, 0.0075), (0.079, 0.002), (0.08, -0.004), (0.078, -0.006)]
-    flat = [(x, y, z) for x, y in outline for z in (BOTTOM, BOTTOM + 0.0012)] + [(x, -0.006, BOTTOM + 0.0028) for x in (0.0, 0.07)]
+    flat = [(x, y, z) for x, y in outline for z in (BOTTOM, BOTTOM + 0.0012)] + [
+        (x, -0.006, BOTTOM + 0.0028) for x in (0.0, 0.07)
+    ]
     return merge([handle, hull_of(np.array(flat))])
 
 
@@ -98,26 +124,46 @@ def _cutlery(name: str, mesh: Mesh, what: str) -> Model:
         box_shape((0.10, HANDLE, THICK), (-0.03, 0.0, 0.0)),
         box_shape((0.06, HEAD, THICK), (0.05, 0.0, 0.0)),
     )
-    notes = (f"lies along x, its {what} at +x: {LENGTH} long, {HEAD} wide and {THICK} high; grasp its handle across y at x = -0.015",)
+    notes = (
+        f"lies along x, its {what} at +x: {LENGTH} long, {HEAD} wide and {THICK} high; grasp its handle across y at x = -0.015",
+    )
     link = Link(name, 0.05, (Visual(mesh_shape("steel", mesh), STEEL, crease=0.6),), shapes, friction=0.8)
     return Model(name, f"objects/{name}", "centre", (link,), notes=notes)
 
 
 def _plate() -> Model:
-    outline = [(0.0, 0.0), (PLATE - 0.012, 0.0), (PLATE - 0.003, 0.003), (PLATE, 0.010), (PLATE, RIM - 0.001), (PLATE - 0.001, RIM)]
-    inside = [(PLATE - WALL + 0.001, RIM), (PLATE - WALL, RIM - 0.001), (PLATE - WALL, 0.011), (PLATE - WALL - 0.004, FLOOR + 0.001)]
+    outline = [
+        (0.0, 0.0),
+        (PLATE - 0.012, 0.0),
+        (PLATE - 0.003, 0.003),
+        (PLATE, 0.010),
+        (PLATE, RIM - 0.001),
+        (PLATE - 0.001, RIM),
+    ]
+    inside = [
+        (PLATE - WALL + 0.001, RIM),
+        (PLATE - WALL, RIM - 0.001),
+        (PLATE - WALL, 0.011),
+        (PLATE - WALL - 0.004, FLOOR + 0.001),
+    ]
     china = lathe([*outline, *inside, (PLATE - WALL - 0.010, FLOOR), (0.0, FLOOR)], 48)
     lines = [
         lathe([(r - w, FLOOR + 0.0004), (r - w, FLOOR), (r, FLOOR), (r, FLOOR + 0.0004), (r - w, FLOOR + 0.0004)], 48)
         for r, w in ((0.066, 0.003), (0.060, 0.001))
     ]
-    edge = lathe([(PLATE - WALL + 0.0007, RIM), (PLATE - 0.0007, RIM), (PLATE - 0.0007, RIM + 0.0005), (PLATE - WALL + 0.0007, RIM + 0.0005)], 48)
+    edge = lathe(
+        [
+            (PLATE - WALL + 0.0007, RIM),
+            (PLATE - 0.0007, RIM),
+            (PLATE - 0.0007, RIM + 0.0005),
+            (PLATE - WALL + 0.0007, RIM + 0.0005),
+        ],
+        48,
+    )
     visuals = (Visual(mesh_shape("china", china), CHINA), Visual(mesh_shape("lines", merge([*lines, edge])), BLUE))
     middle, width = PLATE - WALL / 2.0, 2.0 * PLATE * float(np.tan(np.pi / SIDES))
     walls = _ring(middle, (WALL, width, RIM), SIDES)
-    notes = (
-        f"flat inside, floor at z = {FLOOR}, an upright rim {WALL} thick and {RIM} high at radius {PLATE}; grasp it across the rim",
-    )
+    notes = (f"floor at z = {FLOOR}, an upright rim {WALL} thick and {RIM} high at radius {PLATE}; grasp it across the rim",)
     link = Link("plate", 0.15, visuals, (cylinder_shape(PLATE - WALL, FLOOR, (0.0, 0.0, FLOOR / 2.0)), *walls), friction=0.8)
     return Model("rimmed_plate", "objects/rimmed_plate", "bottom centre", (link,), notes=notes)
 
@@ -136,14 +182,18 @@ def _tumbler() -> Model:
     outside = [(0.0, 0.0), (GLASS - 0.005, 0.0), (GLASS - 0.002, 0.002), (GLASS, TALL - 0.001), (GLASS - 0.0008, TALL)]
     inside = [(GLASS - 0.0022, TALL), (GLASS - 0.003, TALL - 0.001), (GLASS - 0.0045, 0.012), (0.0, 0.010)]
     facets = merge(
-        Mesh(np.array([(r, -w, low), (r, w, low), (r, w, high), (r, -w, high)]), np.array([(0, 1, 2), (0, 2, 3)])).moved(rpy=(0.0, 0.0, turn))
+        Mesh(np.array([(r, -w, low), (r, w, low), (r, w, high), (r, -w, high)]), np.array([(0, 1, 2), (0, 2, 3)])).moved(
+            rpy=(0.0, 0.0, turn)
+        )
         for turn in 2.0 * np.pi * np.arange(10) / 10
         for r, w, low, high in ((GLASS - 0.0008, 0.004, 0.010, 0.045),)
     )
     visuals = (
         Visual(mesh_shape("glass", lathe([*outside, *inside], 32)), CLEAR),
         Visual(mesh_shape("facets", facets), pane((0.60, 0.74, 0.78), 0.5)),
-        Visual(mesh_shape("rim", _band(GLASS - 0.0028, GLASS + 0.0002, TALL - 0.0015, TALL + 0.0003)), pane((0.85, 0.93, 0.95), 0.8)),
+        Visual(
+            mesh_shape("rim", _band(GLASS - 0.0028, GLASS + 0.0002, TALL - 0.0015, TALL + 0.0003)), pane((0.85, 0.93, 0.95), 0.8)
+        ),
     )
     link = Link("glass", 0.15, visuals, (cylinder_shape(GLASS, TALL, (0.0, 0.0, TALL / 2.0)),), friction=0.8)
     notes = (f"diameter {2 * GLASS}, {TALL} high; solid to what touches it",)

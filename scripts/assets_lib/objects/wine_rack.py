@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from assets_lib.cabinets import bevelled, bevelled_box
+from assets_lib.cabinets import bevelled
 from assets_lib.mesh import Mesh, lathe, merge
 from assets_lib.prisms import hull_prism
 from assets_lib.urdf import Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, pane, patterned, plastic
@@ -25,7 +25,12 @@ SLOPE = RADIUS * float(np.sqrt(2.0))
 """How far below the axis both flanks of a notch, at 45 degrees, would meet [m]."""
 STORED = -0.105
 """Where the bottoms of the bottles in the lower row are, along x [m]."""
-GREEN, DARK, PAPER, BURGUNDY = pane((0.09, 0.20, 0.12), 0.85), pane((0.12, 0.10, 0.06), 0.9), (0.92, 0.89, 0.80), (0.42, 0.07, 0.12)
+GREEN, DARK, PAPER, BURGUNDY = (
+    pane((0.09, 0.20, 0.12), 0.85),
+    pane((0.12, 0.10, 0.06), 0.9),
+    (0.92, 0.89, 0.80),
+    (0.42, 0.07, 0.12),
+)
 WOOD, GOLD = patterned(plastic((0.58, 0.38, 0.22)), "wood"), plastic((0.72, 0.58, 0.28))
 
 
@@ -36,7 +41,13 @@ def _band(radius: float, low: float, high: float) -> Mesh:
 
 def _glass() -> Mesh:
     belly = [(0.0, 0.0), (RADIUS - 0.004, 0.0), (RADIUS - 0.001, 0.0012), (RADIUS, 0.005), (RADIUS, BELLY)]
-    neck = [(0.030, 0.167), (0.024, 0.173), (0.0165, SHOULDER), (NECK_RADIUS - 0.001, 0.19), (NECK_RADIUS - 0.001, HEIGHT - 0.002)]
+    neck = [
+        (0.030, 0.167),
+        (0.024, 0.173),
+        (0.0165, SHOULDER),
+        (NECK_RADIUS - 0.001, 0.19),
+        (NECK_RADIUS - 0.001, HEIGHT - 0.002),
+    ]
     return lathe([*belly, *neck, (0.0, HEIGHT - 0.002)], 28)
 
 
@@ -95,7 +106,10 @@ def _boards() -> list[tuple[Mesh, tuple[float, float, float]]]:
     """Return the pieces of all four boards: y of the outline along y, its height along z, its thickness along x."""
     upright = (np.pi / 2.0, 0.0, np.pi / 2.0)
     return [
-        (piece.moved(rpy=upright), (x, 0.0, 0.0)) for axis in (LOWER, UPPER) for x in (-BOARD_X, BOARD_X) for piece in _board_pieces(axis)
+        (piece.moved(rpy=upright), (x, 0.0, 0.0))
+        for axis in (LOWER, UPPER)
+        for x in (-BOARD_X, BOARD_X)
+        for piece in _board_pieces(axis)
     ]
 
 
@@ -120,9 +134,11 @@ def _rack() -> Model:
     visuals = (Visual(mesh_shape("wood", wood), WOOD), *stored)
     notes = (
         f"front towards -x; three notches in each row, {PITCH} apart along y; boards at x = +-{BOARD_X}, {BOARD} thick",
-        f"a bottle in the upper row has its axis at z = {UPPER}; that row is free, and bottles lie in the lower row, at z = {LOWER}",
+        f"a bottle in the upper row has its axis at z = {UPPER}; that row is free, and bottles fill the lower one",
     )
-    return Model("wine_rack", "objects/wine_rack", "bottom centre", (Link("rack", 4.0, visuals, tuple(shapes), friction=0.6),), notes=notes)
+    return Model(
+        "wine_rack", "objects/wine_rack", "bottom centre", (Link("rack", 4.0, visuals, tuple(shapes), friction=0.6),), notes=notes
+    )
 
 
 def models() -> tuple[Model, ...]:
