@@ -7,7 +7,20 @@ import numpy as np
 from assets_lib.cabinets import bevelled
 from assets_lib.mesh import Mesh, lathe, merge
 from assets_lib.prisms import hull_prism
-from assets_lib.urdf import Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, pane, patterned, plastic
+from assets_lib.urdf import (
+    Link,
+    Model,
+    Paint,
+    Shape,
+    Vec3,
+    Visual,
+    box_shape,
+    cylinder_shape,
+    mesh_shape,
+    pane,
+    patterned,
+    plastic,
+)
 
 RADIUS, BELLY, SHOULDER, NECK_RADIUS, HEIGHT = 0.0325, 0.162, 0.18, 0.014, 0.26
 """Of the belly, height where it ends, height of the neck's foot, radius of the neck, height of the rim [m]."""
@@ -71,7 +84,7 @@ def _parts() -> dict[str, Mesh]:
     }
 
 
-PAINTS = {"glass": GREEN, "label": PAPER, "stripes": GOLD, "crest": BURGUNDY, "foil": plastic(BURGUNDY)}
+PAINTS: dict[str, Vec3 | Paint] = {"glass": GREEN, "label": PAPER, "stripes": GOLD, "crest": BURGUNDY, "foil": plastic(BURGUNDY)}
 
 
 def _bottle() -> Model:
@@ -118,7 +131,13 @@ def _rack() -> Model:
     panels = [((DEPTH, PANEL, TOP), (0.0, s * side, TOP / 2.0)) for s in (-1.0, 1.0)]
     rails = [((0.018, WIDTH - 2.0 * PANEL, 0.012), (x, 0.0, 0.006)) for x in (-0.085, 0.085)]
     boards = _boards()
-    laid = {"glass": DARK, "label": PAPER, "stripes": GOLD, "crest": BURGUNDY, "foil": plastic((0.10, 0.16, 0.22))}
+    laid: dict[str, Vec3 | Paint] = {
+        "glass": DARK,
+        "label": PAPER,
+        "stripes": GOLD,
+        "crest": BURGUNDY,
+        "foil": plastic((0.10, 0.16, 0.22)),
+    }
     places = [(STORED, k * PITCH, LOWER) for k in (-1, 0, 1)]
     stored = [
         Visual(mesh_shape(name, merge(mesh.moved(place, (0.0, np.pi / 2.0, 0.0)) for place in places)), laid[name])
