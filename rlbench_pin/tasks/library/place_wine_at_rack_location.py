@@ -31,5 +31,5 @@ class PlaceWineAtRackLocation(Task):
         return [
             f"Stack the wine bottle to the {location} of the rack.",
             f"The upper row of the wine rack is free: lay the bottle down {where}.",
-            f"Of the three free notches, seen from the front, use the one {where} for this wine.",
+            f"Seen from the front of the rack, this wine belongs in the top notch {where}.",
         ]

@@ -164,8 +164,14 @@ def _plate() -> Model:
     middle, width = PLATE - WALL / 2.0, 2.0 * PLATE * float(np.tan(np.pi / SIDES))
     walls = _ring(middle, (WALL, width, RIM), SIDES)
     notes = (f"floor at z = {FLOOR}, an upright rim {WALL} thick and {RIM} high at radius {PLATE}; grasp it across the rim",)
-    link = Link("plate", 0.15, visuals, (cylinder_shape(PLATE - WALL, FLOOR, (0.0, 0.0, FLOOR / 2.0)), *walls), friction=0.8)
+    link = Link("plate", 0.15, visuals, (*_crossed(PLATE - WALL, FLOOR), *walls), friction=0.8)
     return Model("rimmed_plate", "objects/rimmed_plate", "bottom centre", (link,), notes=notes)
+
+
+def _crossed(radius: float, height: float) -> tuple[Shape, ...]:
+    """Return three crossed boxes for a flat disc: on a cylinder, another would not come to rest."""
+    size = (1.7 * radius, radius, height)
+    return tuple(box_shape(size, (0.0, 0.0, height / 2.0), (0.0, 0.0, k * np.pi / 3.0)) for k in range(3))
 
 
 def _ring(radius: float, size: Vec3, sides: int, low: float = 0.0) -> tuple[Shape, ...]:
@@ -215,8 +221,7 @@ def _rest() -> Model:
 
 def _disc(name: str, radius: float, height: float, paint: Vec3 | Paint, words: str) -> Model:
     disc = cylinder(radius, height, 32, bevel=0.002).moved((0.0, 0.0, height / 2.0))
-    shape = cylinder_shape(radius, height, (0.0, 0.0, height / 2.0))
-    link = Link(name, 0.3, (Visual(mesh_shape("disc", disc), paint),), (shape,))
+    link = Link(name, 0.3, (Visual(mesh_shape("disc", disc), paint),), _crossed(radius, height))
     return Model(name, f"objects/{name}", "bottom centre", (link,), notes=(words,))
 
 
