@@ -175,6 +175,16 @@ def cube_is_in(drawer: str) -> Callable[[Task], bool]:
     return lambda task: not task.gripper.grasped and task.world.sensor(f"in_{drawer}").detects("cube")
 
 
+def rack_the_wine_elsewhere(task: Task) -> None:
+    """Lay the bottle at the left of the rack, whichever notch is asked for."""
+    task.world.frame("waypoint4").set_parent("left")
+
+
+def wine_is_at_the_left(task: Task) -> bool:
+    """Whether the bottle lies at the left of the rack."""
+    return task.world.sensor("notch_left").detects("bottle")
+
+
 def take_the_other_bin(task: Task) -> None:
     """Carry the paper to the bin that is not asked for."""
     task.world.frame("waypoint3").set_parent("blue_bin")
@@ -249,6 +259,7 @@ NEGATIVES = {
     "pick_and_lift_small": Negative(Omission(waypoints=(2, 3)), done=holding("star"), variation=3),
     "pick_up_cup": Negative(Omission(waypoints=(2,)), done=holding("cup")),
     "play_jenga": Negative(spoil=moved("waypoint2", x=-0.0459, z=-0.0655), done=loose_brick_is_out),  # upwards: the tower falls
+    "place_wine_at_rack_location": Negative(spoil=rack_the_wine_elsewhere, done=wine_is_at_the_left, variation=2),
     "plug_charger_in_power_supply": Negative(spoil=moved("waypoint3", x=-0.006), done=charger_hangs_half_in),
     "press_switch": Negative(spoil=moved("waypoint1", z=-0.05)),  # the lower half, which is in already
     "push_button": Negative(Omission(waypoints=(1,))),

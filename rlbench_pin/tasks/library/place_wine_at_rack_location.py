@@ -1,0 +1,35 @@
+"""Lay a wine bottle in the asked notch of a rack; a variant of `stack_wine`, beside the paper's 106 tasks."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, NothingGrasped, Task
+
+
+class PlaceWineAtRackLocation(Task):
+    """The bottle must lie in the asked one of the three notches of the upper row, let go."""
+
+    locations = ("left", "middle", "right")
+
+    def init_task(self) -> None:
+        """The bottle may be grasped."""
+        self.ends = [self.world.frame(name) for name in ("bottom", "shoulder")]
+        self.register_graspable_objects(["bottle"])
+
+    def variation_count(self) -> int:
+        """One for each notch."""
+        return len(self.locations)
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Aim at the asked notch; success is both ends of the belly of the bottle in it, and an empty gripper."""
+        location = self.locations[variation]
+        self.world.frame("waypoint4").set_parent(location)
+        notch = self.world.sensor(f"notch_{location}")
+        self.register_success_conditions([*(Detected(end, notch) for end in self.ends), NothingGrasped(self.gripper)])
+        where = "in the middle" if location == "middle" else f"on the {location}"
+        return [
+            f"Stack the wine bottle to the {location} of the rack.",
+            f"The upper row of the wine rack is free: lay the bottle down {where}.",
+            f"Seen from the front of the rack, this wine belongs in the top notch {where}.",
+        ]

@@ -1,0 +1,33 @@
+"""Lay the table for one: a plate, a fork, a knife, a spoon and a glass."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import Detected, NothingGrasped, Task
+
+PIECES = ("plate", "fork", "knife", "spoon", "glass")
+POINTS = (
+    *("plate_middle", "fork_middle", "fork_tip", "knife_middle", "knife_tip"),
+    *("spoon_middle", "spoon_tip", "glass_middle", "glass_rim"),
+)
+"""Points of the pieces; each must be in the sensor `<point>_place`."""
+
+
+class SetTheTable(Task):
+    """The plate must lie in the middle, the fork to its left, knife and spoon to its right, the glass behind; all let go."""
+
+    def init_task(self) -> None:
+        """All pieces may be grasped; success is every point at its place and an empty gripper."""
+        self.register_graspable_objects(PIECES)
+        placed = [Detected(self.world.frame(point), self.world.sensor(f"{point}_place")) for point in POINTS]
+        self.register_success_conditions([*placed, NothingGrasped(self.gripper)])
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Return the sentences; only the place of the task varies."""
+        return [
+            "Lay the mat: plate in the middle, fork left of it, knife and spoon right of it, and the glass behind the knife.",
+            "A guest arrives soon, so set the table: the plate goes between fork and knife, the spoon is outermost, "
+            "at the right, and the drinking glass is at the tip of the knife.",
+            "For one person, please put the dinner plate, the cutlery and the drinking glass where they belong on the placemat.",
+        ]
