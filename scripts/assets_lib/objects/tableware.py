@@ -247,7 +247,7 @@ def models() -> tuple[Model, ...]:
         _cutlery("spoon", _spoon(), "bowl"),
         _tumbler(),
         _rest(),
-        _disc("plate_stand", STAND, STAND_HEIGHT, WOOD, f"radius {STAND}; a plate lies on it, {STAND_HEIGHT} above the table"),
+        _disc("plate_disc", STAND, STAND_HEIGHT, WOOD, f"radius {STAND}; a plate lies on it, {STAND_HEIGHT} above the table"),
         _disc("coaster", COASTER, COASTER_HEIGHT, CORK, f"radius {COASTER}, {COASTER_HEIGHT} high"),
         _mat(),
     )
