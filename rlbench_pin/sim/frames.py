@@ -13,7 +13,7 @@ from rlbench_pin.robot import geometry
 from rlbench_pin.scene.spec import ROOT, WORLD, BodySpec, SceneSpec
 from rlbench_pin.sim.body import Body, carried
 from rlbench_pin.spatial import FloatArray, PoseLike, pose_to_se3, se3_to_pose
-from rlbench_pin.values import as_flag, finite_vector, pose_vector
+from rlbench_pin.values import as_flag, as_text, finite_vector, pose_vector
 
 
 class Posed(Protocol):
@@ -133,7 +133,7 @@ class Frame:
 
     def moves_with(self, name: str) -> bool:
         """Whether the body or frame `name` is the parent, or its parent, and so on."""
-        return self._places.is_below(self.name, name)
+        return self._places.is_below(self.name, as_text(name, "name"))
 
     def state(self) -> tuple[str, FloatArray]:
         """Parent and local pose."""

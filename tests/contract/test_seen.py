@@ -25,6 +25,7 @@ HARD_TO_SEE = {
     "push_button": "only the cap moves",
     "push_buttons": "only the caps move",
     "play_jenga": "one brick of a tower",
+    "put_knife_on_chopping_board": "the blade of the knife is in the block",
     "put_rubbish_in_bin": "a crumpled paper is small",
     "put_rubbish_in_color_bin": "a crumpled paper is small",
     "screw_nail": "a screw and the screwdriver are thin",
