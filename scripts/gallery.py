@@ -23,6 +23,7 @@ The {count} tasks of the library, each in a demonstration of seed 0 and variatio
 the arm is at work; on the right is the result 1 s after success, without the arm, or with a translucent one that holds an object.
 Each image links to the task's contact sheet: its events from a camera aimed at the task, the five cameras of observations and
 `clear_robot_side`.
+[All tasks on one sheet](images/tasks.jpg).
 `rlbench-pin view TASK` draws the sheet of any task, `rlbench-pin video TASK` films it. Written by `python scripts/gallery.py`.
 
 """

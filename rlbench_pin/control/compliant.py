@@ -83,9 +83,13 @@ class CompliantFollowing:
     @property
     def displacement(self) -> FloatArray:
         """How far the tip is beside the trajectory (3,), in the world [m]."""
-        radius = self.config.pitch * self._angle / (2.0 * np.pi)
-        spiral = radius * np.array([np.cos(self._angle), np.sin(self._angle)]) @ self._across
+        spiral = self._radius * np.array([np.cos(self._angle), np.sin(self._angle)]) @ self._across
         return np.array(self._yielded + spiral)
+
+    @property
+    def _radius(self) -> float:
+        """Distance from the centre of the spiral [m]."""
+        return self.config.pitch * self._angle / (2.0 * np.pi)
 
     def command(self, q: ArrayLike, torques: ArrayLike) -> FloatArray:
         """Return the joint positions (n,), [rad], to reach in the next tick.
@@ -125,9 +129,8 @@ class CompliantFollowing:
         if size > config.free_force:
             self._yielded += config.mobility * (size - config.free_force) / size * across
         if against > config.blocked * config.force:
-            radius = config.pitch * self._angle / (2.0 * np.pi)
-            self._angle += config.step / max(radius, config.step)
-            if config.pitch * self._angle / (2.0 * np.pi) > config.radius:
+            self._angle += config.step / max(self._radius, config.step)
+            if self._radius > config.radius:
                 self._angle = 0.0
 
     def _advance(self, against: float) -> None:

@@ -239,7 +239,7 @@ class WaypointPlanner:
     def _as_held(self, pose: FloatArray, angle: float, tip: FloatArray) -> FloatArray:
         """Return the tip pose (7,) that brings what is held to where `pose` (7,) would bring it after an exact grasp.
 
-        The waypoint of the grasp moves with what is held: it tells where the tip should be on it, `tip` (7,) is where it is.
+        The waypoint of the grasp moves with what is held, so it is where the tip should be on it; `tip` (7,) is where it is.
         """
         grasp, held = self._grasp, self._runtime.gripper.held
         if grasp is None or not any(grasp.frame.moves_with(name) for name in held):

@@ -22,9 +22,9 @@ HALF_PI = float(np.pi / 2.0)
 
 def _seam(radius: float, rpy: Vec3, offset: float = 0.0) -> Mesh:
     """Return a thin band around the ball, `offset` away from its middle."""
-    inner, outer, half = radius - 0.001, radius + 0.0003, 0.0007
-    profile = [(inner, -half), (outer, -half), (outer, half), (inner, half), (inner, -half)]
-    return lathe(profile, 32).moved((0.0, 0.0, offset)).moved((0.0, 0.0, 0.0), rpy)
+    inner, outer, half = radius - 0.001, radius + 0.0006, 0.0007
+    profile = [(inner, -half), (outer, -half), (outer, half), (inner, half)]
+    return lathe(profile, 24).moved((0.0, 0.0, offset)).moved((0.0, 0.0, 0.0), rpy)
 
 
 def _ball() -> Model:
@@ -32,7 +32,7 @@ def _ball() -> Model:
     seams = [_seam(BALL, (0.0, 0.0, 0.0)), _seam(BALL, (HALF_PI, 0.0, 0.0))]
     seams += [_seam(small, (0.0, HALF_PI, 0.0), s * 0.018) for s in (-1.0, 1.0)]
     visuals = (
-        Visual(mesh_shape("ball", icosphere(BALL, 3)), ORANGE, crease=1.2),
+        Visual(mesh_shape("ball", icosphere(BALL, 2)), ORANGE, crease=1.2),
         Visual(mesh_shape("seams", merge(seams)), SEAM),
     )
     link = Link("basketball", 0.05, visuals, (sphere_shape(BALL),), friction=0.8, rolling=0.001)
@@ -62,20 +62,20 @@ def _around(radius: float, z: float, count: int, phase: float = 0.0) -> FloatArr
 
 def _net() -> Mesh:
     """Return the strings of the net: diamonds that grow narrower downwards."""
-    count, rows = 12, ((0.056, 0.0), (0.051, -0.018), (0.046, -0.036), (0.042, -0.054), (0.041, -0.066))
+    count, rows = 9, ((0.056, 0.0), (0.050, -0.022), (0.044, -0.044), (0.041, -0.066))
     rings = [_around(radius, RIM_HEIGHT + z, count, 0.5 * (i % 2)) for i, (radius, z) in enumerate(rows)]
     strings = []
     for i, (upper, lower) in enumerate(zip(rings[:-1], rings[1:], strict=True)):
         for shift in (0, -1 if i % 2 == 0 else 1):
-            strings += [rod(a, b, 0.0009, 4) for a, b in zip(upper, np.roll(lower, -shift, axis=0), strict=True)]
+            strings += [rod(a, b, 0.0009, 3) for a, b in zip(upper, np.roll(lower, -shift, axis=0), strict=True)]
     return merge(strings)
 
 
 def _ring() -> Mesh:
     middle = RIM + WIRE
-    angles = 2.0 * np.pi * np.arange(13) / 12
+    angles = 2.0 * np.pi * np.arange(7) / 6
     profile = [(middle + WIRE * float(np.sin(a)), -WIRE * float(np.cos(a))) for a in angles]
-    return lathe(profile, 40).moved((0.0, 0.0, RIM_HEIGHT))
+    return lathe(profile, 22).moved((0.0, 0.0, RIM_HEIGHT))
 
 
 def _hoop() -> Model:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import product
 
 import numpy as np
@@ -27,7 +28,7 @@ SKIN = 0.001
 """Skin that PyBullet puts around collision meshes [m]."""
 SKY, WOOD = (0.56, 0.75, 0.90), (0.62, 0.44, 0.27)
 X, Y = ROWS * CELL / 2.0, COLUMNS * CELL / 2.0
-PICTURE: tuple[tuple[str, Vec3, tuple[FloatArray, ...]], ...] = (
+IMAGE: tuple[tuple[str, Vec3, tuple[FloatArray, ...]], ...] = (
     ("sun", (0.97, 0.80, 0.30), (0.018 * regular_polygon(1.0, 20) + (0.045, 0.075),)),
     (
         "mountains",
@@ -41,11 +42,11 @@ PICTURE: tuple[tuple[str, Vec3, tuple[FloatArray, ...]], ...] = (
     ("roof", (0.40, 0.22, 0.18), (np.array([(0.010, 0.040), (0.026, 0.021), (0.010, 0.002)]),)),
     ("door", (0.95, 0.88, 0.70), (np.array([(-0.014, 0.024), (0.001, 0.024), (0.001, 0.017), (-0.014, 0.017)]),)),
 )
-"""Layers of the picture, each over those before it: name, colour and convex areas, x (up) and y (left) [m]."""
+"""Layers of the image, each over those before it: name, colour and convex areas, x (up) and y (left) [m]."""
 
 
 def _center(row: int, column: int) -> FloatArray:
-    """Return x, y of the middle of a piece in the picture [m]."""
+    """Return x, y of the middle of a piece in the image [m]."""
     return np.array([(row - (ROWS - 1) / 2.0) * CELL, (column - (COLUMNS - 1) / 2.0) * CELL])
 
 
@@ -69,7 +70,7 @@ def _outline(row: int, column: int) -> FloatArray:
         along = np.array([-out[1], out[0]])
         points.append(half * out - half * along)
         kind = _tab(row, column, step)
-        for a in np.linspace(-reach, reach, 5) if kind else ():
+        for a in np.linspace(-reach, reach, 3) if kind else ():
             bump = radius * np.cos(a) - inside
             points.append((half + kind * bump) * out + radius * np.sin(a) * along)
     return np.array(points)
@@ -94,7 +95,7 @@ def _clipped(subject: FloatArray, area: FloatArray) -> FloatArray:
 
 
 def _painted(row: int, column: int, area: FloatArray, height: float) -> list[Mesh]:
-    """Return an area of the picture on a piece as flat polygons, in the axes of the picture."""
+    """Return an area of the image on a piece as flat polygons, in the axes of the image."""
     if np.cross(area[1] - area[0], area[2] - area[1]) < 0.0:
         area = area[::-1]
     center = _center(row, column)
@@ -108,15 +109,26 @@ def _painted(row: int, column: int, area: FloatArray, height: float) -> list[Mes
     return found
 
 
-def _pictured(pieces: list[tuple[int, int]], top: float, around: FloatArray) -> tuple[Visual, ...]:
-    """Return pieces with the picture on them, in the axes of a point of the picture."""
+def _upper_side(outline: FloatArray, top: float) -> Mesh:
+    """Return the upper side of a glued piece, of which no more is seen."""
+    count = len(outline)
+    vertices = np.column_stack([np.vstack([outline, np.zeros(2)]), np.full(count + 1, top)])
+    return Mesh(vertices, np.array([(count, i, (i + 1) % count) for i in range(count)]))
+
+
+def _whole(outline: FloatArray, top: float) -> Mesh:
+    """Return a loose piece."""
+    return prism(outline, top - THICKNESS, top, (0.0, 0.0), bevel=0.0007)
+
+
+def _printed(
+    pieces: list[tuple[int, int]], top: float, around: FloatArray, body: Callable[[FloatArray, float], Mesh]
+) -> tuple[Visual, ...]:
+    """Return pieces, each with its body and the image on it, in the axes of a point of the image."""
     shift = (-around[0], -around[1], 0.0)
-    bodies = [
-        prism(grown(_outline(*piece), -0.0002), top - THICKNESS, top, (0.0, 0.0), bevel=0.0007).moved((*_center(*piece), 0.0))
-        for piece in pieces
-    ]
+    bodies = [body(grown(_outline(*piece), -0.0002), top).moved((*_center(*piece), 0.0)) for piece in pieces]
     visuals = [Visual(mesh_shape("sky", merge(bodies).moved(shift)), SKY, crease=0.3)]
-    for layer, (name, color, areas) in enumerate(PICTURE, start=1):
+    for layer, (name, color, areas) in enumerate(IMAGE, start=1):
         parts = [part for piece in pieces for area in areas for part in _painted(*piece, area, top + 0.0001 * layer)]
         if parts:
             visuals.append(Visual(mesh_shape(name, merge(parts).moved(shift)), color, crease=0.1))
@@ -146,12 +158,12 @@ def _tray() -> Model:
     visuals = (
         Visual(mesh_shape("border", merge(border)), patterned(WOOD, "wood")),
         Visual(mesh_shape("floor", box((2 * X, 2 * Y, FLOOR), (0.0, 0.0, FLOOR / 2.0))), patterned((0.46, 0.32, 0.20), "wood")),
-        *_pictured(cells, z, np.zeros(2)),
+        *_printed(cells, z, np.zeros(2), _upper_side),
     )
     link = Link("jigsaw_tray", 0.8, visuals, (*walls, floor), friction=0.6)
     middle = _center(*EMPTY)
     notes = (
-        f"picture upright seen from -x; the empty place is around ({middle[0]:.2f}, {middle[1]:.2f}), its floor at z = {FLOOR}",
+        f"image upright seen from -x; the empty place is around ({middle[0]:.2f}, {middle[1]:.2f}), its floor at z = {FLOOR}",
         f"that place is {CELL + 2 * GAP:.3f} wide for a piece of {CELL}",
     )
     return Model("jigsaw_tray", "objects/jigsaw_tray", "bottom centre", (link,), notes=notes)
@@ -167,7 +179,7 @@ def _piece() -> Model:
     solid = hull_of(np.round(np.array(corners), 6))
     place = (0.0, 0.0, THICKNESS + KNOB[2] / 2.0)
     visuals = (
-        *_pictured([EMPTY], THICKNESS, _center(*EMPTY)),
+        *_printed([EMPTY], THICKNESS, _center(*EMPTY), _whole),
         Visual(mesh_shape("knob", bevelled_box(KNOB, 0.003).moved((0.0, 0.0, THICKNESS))), patterned((0.80, 0.62, 0.40), "wood")),
     )
     link = Link("jigsaw_piece", 0.04, visuals, (mesh_shape("piece_hull", solid), box_shape(KNOB, place)), friction=0.6)

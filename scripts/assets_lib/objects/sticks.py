@@ -28,7 +28,7 @@ CUE, TAPER, TIP_RADIUS = 0.35, 0.06, 0.006
 STICK = 0.30
 BALL = 0.02
 MARGIN = 0.001
-"""The engine keeps cylinders so far from other things [m]."""
+"""The engine keeps cylinders so far from other bodies [m]."""
 POCKET, WALL = (0.08, 0.10, 0.05), 0.008
 """Depth, width, height, and thickness of the walls [m]."""
 V_PLATE: Vec3 = (0.02, 0.006, 0.022)
@@ -122,8 +122,8 @@ def _rest() -> Model:
 
 def _zone(low: float, high: float) -> Mesh:
     """Return the part of the ball between two latitudes [rad]."""
-    outline = [(BALL * float(np.cos(a)), BALL * float(np.sin(a))) for a in np.linspace(low, high, 7)]
-    return lathe([(0.0, outline[0][1]), *outline, (0.0, outline[-1][1])], 28)
+    outline = [(BALL * float(np.cos(a)), BALL * float(np.sin(a))) for a in np.linspace(low, high, 6)]
+    return lathe([(0.0, outline[0][1]), *outline, (0.0, outline[-1][1])], 24)
 
 
 def _ball() -> Model:

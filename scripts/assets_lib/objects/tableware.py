@@ -146,9 +146,9 @@ def _plate() -> Model:
         (PLATE - WALL, 0.011),
         (PLATE - WALL - 0.004, FLOOR + 0.001),
     ]
-    china = lathe([*outline, *inside, (PLATE - WALL - 0.010, FLOOR), (0.0, FLOOR)], 48)
+    china = lathe([*outline, *inside, (PLATE - WALL - 0.010, FLOOR), (0.0, FLOOR)], 28)
     lines = [
-        lathe([(r - w, FLOOR + 0.0004), (r - w, FLOOR), (r, FLOOR), (r, FLOOR + 0.0004), (r - w, FLOOR + 0.0004)], 48)
+        lathe([(r, FLOOR), (r, FLOOR + 0.0004), (r - w, FLOOR + 0.0004), (r - w, FLOOR)], 28)
         for r, w in ((0.066, 0.003), (0.060, 0.001))
     ]
     edge = lathe(
@@ -158,7 +158,7 @@ def _plate() -> Model:
             (PLATE - 0.0007, RIM + 0.0005),
             (PLATE - WALL + 0.0007, RIM + 0.0005),
         ],
-        48,
+        28,
     )
     visuals = (Visual(mesh_shape("china", china), CHINA), Visual(mesh_shape("lines", merge([*lines, edge])), BLUE))
     middle, width = PLATE - WALL / 2.0, 2.0 * PLATE * float(np.tan(np.pi / SIDES))

@@ -49,7 +49,7 @@ def _folds() -> Mesh:
     low, high = CANOPY
     profile = [(0.0, low), (0.006, low), (NARROW[1], low + 0.02), (CANOPY_RADIUS - 0.001, NARROW[0])]
     profile += [(CANOPY_RADIUS - 0.0005, high - 0.02), (0.011, high), (0.0, high)]
-    mesh = lathe(profile, 48)
+    mesh = lathe(profile, 40)
     x, y, z = mesh.vertices.T
     angle = np.arctan2(y, x) + 9.0 * z
     factor = 1.0 - 0.12 * (0.5 + 0.5 * np.cos(8.0 * angle))
@@ -59,12 +59,12 @@ def _folds() -> Mesh:
 def _umbrella() -> Model:
     low, high = CANOPY
     arc = _arc()
-    handle = [rod((0.0, 0.0, high - 0.005), (0.0, 0.0, HOOK[1]), HANDLE, 12)]
-    handle += [rod(a, b, HANDLE, 12) for a, b in zip(arc[:-1], arc[1:], strict=True)]
+    handle = [rod((0.0, 0.0, high - 0.005), (0.0, 0.0, HOOK[1]), HANDLE, 10)]
+    handle += [rod(a, b, HANDLE, 8) for a, b in zip(arc[:-1], arc[1:], strict=True)]
     handle += [icosphere(HANDLE, 1).moved(p) for p in arc[-1:]]
-    strap = lathe([(0.013, 0.175), (0.0156, 0.175), (0.0156, 0.189), (0.013, 0.189)], 24)
-    spike = merge([rod((0.0, 0.0, SPIKE), (0.0, 0.0, low + 0.004), SPIKE, 12), icosphere(SPIKE, 1).moved((0.0, 0.0, SPIKE))])
-    button = cylinder(0.004, 0.003, 12).moved((0.0, -0.0155, 0.182), (np.pi / 2.0, 0.0, 0.0))
+    strap = lathe([(0.013, 0.175), (0.0156, 0.175), (0.0156, 0.189), (0.013, 0.189)], 20)
+    spike = merge([rod((0.0, 0.0, SPIKE), (0.0, 0.0, low + 0.004), SPIKE, 8), icosphere(SPIKE, 1).moved((0.0, 0.0, SPIKE))])
+    button = cylinder(0.004, 0.003, 10).moved((0.0, -0.0155, 0.182), (np.pi / 2.0, 0.0, 0.0))
     visuals = (
         Visual(mesh_shape("canopy", _folds()), patterned(NAVY, "cloth"), crease=0.4),
         Visual(mesh_shape("strap", strap), STRAP),
@@ -109,12 +109,12 @@ def _stand() -> Model:
     shell = lathe(
         [(0.0, 0.0), (radius - 0.003, 0.0), (radius, 0.003), (radius, height - 0.002), (radius - 0.0015, height)]
         + [(radius - WALL, height), (radius - WALL, FLOOR), (0.0, FLOOR)],
-        40,
+        32,
     )
     bands = []
     for low, high, out in ((0.0, 0.014, 0.003), (height - 0.016, height - 0.004, 0.0022)):
         bands.append(
-            lathe([(radius - 0.002, low), (radius + out, low + 0.001), (radius + out, high - 0.001), (radius - 0.002, high)], 40)
+            lathe([(radius - 0.002, low), (radius + out, low + 0.001), (radius + out, high - 0.001), (radius - 0.002, high)], 36)
         )
     ribs = [
         box((0.0025, 0.005, height - 0.04))

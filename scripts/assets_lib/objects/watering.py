@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from assets_lib.mesh import Mesh, cylinder, hull_of, icosphere, lathe, merge, rod
+from assets_lib.mesh import Mesh, hull_of, icosphere, lathe, merge, rod
 from assets_lib.objects.cups import leaning_walls
 from assets_lib.urdf import Link, Model, Shape, Vec3, Visual, cylinder_shape, glass, mesh_shape, metal
 
@@ -51,41 +51,38 @@ def _can() -> Model:
     rear, front = _bar_ends()
     struts = [(rear, (-RADIUS + 0.003, 0.0, 0.055)), (front, (0.030, 0.0, HEIGHT - 0.002))]
     (x0, z0), (x1, z1) = SPOUT
-    spout = rod((x0, 0.0, z0), (x1, 0.0, z1), SPOUT_RADIUS, 14)
+    spout = rod((x0, 0.0, z0), (x1, 0.0, z1), SPOUT_RADIUS, 10)
     body = lathe(
         [
             (0.0, 0.0),
             (RADIUS - 0.002, 0.0),
             (RADIUS, 0.003),
-            (RADIUS, 0.016),
-            (RADIUS, 0.05),
-            (RADIUS, 0.083),
             (RADIUS, HEIGHT - 0.002),
             (RADIUS - 0.0015, HEIGHT),
             (RADIUS - 0.003, HEIGHT - 0.002),
             (RADIUS - 0.003, 0.072),
             (0.0, 0.072),
         ],
-        32,
+        24,
     )
-    water = lathe([(0.0, 0.0735), (RADIUS - 0.003, 0.0735), (0.0, 0.0737)], 28)
+    water = lathe([(0.0, 0.0735), (RADIUS - 0.003, 0.0735), (0.0, 0.0737)], 16)
     hoops = [
-        lathe([(RADIUS, z), (RADIUS + 0.0012, z + 0.001), (RADIUS + 0.0012, z + 0.004), (RADIUS, z + 0.005)], 32)
+        lathe([(RADIUS, z), (RADIUS + 0.0012, z + 0.001), (RADIUS + 0.0012, z + 0.004), (RADIUS, z + 0.005)], 24)
         for z in (0.006, 0.088)
     ]
-    cone = lathe([(0.0, -0.016), (SPOUT_RADIUS, -0.016), (ROSE, -0.002), (ROSE, 0.0), (0.0, 0.0)], 20)
+    cone = lathe([(0.0, -0.016), (SPOUT_RADIUS, -0.016), (ROSE, -0.002), (ROSE, 0.0), (0.0, 0.0)], 14)
     holes = [
-        cylinder(0.0017, 0.0006, 8).moved((r * float(np.cos(a)), r * float(np.sin(a)), 0.0003))
+        lathe([(0.0017, 0.0), (0.0, 0.0003)], 6).moved((r * float(np.cos(a)), r * float(np.sin(a)), 0.0003))
         for r, n in ((0.0, 1), (0.006, 6), (0.012, 10))
         for a in np.arange(n) * 2.0 * np.pi / n
     ]
     face = (0.0, FACE, 0.0)
-    curve = [rod(a, b, BAR_RADIUS * 0.6, 12) for a, b in struts]
-    knees = [icosphere(BAR_RADIUS * 0.98, 2).moved(place) for place in (rear, front)]
+    curve = [rod(a, b, BAR_RADIUS * 0.6, 8) for a, b in struts]
+    knees = [icosphere(BAR_RADIUS * 0.98, 1).moved(place) for place in (rear, front)]
     visuals = (
         Visual(mesh_shape("body", body), ENAMEL),
         Visual(mesh_shape("spout", merge([spout, *curve])), ENAMEL),
-        Visual(mesh_shape("bar", merge([rod(rear, front, BAR_RADIUS, 16), *knees])), (0.42, 0.25, 0.13)),
+        Visual(mesh_shape("bar", merge([rod(rear, front, BAR_RADIUS, 10), *knees])), (0.42, 0.25, 0.13)),
         Visual(mesh_shape("hoops", merge(hoops)), BRASS),
         Visual(mesh_shape("rose", cone.moved(HEAD, face)), BRASS),
         Visual(mesh_shape("holes", merge(holes).moved(HEAD, face)), (0.10, 0.09, 0.08)),
@@ -107,7 +104,7 @@ def _can() -> Model:
 
 def _leaf(length: float, width: float, droop: float) -> Mesh:
     """Return a leaf along +x that bends down."""
-    t = np.linspace(0.0, 1.0, 6)
+    t = np.linspace(0.0, 1.0, 5)
     middle = np.column_stack([length * t, 0.0 * t, length * (0.45 * t - droop * t**2)])
     half = 0.5 * width * np.sin(np.pi * np.clip(t, 0.06, 0.98)) ** 0.8
     pieces = []
@@ -132,7 +129,10 @@ def _plant() -> Model:
         place = tuple(np.array(bottom) + share * (np.array(top) - bottom))
         leaves.append(_leaf(length, 0.024, 0.75).moved(place, (0.0, 0.0, turn)))
     petals = [
-        icosphere(0.0095, 1).moved((0.011 * float(np.cos(a)), 0.011 * float(np.sin(a)), 0.0)) for a in np.arange(6) * np.pi / 3.0
+        lathe([(0.0, -0.0085), (0.0075, -0.0045), (0.0075, 0.0045), (0.0, 0.0085)], 8).moved(
+            (0.011 * float(np.cos(a)), 0.011 * float(np.sin(a)), 0.0)
+        )
+        for a in np.arange(6) * np.pi / 3.0
     ]
     bend = (0.0, 0.7, 0.0)
     pot = lathe(
@@ -148,9 +148,9 @@ def _plant() -> Model:
             (POT_TOP - POT_WALL, SOIL),
             (0.0, SOIL),
         ],
-        32,
+        20,
     )
-    soil = lathe([(POT_TOP - POT_WALL, SOIL + 0.0005), (0.02, SOIL + 0.001), (0.0, SOIL + 0.001)], 20)
+    soil = lathe([(POT_TOP - POT_WALL, SOIL + 0.0005), (0.02, SOIL + 0.001), (0.0, SOIL + 0.001)], 16)
     clods = [
         icosphere(0.004, 0).moved((r * float(np.cos(a)), r * float(np.sin(a)), SOIL - 0.001))
         for r, a in ((0.04, 0.4), (0.035, 1.6), (0.042, 2.6), (0.03, 3.9), (0.044, 5.0))
@@ -158,10 +158,10 @@ def _plant() -> Model:
     visuals = (
         Visual(mesh_shape("pot", pot), CLAY),
         Visual(mesh_shape("soil", merge([soil, *clods])), EARTH, crease=0.1),
-        Visual(mesh_shape("stem", rod(bottom, top, 0.003, 10)), LEAF),
+        Visual(mesh_shape("stem", rod(bottom, top, 0.003, 6)), LEAF),
         Visual(mesh_shape("leaves", merge(leaves)), LEAF, crease=0.4),
         Visual(mesh_shape("petals", merge(petals).moved(top, bend)), FLOWER),
-        Visual(mesh_shape("heart", icosphere(0.008, 2).moved((top[0] + 0.003, 0.0, top[2] + 0.004))), HEART),
+        Visual(mesh_shape("heart", icosphere(0.008, 1).moved((top[0] + 0.003, 0.0, top[2] + 0.004))), HEART),
     )
     walls = leaning_walls(POT_TOP, POT_TOP, POT_HEIGHT, POT_WALL, SOIL - 0.01)
     foot = cylinder_shape(POT, SOIL, (0.0, 0.0, SOIL / 2.0))

@@ -49,7 +49,7 @@ WOOD, GOLD = patterned(plastic((0.58, 0.38, 0.22)), "wood"), plastic((0.72, 0.58
 
 def _band(radius: float, low: float, high: float) -> Mesh:
     """Return a closed ring around a bottle."""
-    return lathe([(0.0, low), (radius, low), (radius, high), (0.0, high)], 28)
+    return lathe([(RADIUS - 0.001, low), (radius, low), (radius, high), (RADIUS - 0.001, high)], 20)
 
 
 def _glass() -> Mesh:
@@ -61,14 +61,14 @@ def _glass() -> Mesh:
         (NECK_RADIUS - 0.001, 0.19),
         (NECK_RADIUS - 0.001, HEIGHT - 0.002),
     ]
-    return lathe([*belly, *neck, (0.0, HEIGHT - 0.002)], 28)
+    return lathe([*belly, *neck, (0.0, HEIGHT - 0.002)], 20)
 
 
 def _foil() -> Mesh:
     """Return the foil of the neck, with the ring below the rim."""
     ring = [(NECK_RADIUS - 0.0006, 0.243), (NECK_RADIUS, 0.244), (NECK_RADIUS, 0.252), (NECK_RADIUS - 0.0006, 0.253)]
     top = [(NECK_RADIUS - 0.0006, HEIGHT - 0.0015), (NECK_RADIUS - 0.002, HEIGHT), (0.0, HEIGHT)]
-    return lathe([(0.0, FOIL), (NECK_RADIUS - 0.0006, FOIL), *ring, *top], 24)
+    return lathe([(0.0, FOIL), (NECK_RADIUS - 0.0006, FOIL), *ring, *top], 16)
 
 
 def _parts() -> dict[str, Mesh]:
@@ -79,12 +79,23 @@ def _parts() -> dict[str, Mesh]:
         "glass": _glass(),
         "label": _band(RADIUS + 0.0004, low, high),
         "stripes": stripes,
-        "crest": merge([_band(RADIUS + 0.0006, z, z + h) for z, h in ((0.070, 0.014), (0.090, 0.003))]),
+        "crest": _band(RADIUS + 0.0006, 0.070, 0.088),
         "foil": _foil(),
     }
 
 
 PAINTS: dict[str, Vec3 | Paint] = {"glass": GREEN, "label": PAPER, "stripes": GOLD, "crest": BURGUNDY, "foil": plastic(BURGUNDY)}
+
+
+def _stored_parts() -> dict[str, Mesh]:
+    """Return the parts of a bottle in the lower row, with few triangles."""
+    low, high = LABEL
+    foot = [(0.0, 0.0), (RADIUS - 0.002, 0.0), (RADIUS, 0.004), (RADIUS, BELLY)]
+    return {
+        "glass": lathe([*foot, (0.0165, SHOULDER), (NECK_RADIUS - 0.001, FOIL)], 14),
+        "label": lathe([(RADIUS + 0.0006, low), (RADIUS + 0.0006, high)], 14),
+        "foil": lathe([(NECK_RADIUS, FOIL), (NECK_RADIUS, HEIGHT), (0.0, HEIGHT)], 10),
+    }
 
 
 def _bottle() -> Model:
@@ -134,14 +145,12 @@ def _rack() -> Model:
     laid: dict[str, Vec3 | Paint] = {
         "glass": DARK,
         "label": PAPER,
-        "stripes": GOLD,
-        "crest": BURGUNDY,
         "foil": plastic((0.10, 0.16, 0.22)),
     }
     places = [(STORED, k * PITCH, LOWER) for k in (-1, 0, 1)]
     stored = [
         Visual(mesh_shape(name, merge(mesh.moved(place, (0.0, np.pi / 2.0, 0.0)) for place in places)), laid[name])
-        for name, mesh in _parts().items()
+        for name, mesh in _stored_parts().items()
     ]
     wood = merge([bevelled([*panels, *rails]), *(mesh.moved(at) for mesh, at in boards)])
     shapes: list[Shape] = [box_shape(size, center) for size, center in (*panels, *rails)]

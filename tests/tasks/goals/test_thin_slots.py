@@ -1,4 +1,4 @@
-"""Things that go into slots little wider than they are, and come out of them: a memory stick and a plate."""
+"""Slots little wider than what goes into them and comes out: a memory stick and a plate."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Things that are done with a tool: a ball struck with a cue, a cube moved with a stick, a plant watered, a cube scooped up."""
+"""Tools: a ball struck with a cue, a cube moved with a stick, a plant watered, a cube scooped up."""
 
 from __future__ import annotations
 
