@@ -70,7 +70,10 @@ def main() -> None:
     sheets = []
     for start in range(0, len(TASKS), PER_ROW):
         part = TASKS[start : start + PER_ROW]
-        rows = [[np.asarray(old[name]) for name in part], [np.asarray(moments[name].task) for name in part]]
+        rows = [
+            [np.asarray(old[name]) for name in part],
+            [np.asarray(moments[name].task if moments[name].arm_hidden else moments[name].with_arm) for name in part],
+        ]
         title = ("Before and after", "at the end of a demonstration of seed 0, from the same cameras") if start == 0 else ("", "")
         sheets.append(np.asarray(contact_sheet(rows, ["before", "after"], part, *title)))
     sheet = Image.fromarray(np.concatenate(sheets))
