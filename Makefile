@@ -67,7 +67,7 @@ lock:
 
 # 100 demonstrations of each task in all its variations, 100 on seeds that nobody has looked at, key frames of 20, friction only of 20, and the whole contract. A stopped sweep goes on: finished trials are kept in out/sweep.
 # The table is written also when a task fails; the exit code says so afterwards. A sweep of some TASKS leaves the table alone.
-SWEEP := check $(TASKS) --episodes 100 --variations 100 --unseen 100 --key-frames 20 --friction-only 20 --contract-seeds 20 --workers $(JOBS) --out out/sweep
+SWEEP := check $(TASKS) --episodes 100 --variations 100 --unseen 100 --key-frames 20 --friction-only 20 --contract-seeds 30 --workers $(JOBS) --out out/sweep
 sweep: $(STAMP)
 ifeq ($(strip $(TASKS)),)
 	mkdir -p out/sweep && touch out/sweep/.begun

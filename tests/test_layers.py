@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -102,11 +102,15 @@ def _targets(node: ast.AST) -> list[str]:
     return []
 
 
-def _imports() -> Iterator[Import]:
-    for file in sorted(ROOT.rglob("*.py")):
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-            for target in _targets(node):
-                yield Import(file, node.lineno, target)  # type: ignore[attr-defined]
+@cache
+def _imports() -> tuple[Import, ...]:
+    nodes = ((file, node) for file in sorted(ROOT.rglob("*.py")) for node in ast.walk(_tree(file)))
+    return tuple(Import(file, node.lineno, target) for file, node in nodes for target in _targets(node))  # type: ignore[attr-defined]
+
+
+@cache
+def _tree(file: Path) -> ast.Module:
+    return ast.parse(file.read_text(encoding="utf-8"))
 
 
 def _package(dotted: str) -> str:
@@ -171,8 +175,7 @@ def test_no_import_is_hidden_in_a_function() -> None:
     for file in sorted(ROOT.rglob("*.py")):
         if file.relative_to(ROOT).parts[0] == "cli":
             continue
-        tree = ast.parse(file.read_text(encoding="utf-8"))
-        functions = [n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef)]
+        functions = [n for n in ast.walk(_tree(file)) if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef)]
         inner = {n for f in functions for n in ast.walk(f) if isinstance(n, ast.Import | ast.ImportFrom)}
         lines = sorted(n.lineno for n in inner if not (isinstance(n, ast.Import) and {a.name for a in n.names} <= OPTIONAL))
         hidden += [f"{file.relative_to(ROOT.parent)}:{line}" for line in lines]

@@ -142,11 +142,11 @@ def _variations(task: Plain) -> str:
 
 
 def _segments(task: Plain) -> str:
-    head = ["Waypoint", "Segments", "Planning, median", "95 %", "Length, median", "95 %", "Found by"]
+    head = ["Waypoint", "Reached", "Planning, median", "95 %", "Length, median", "95 %", "Found by"]
     rows = [
         [
             segment["waypoint"],
-            segment["count"],
+            share(segment) if "of" in segment else segment["count"],
             f"{segment['planning_median_ms']:.0f} ms",
             f"{segment['planning_p95_ms']:.0f} ms",
             f"{segment['length_median_s']:.2f} s",

@@ -74,7 +74,8 @@ class SegmentStatistics:
     """The segment to one waypoint, over all demonstrations that went there."""
 
     waypoint: int
-    count: int
+    reached: Rate
+    """Segments of successful demonstrations, out of these and the attempts that failed at the waypoint."""
     planning: tuple[float, float]
     """Median and 95th percentile of the process time [s]."""
     duration: tuple[float, float]
@@ -86,7 +87,7 @@ class SegmentStatistics:
         """Plain data for JSON."""
         return {
             "waypoint": self.waypoint,
-            "count": self.count,
+            **self.reached.as_dict(),
             "planning_median_ms": round(1000 * self.planning[0], 1),
             "planning_p95_ms": round(1000 * self.planning[1], 1),
             "length_median_s": round(self.duration[0], 2),
@@ -173,15 +174,16 @@ def speed_of(demos: Sequence[SolvedDemo]) -> Speed:
     )
 
 
-def segment_statistics(demos: Sequence[SolvedDemo]) -> tuple[SegmentStatistics, ...]:
-    """Group the segments of demonstrations by waypoint, rounds of a repeated list together."""
+def segment_statistics(trials: Sequence[DemoTrial]) -> tuple[SegmentStatistics, ...]:
+    """Group the segments of successful demonstrations by waypoint, rounds of a repeated list together."""
+    missed = Counter(failed.waypoint for trial in trials for failed in trial.failed)
     groups: dict[int, list[SegmentReport]] = {}
-    for segment in (segment for demo in demos for segment in demo.segments):
+    for segment in (segment for trial in trials if trial.demo for segment in trial.demo.segments):
         groups.setdefault(segment.waypoint, []).append(segment)
     return tuple(
         SegmentStatistics(
             waypoint,
-            len(segments),
+            Rate(len(segments), len(segments) + missed[waypoint]),
             _spread([segment.planning_time for segment in segments]),
             _spread([segment.duration for segment in segments]),
             dict(sorted(Counter(segment.method for segment in segments).items())),
@@ -354,7 +356,7 @@ def _of_demos(trials: Sequence[DemoTrial]) -> dict[str, Any]:
         "simulated_p95": float(np.percentile(lengths, 95)) if lengths else 0.0,
         "planning": _median([sum(segment.planning_time for segment in demo.segments) for demo in demos]),
         "speed": speed_of(demos),
-        "segments": segment_statistics(demos),
+        "segments": segment_statistics(trials),
     }
 
 

@@ -27,6 +27,7 @@ from rlbench_pin.checking.report import TaskReport, summarise
 from rlbench_pin.checking.validate import NoopEpisode
 from rlbench_pin.environment.demos import SegmentReport
 from rlbench_pin.environment.episode import drawn_variations
+from rlbench_pin.rates import Rate
 
 SEGMENTS = (SegmentReport(0, "straight", 0.06, 2.0), SegmentReport(1, "search", 0.04, 3.0))
 DEMO = SolvedDemo(
@@ -192,15 +193,20 @@ def test_each_variation_has_its_rates() -> None:
     }
 
 
-def test_legs_and_shares_of_time_add_up() -> None:
-    """By waypoint: how long planning takes and how long the motion is; and what the whole is spent on."""
-    slower = replace(GOOD, seed=99, demo=replace(DEMO, segments=(SegmentReport(0, "search", 0.16, 4.0),)))
+def test_segments_and_shares_of_time_add_up() -> None:
+    """By waypoint: how often it is reached, how long planning takes and the motion is; and what the whole is spent on."""
+    slower = replace(
+        GOOD,
+        seed=99,
+        failed=(FailedAttempt("a", 1), FailedAttempt("b", None)),
+        demo=replace(DEMO, segments=(SegmentReport(0, "search", 0.16, 4.0),)),
+    )
     report = summarise("push_button", [GOOD, slower])
     first, second = report.segments
-    assert (first.waypoint, first.count, first.methods) == (0, 2, {"search": 1, "straight": 1})
+    assert (first.waypoint, first.reached, first.methods) == (0, Rate(2, 2), {"search": 1, "straight": 1})
     assert first.planning == pytest.approx((0.11, 0.155))
     assert first.duration == pytest.approx((3.0, 3.9))
-    assert (second.waypoint, second.count) == (1, 1)
+    assert (second.waypoint, second.reached) == (1, Rate(1, 2))
     assert report.speed.reason.startswith("physics 50% (2.5 ms a tick); planning 40%, 0.11 s of it at waypoint 0;")
 
 
@@ -229,7 +235,7 @@ def test_the_page_shows_what_the_json_holds() -> None:
     assert "| [`push_button`](#push_button) | 3 | 100 % (84 to 100) | 20/20 |" in text
     assert "![push_button, sheet](images/push_button.jpg)" in text
     assert "| 1 | 100 % (65 to 100) | 7/7 | Press button 1. |" in text
-    assert "| 1 | 20 | 40 ms | 40 ms | 3.00 s | 3.00 s | search 20 |" in text
+    assert "| 1 | 20/20 | 40 ms | 40 ms | 3.00 s | 3.00 s | search 20 |" in text
     slowest = text[text.index("## The slowest") :]
     assert slowest.index("`stack_blocks`") < slowest.index("`push_button`")
     assert "physics 80%" in slowest
