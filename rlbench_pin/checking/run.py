@@ -127,7 +127,7 @@ class TrialJournal:
     def __init__(self, path: Path | None, tasks: Sequence[str]) -> None:
         path = None if path is None else as_path(path, "path")
         self._journal = None if path is None else Journal(path)
-        self._marks = {} if path is None else _marks(as_names(tasks, "tasks"))
+        self._marks = {} if path is None else task_marks(as_names(tasks, "tasks"))
         self._done: dict[str, list[Trial]] = {}
         for line in self._journal.lines if self._journal else ():
             try:
@@ -183,8 +183,8 @@ def _as_tuple(value: Any) -> Any:
     return tuple(map(_as_tuple, value)) if isinstance(value, list) else value
 
 
-def _marks(tasks: Sequence[str]) -> dict[str, str]:
-    """Return task -> a checksum of all files and settings that its trials depend on."""
+def task_marks(tasks: Sequence[str]) -> dict[str, str]:
+    """Return task -> a checksum of all files and versions of libraries that its trials depend on."""
     shared = sha256(json.dumps(library_versions()).encode())
     for file in sorted(_PACKAGE.rglob("*")):
         if file.is_file() and file.suffix not in (".pyc", ".md") and not {LIBRARY, _OBJECTS} & {*file.parents} and _decides(file):
