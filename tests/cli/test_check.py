@@ -138,6 +138,21 @@ def test_trials_outlive_changes_that_play_no_part(tmp_path: Path) -> None:
     assert run._content(code) != before[1]
 
 
+def test_trials_outlive_another_look(tmp_path: Path) -> None:
+    """Visuals of a solid model change no trial; its collision shapes do, and so do the visuals of a marker, which has none."""
+    urdf = tmp_path / "thing.urdf"
+    look = '<visual><geometry><sphere radius="{}"/></geometry></visual>'
+    solid = '<collision><geometry><box size="1 1 {}"/></geometry></collision>'
+
+    def content(*shapes: str) -> bytes:
+        urdf.write_text(f'<robot name="thing"><link name="thing">{"".join(shapes)}</link></robot>', encoding="utf-8")
+        return run._content(urdf)
+
+    assert content(look.format(1), solid.format(1)) == content(solid.format(1), look.format(2), look.format(3))
+    assert content(solid.format(1)) != content(solid.format(2))
+    assert content(look.format(1)) != content(look.format(2))
+
+
 def test_failures_survive_the_journal(tmp_path: Path) -> None:
     """So do failed attempts and draws without a place; a line that an earlier version wrote is done again."""
     path = tmp_path / "trials.jsonl"
