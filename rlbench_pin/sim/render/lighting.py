@@ -192,7 +192,7 @@ class ShadowMap:
         Most points lie beyond all of 5 x 5 texels or before them all, which two look-ups show.
 
         Args:
-            spots: The points, from `spots_of`.
+            spots: The points.
             bias: By how much an object must be nearer to the light to shade a point (n,) [m].
         """
         height, width = self._image.shape
@@ -269,12 +269,20 @@ class ShadowMap:
         everywhere[first : first + inner.shape[0], left : left + inner.shape[1]] = inner
         return TableShade(_smooth_bytes(blocked), np.float32(1.0) - softness, soft, everywhere.ravel())
 
-    def at(self, spots: Sequence[TableSpots]) -> tuple[list[NDArray[np.int64]], NDArray[np.float32]]:
-        """Return which points of the table may be darker, of each camera, and how much of the key light these miss (k,)."""
+    def at(self, spots: Sequence[TableSpots], starts: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+        """Return which pixels (k,) that see the table may be darker, of all cameras, and how much of the key light these miss.
+
+        Args:
+            spots: The table as each camera sees it.
+            starts: Where the pixels of each begin.
+        """
         shade = self._shade
         chosen = [shade.reached.take(each.block).nonzero()[0] for each in spots]
-        right = np.concatenate([each.right.take(points) for each, points in zip(spots, chosen, strict=True)])
-        down = np.concatenate([each.down.take(points) for each, points in zip(spots, chosen, strict=True)])
+        pixels, right, down = (
+            np.concatenate([getattr(each, name).take(points) for each, points in zip(spots, chosen, strict=True)])
+            for name in ("pixels", "right", "down")
+        )
+        pixels += np.repeat(starts[: len(spots)], [len(points) for points in chosen])
         # the filters take two texels, and two blocks, at the borders
         right -= np.float32(self._columns.start + 2)
         down -= np.float32(self._rows.start + 2)
@@ -291,7 +299,7 @@ class ShadowMap:
         sharp *= sharpness
         sharp *= np.float32(1.0 / 255.0)
         missing += sharp
-        return chosen, missing
+        return pixels, missing
 
 
 def _between(fields: Sequence[NDArray], x: NDArray[np.float32], y: NDArray[np.float32]) -> list[NDArray[np.float32]]:
@@ -374,34 +382,11 @@ def _moved(own: slice, start: int) -> slice:
     return slice(own.start - start, own.stop - start)
 
 
-def spots_of(
-    light: CameraView, view: CameraView, column: NDArray[np.float32], row: NDArray[np.float32], depth: NDArray[np.float32]
-) -> LightSpots:
-    """Find what a camera sees in the image that `light` takes.
-
-    Args:
-        light: Camera of the light.
-        view: The camera.
-        column: Columns of pixels (n,).
-        row: Their rows (n,).
-        depth: What they see (n,) [m].
-    """
-    to_light = light.to_image[:, :3] @ view.from_image
-    to_light[:, 3] += light.to_image[:, 3]
-    points = np.empty((4, len(depth)), dtype=np.float32)
-    np.multiply(column, depth, out=points[0])
-    np.multiply(row, depth, out=points[1])
-    points[2], points[3] = depth, 1.0
-    right, down, along = to_light.astype(np.float32) @ points
-    for values in (right, down):
-        values /= along
-        values += np.float32(0.5)
-    return LightSpots(right, down, along)
-
-
-def joined_spots(spots: Sequence[LightSpots]) -> LightSpots:
-    """Return some spots after each other."""
-    return LightSpots(*(np.concatenate([getattr(s, name) for s in spots]) for name in ("right", "down", "depth")))
+def to_light(light: CameraView, view: CameraView) -> NDArray[np.float32]:
+    """Matrix (3, 4) from u z, v z, z and 1 in the image of a camera to the same in that of a light."""
+    result = light.to_image[:, :3] @ view.from_image
+    result[:, 3] += light.to_image[:, 3]
+    return result.astype(np.float32)
 
 
 def table_spots(light: CameraView, view: CameraView, height: float, pixels: NDArray[np.int64]) -> TableSpots:

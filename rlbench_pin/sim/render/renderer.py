@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import accumulate
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,21 +20,17 @@ from rlbench_pin.sim.render.camera import CameraView, Images
 from rlbench_pin.sim.render.lighting import Light, Lighting, ShadowMap, light_view
 from rlbench_pin.sim.render.masks import bodies_of, rows_of
 from rlbench_pin.sim.render.raster.drawing import Sight
-from rlbench_pin.sim.render.raster.stage import Appearance
+from rlbench_pin.sim.render.raster.stage import Appearance, Lamp
 from rlbench_pin.sim.render.shading import (
     KeptBackdrop,
     LinkTexture,
+    Sheet,
     colors_in_light,
     halved,
-    put_pools,
-    put_shot,
+    normals_of_depth,
     put_textures,
-    shade_tables,
-    smoothed,
-    surfaces_of,
-    toned_pixels,
 )
-from rlbench_pin.sim.render.shots import BulletRasterizer, NumpyRasterizer, Shooting, Shot
+from rlbench_pin.sim.render.shots import BulletRasterizer, NumpyRasterizer, Shot
 from rlbench_pin.sim.room import RoomBody
 from rlbench_pin.values import as_flag, as_record
 
@@ -174,18 +169,25 @@ class Renderer:
         if not requests:
             return []
         painter = self._present_painter()
-        backdrops = [self._backdrop(painter, request.view) for request in requests]
-        sights = [self._sight(request, backdrop) for request, backdrop in zip(requests, backdrops, strict=True)]
+        kinds = [(request.rgb, request.is_shaded) for request in requests]
+        groups = [[n for n, own in enumerate(kinds) if own == kind] for kind in sorted(set(kinds))]
+        wanted = [[requests[n] for n in group] for group in groups]
+        sheets = [
+            Sheet([self._backdrop(painter, request.view) for request in group], group[0].rgb, any(r.mask for r in group))
+            for group in wanted
+        ]
+        sights = [self._sight(group, sheet) for group, sheet in zip(wanted, sheets, strict=True)]
         makes_map = shadows is None and any(request.is_shaded for request in requests)
         view = self._view_of_light()
         shooting = self._rasterizer.shoot(sights, self.lighting, view if makes_map else None)
         if shooting.blocked is not None:
             shadows = ShadowMap(view, painter.table_height, shooting.blocked)
-        images = self._images(requests, painter, backdrops, shooting, shadows)
-        return [
-            self._put_together(request, backdrop, shot, image)
-            for request, backdrop, shot, image in zip(requests, backdrops, shooting.shots, images, strict=True)
-        ]
+        taken: dict[int, Images] = {}
+        for group, own, sheet, shot in zip(groups, wanted, sheets, shooting.shots, strict=True):
+            if own[0].rgb:
+                self._color(own, sheet, shot, painter, shadows if own[0].shadows else None, shooting.lamps)
+            taken.update(zip(group, self._put_together(own, sheet, shot), strict=True))
+        return [taken[n] for n in range(len(requests))]
 
     # Moving objects ---------------------------------------------------------------------------------------------------
 
@@ -194,81 +196,48 @@ class Renderer:
             self._light_view = self.lighting.key, light_view(self.lighting.key)
         return self._light_view[1]
 
-    def _sight(self, request: Request, backdrop: KeptBackdrop) -> Sight:
-        lighting = self.lighting
-        ambient = lighting.ambient if request.shadows else lighting.ambient + lighting.mean_fill
-        return Sight(request.view, backdrop.image.depth.ravel(), request.rgb, ambient)
+    def _sight(self, requests: Sequence[Request], sheet: Sheet) -> Sight:
+        lighting, first = self.lighting, requests[0]
+        ambient = lighting.ambient if first.is_shaded else lighting.ambient + lighting.mean_fill
+        return Sight([request.view for request in requests], sheet.depth, first.rgb, ambient)
 
-    def _put_together(self, request: Request, backdrop: KeptBackdrop, shot: Shot, image: NDArray[np.uint8] | None) -> Images:
-        """Put depth and ids of what moves before those of the room, as far as they are asked for."""
-        distance = ids = None
-        if request.depth:
-            distance = backdrop.image.depth.copy()
-            distance.ravel()[shot.pixels] = shot.depth
-        if request.mask:
-            ids = backdrop.image.mask.copy()
+    def _put_together(self, requests: Sequence[Request], sheet: Sheet, shot: Shot) -> list[Images]:
+        """Put depth and ids of what moves before those of the room, and return what is asked for."""
+        sheet.depth[shot.pixels] = shot.depth
+        if sheet.ids is not None:
             of_segments = self._ids()[bodies_of(shot.segments), rows_of(shot.segments)]
-            ids.ravel()[shot.pixels] = of_segments.take(shot.segment)
-        return Images(image, distance, ids)
-
-    def _images(
-        self,
-        requests: Sequence[Request],
-        room: Painter,
-        backdrops: Sequence[KeptBackdrop],
-        shooting: Shooting,
-        shadows: ShadowMap | None,
-    ) -> list[NDArray[np.uint8] | None]:
-        """Colours of what moves before those of the room, with shadows, fill lights and textures; None where none are wanted."""
-        images = [
-            backdrop.image.rgb.copy() if request.rgb else None for request, backdrop in zip(requests, backdrops, strict=True)
+            sheet.ids[shot.pixels] = of_segments.take(shot.segment)
+        return [
+            Images(
+                sheet.part(sheet.bytes, n) if request.rgb else None,
+                sheet.part(sheet.depth, n) if request.depth else None,
+                sheet.part(sheet.ids, n) if request.mask and sheet.ids is not None else None,
+            )
+            for n, request in enumerate(requests)
         ]
-        for is_shaded in (False, True):
-            chosen = [n for n, request in enumerate(requests) if request.rgb and request.shadows == is_shaded]
-            if not chosen:
-                continue
-            views, shots = [backdrops[n] for n in chosen], [shooting.shots[n] for n in chosen]
-            chosen_images = [image for n in chosen if (image := images[n]) is not None]
-            if is_shaded and shadows is not None:
-                shade_tables(chosen_images, views, shadows, room.table_key)
-                if shooting.lamps:
-                    for image, view in zip(chosen_images, views, strict=True):
-                        put_pools(image, view, view.table(shadows), shooting.lamps)
-            # what is seen through glass first
-            layers = [(n, shot.behind) for n, shot in enumerate(shots) if shot.behind is not None] + list(enumerate(shots))
-            surfaces = [surfaces_of(views[n], shot) for n, shot in layers]
-            colors = colors_in_light(surfaces, self.lighting, shadows if is_shaded else None, shooting.lamps)
-            ends = list(accumulate((len(shot.pixels) for _, shot in layers), initial=0))
-            if self._link_textures:
-                for seen, begin, end in zip(surfaces, ends, ends[1:]):
-                    put_textures(colors[:, begin:end], seen, self._link_textures, self._frame)
-            pixels = toned_pixels(colors)
-            for (n, shot), begin, end in zip(layers, ends, ends[1:]):
-                put_shot(chosen_images[n], shot, pixels[begin:end])
-        self._smooth(requests, backdrops, shooting.shots, images)
-        return images
 
-    def _smooth(
+    def _color(
         self,
         requests: Sequence[Request],
-        backdrops: Sequence[KeptBackdrop],
-        shots: Sequence[Shot],
-        images: list[NDArray[np.uint8] | None],
+        sheet: Sheet,
+        shot: Shot,
+        room: Painter,
+        shadows: ShadowMap | None,
+        lamps: Sequence[Lamp],
     ) -> None:
-        """Smooth the edges of the images that ask for it, those of one size together."""
-        sizes: dict[tuple[int, int], list[int]] = {}
-        for n, request in enumerate(requests):
-            if request.rgb and request.antialiasing:
-                sizes.setdefault(request.view.size, []).append(n)
-        for (width, height), chosen in sizes.items():
-            together = np.stack([image for n in chosen if (image := images[n]) is not None])
-            surfaces = np.empty((len(chosen), height, width), dtype=np.uint8)
-            for own, n in zip(surfaces, chosen, strict=True):
-                own[:] = backdrops[n].surfaces
-                own.ravel()[shots[n].pixels] = shots[n].surface
-            smoothed(together, surfaces)
-            for image, n in zip(together, chosen, strict=True):
-                images[n] = image if len(chosen) == 1 else image.copy()
+        """Put colours of what moves before those of the room, with shadows, fill lights and textures, and smooth edges."""
+        if shadows is not None:
+            sheet.shade_tables(shadows, room.table_key)
+            if lamps:
+                sheet.put_pools(shadows, lamps)
+        normals = normals_of_depth(sheet.backdrops, shot) if shot.normals is None else shot.normals
+        colors = colors_in_light(shot, normals, self.lighting, shadows, lamps)
+        if self._link_textures:
+            put_textures(colors, shot, normals, self._link_textures, self._frame)
+        sheet.put_shot(shot, colors)
+        smooth = [n for n, request in enumerate(requests) if request.antialiasing]
+        if smooth:
+            sheet.smooth(shot, smooth)
 
     def _frame(self, body: int, link: int) -> NDArray[np.float32]:
         identifier = self._client.id

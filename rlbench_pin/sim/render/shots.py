@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 
@@ -26,10 +26,18 @@ _DULL: NDArray[np.float32] = np.zeros((3, 0), dtype=np.float32)
 
 @dataclass(frozen=True, eq=False)
 class Shot:
-    """The pixels of one image that see moving objects, ascending."""
+    """The pixels of some images that see moving objects, image by image; then those that see glass, which hides the others."""
 
+    views: Sequence[CameraView]
+    """Camera of each image (c,)."""
+    ends: NDArray[np.int64]
+    """Which pixels are the first of each image (c + 1,), or (2 c + 1,) where glass is seen."""
     pixels: NDArray[np.int64]
-    """Flat indices (n,)."""
+    """Flat indices (n,), image after image; those of an image ascend."""
+    row: NDArray[np.float32]
+    """Rows of the pixels in their images (n,)."""
+    column: NDArray[np.float32]
+    """Their columns (n,)."""
     inverse: NDArray[np.float32]
     """Inverse depth (n,) [1/m]."""
     depth: NDArray[np.float32]
@@ -51,14 +59,17 @@ class Shot:
     """Share of red, green, blue that it throws back like a mirror (3, k)."""
     shining: NDArray[np.int64] = field(default_factory=lambda: _NONE)
     """Which of the pixels see something that shines (s,)."""
-    glass: NDArray[np.int64] = field(default_factory=lambda: _NONE)
-    """Which of the pixels see glass (g,)."""
     opacity: NDArray[np.float32] = field(default_factory=lambda: _DULL[0])
-    """How much of what is behind it the glass hides (g,), 0..1."""
+    """How much of what is behind it the glass hides (g,), 0..1, for the last g pixels."""
     shades: NDArray[np.float32] | None = None
     """How much of the ambient light reaches the points (n,), 0..1; all of it when None."""
-    behind: Shot | None = None
-    """Surfaces behind the glass, where it is no part of the room."""
+
+    def parts(self, chosen: NDArray[np.int64] | None = None) -> Iterator[tuple[int, CameraView, slice]]:
+        """Yield each image that sees some, by number, with its camera and its part of the pixels, or of those `chosen`."""
+        ends = (self.ends if chosen is None else np.searchsorted(chosen, self.ends)).tolist()
+        for n, (begin, end) in enumerate(zip(ends, ends[1:])):
+            if end > begin:
+                yield n % len(self.views), self.views[n % len(self.views)], slice(begin, end)
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +77,7 @@ class Shooting:
     """Moving objects as the cameras of one instant see them."""
 
     shots: list[Shot]
-    """One for each camera."""
+    """One for each group of cameras."""
     blocked: Blocked | None
     """Surfaces in the light; None where that was not asked for."""
     lamps: list[Lamp]
@@ -92,67 +103,52 @@ class NumpyRasterizer:
             return self._other.shoot(sights, lighting, light)
         materials = self._stage.materials
         drawn, blocked = draw(placed, self._stage.layers, materials.opacity.take(placed.parts.shape), sights, light)
-        patterns = _patterns(drawn, placed.parts, materials, sights)
-        each = zip(drawn, sights, patterns, strict=True)
-        shots = [_shot(image, placed.parts, materials, sight, pattern) for image, sight, pattern in each]
+        shots = [_shot(each, placed.parts, materials, sight) for each, sight in zip(drawn, sights, strict=True)]
         return Shooting(shots, blocked, self._stage.lamps())
 
 
-def _shot(drawn: Drawn, parts: Parts, materials: Materials, sight: Sight, pattern: NDArray[np.float32] | None) -> Shot:
-    """The pixels of one camera; the colours are multiplied by a pattern (3, n)."""
+def _shot(drawn: Drawn, parts: Parts, materials: Materials, sight: Sight) -> Shot:
+    """The pixels of some cameras."""
     triangles = drawn.triangles
     shape = parts.shape.take(triangles)
-    own = (drawn.pixels, drawn.inverse, drawn.depth, parts.segments, parts.link.take(triangles))
+    places = (sight.views, drawn.ends, drawn.pixels, drawn.row, drawn.column, drawn.inverse, drawn.depth)
+    segments = (parts.segments, parts.link.take(triangles))
     if not sight.is_lit:
-        return Shot(*own, _DULL, drawn.normals, shape)
+        return Shot(*places, *segments, _DULL, None, shape)
     glossy = materials.is_glossy.take(shape).nonzero()[0] if materials.is_glossy.any() else _NONE
-    has_glass = materials.opacity.min() < 1.0
-    glass = (materials.opacity.take(shape) < 1.0).nonzero()[0] if has_glass else _NONE
     colors, gloss = materials.colors.take(shape, axis=1), materials.gloss.take(shape.take(glossy), axis=1)
-    if pattern is not None:
-        colors *= pattern
-        gloss *= pattern.take(glossy, axis=1)
-    behind = None
-    if drawn.behind is not None:
-        behind = _shot(drawn.behind, parts, materials, sight, _patterns([drawn.behind], parts, materials, [sight])[0])
+    if materials.patterns:
+        factors = _patterns(drawn, materials.pattern.take(shape), materials, sight)
+        colors *= factors
+        gloss *= factors.take(glossy, axis=1)
     return Shot(
-        *own,
+        *places,
+        *segments,
         colors,
-        drawn.normals,
+        drawn.normals(),
         shape,
         glossy=glossy,
         gloss=gloss,
         shining=materials.shines.take(shape).nonzero()[0] if materials.shines.any() else _NONE,
-        glass=glass,
-        opacity=materials.opacity.take(shape.take(glass)),
-        shades=drawn.surface[0] if len(drawn.surface) else None,
-        behind=behind,
+        opacity=materials.opacity.take(shape[drawn.ends[len(sight.views)] :]),
+        shades=drawn.surface([0], slice(None))[0] if parts.surface.shape[1] else None,
     )
 
 
-def _patterns(
-    drawn: Sequence[Drawn], parts: Parts, materials: Materials, sights: Sequence[Sight]
-) -> Sequence[NDArray[np.float32] | None]:
-    """Factors (3, n) of the colours that each camera sees, with mean 1; None where there is no pattern."""
-    lit = [n for n, sight in enumerate(sights) if sight.is_lit]
-    found: list[NDArray[np.float32] | None] = [None] * len(drawn)
-    if not materials.patterns or not lit:
-        return found
-    pattern = materials.pattern.take(parts.shape.take(np.concatenate([drawn[n].triangles for n in lit])))
+def _patterns(drawn: Drawn, pattern: NDArray[np.int64], materials: Materials, sight: Sight) -> NDArray[np.float32]:
+    """Factors (3, n) of the colours of pixels that see some patterns (n,), with mean 1."""
     factors = np.ones((3, len(pattern)), dtype=np.float32)
     patterned = (pattern >= 0).nonzero()[0]
-    places = np.concatenate([drawn[n].surface[1:] for n in lit], axis=1).take(patterned, axis=1)
-    widths = np.concatenate([drawn[n].depth * np.float32(-1.4 / sights[n].view.intrinsics()[0, 0]) for n in lit]).take(patterned)
     pattern = pattern.take(patterned)
+    scales = np.array([-1.4 / view.intrinsics()[0, 0] for view in sight.views], dtype=np.float32)
+    camera = np.repeat(np.arange(len(drawn.ends) - 1) % len(scales), np.diff(np.searchsorted(patterned, drawn.ends)))
+    places, widths = drawn.surface([1, 2], patterned), drawn.depth.take(patterned) * scales.take(camera)
     for number, (texture, size) in enumerate(materials.patterns):
         own = (pattern == number).nonzero()[0] if len(materials.patterns) > 1 else slice(None)
         u, v = places[:, own] * np.float32(1.0 / size)
         texels = texture.indices(u, v, widths[own] * np.float32(texture.size / size))
         factors[:, patterned[own]] = texture.relative.take(texels, axis=1)
-    ends = np.cumsum([0, *(len(drawn[n].pixels) for n in lit)])
-    for n, begin, end in zip(lit, ends, ends[1:]):
-        found[n] = factors[:, begin:end]
-    return found
+    return factors
 
 
 class BulletRasterizer:
@@ -173,13 +169,27 @@ class BulletRasterizer:
         return Shooting(shots, None if light is None else self._blocked(light, lighting), [])
 
     def _blocked(self, light: CameraView, lighting: Lighting) -> Blocked:
-        shot = self._shot(Sight(light, None), lighting)
+        shot = self._shot(Sight([light], None), lighting)
         depth = np.full(light.size[0] * light.size[1], np.inf, dtype=np.float32)
         depth[shot.pixels] = shot.depth
         return Blocked(0, 0, depth.reshape(light.size[::-1]))
 
     def _shot(self, sight: Sight, lighting: Lighting) -> Shot:
-        view = sight.view
+        ends = np.cumsum([0, *(view.size[0] * view.size[1] for view in sight.views)])
+        limits = [None if sight.limit is None else sight.limit[a:b] for a, b in zip(ends, ends[1:])]
+        each = [self._pixels(view, limit, sight, lighting) for view, limit in zip(sight.views, limits, strict=True)]
+        pixels, inverse, depth, segments, colors = (np.concatenate(values, axis=-1) for values in zip(*each, strict=True))
+        counts = [len(own[0]) for own in each]
+        widths = np.repeat([view.size[0] for view in sight.views], counts)
+        row, column = pixels // widths, pixels % widths
+        pixels += np.repeat(ends[:-1], counts)
+        places = (np.cumsum([0, *counts]), pixels, row.astype(np.float32), column.astype(np.float32), inverse, depth)
+        return Shot(sight.views, *places, segments, np.arange(len(pixels)), colors, None, segments.astype(np.int64))
+
+    def _pixels(
+        self, view: CameraView, limit: NDArray[np.float32] | None, sight: Sight, lighting: Lighting
+    ) -> tuple[NDArray, ...]:
+        """Pixels, inverse depths, depths, segments and colours (3, n) of what one camera sees."""
         if self._hardware and view.near < _HARDWARE_NEAR < view.far:
             view = replace(view, near=_HARDWARE_NEAR)
         colors, buffer, segments = self._camera_image(view, sight, lighting)
@@ -191,11 +201,10 @@ class BulletRasterizer:
         near, far = view.near, view.far
         precise = (far - (far - near) * np.reshape(buffer, -1)[pixels].astype(np.float64)) / (near * far)
         depth = (1.0 / precise).astype(np.float32)
-        seen = depth < (view.far if sight.limit is None else sight.limit[pixels] + TOUCHING)
+        seen = depth < (view.far if limit is None else limit[pixels] + TOUCHING)
         pixels, inverse, depth = pixels[seen], precise[seen].astype(np.float32), depth[seen]
         rgb = np.reshape(colors, (-1, 4))[pixels, :3].T.astype(np.float32)
-        segments = segments[pixels]
-        return Shot(pixels, inverse, depth, segments, np.arange(len(pixels)), rgb, None, segments.astype(np.int64))
+        return pixels, inverse, depth, segments[pixels], rgb
 
     def _camera_image(self, view: CameraView, sight: Sight, lighting: Lighting) -> tuple[NDArray, NDArray, NDArray]:
         """Colours, depth buffer and segments; OpenGL prints a line at every change of size."""

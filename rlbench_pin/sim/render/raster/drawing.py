@@ -9,7 +9,8 @@ right. What rests before a camera at rest is drawn once: keys of pixels, which m
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,11 +29,12 @@ _SOLID = np.float32(0.999)
 
 @dataclass(frozen=True, eq=False)
 class Sight:
-    """A camera, and what hides moving objects from it."""
+    """Cameras that want the same, and what hides moving objects from them."""
 
-    view: CameraView
+    views: Sequence[CameraView]
+    """The cameras."""
     limit: NDArray[np.float32] | None
-    """Depth (h * w,) from which on nothing is seen [m]; nothing hides anything when None."""
+    """Depth of all their pixels (n,), image after image, from which on nothing is seen [m]; nothing hides anything when None."""
     is_lit: bool = False
     """Whether colours are wanted."""
     ambient: float = 1.0
@@ -41,22 +43,49 @@ class Sight:
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """The pixels of one camera that see a triangle, ascending."""
+    """The pixels of some cameras that see a triangle, camera by camera; then those that see glass, which hides the others."""
 
+    ends: NDArray[np.int64]
+    """Which pixels are the first of each camera (c + 1,), or (2 c + 1,) where there is glass."""
     pixels: NDArray[np.int64]
-    """Flat indices (n,)."""
+    """Flat indices (n,), image after image; those of a camera ascend."""
     triangles: NDArray[np.int64]
     """What they see (n,)."""
     inverse: NDArray[np.float32]
     """Inverse depth (n,) [1/m]."""
     depth: NDArray[np.float32]
     """(n,) [m]."""
-    normals: NDArray[np.float32]
-    """Unit normals (3, n) in the world, between those of the corners; none where no colours are wanted."""
-    surface: NDArray[np.float32]
-    """Values of `Parts.surface`, between those of the corners, (c, n); none where no colours are wanted."""
-    behind: Drawn | None = None
-    """Surfaces behind glass; None where there is none, or no colours are wanted."""
+    row: NDArray[np.float32]
+    """Rows of the pixels in their images (n,)."""
+    column: NDArray[np.float32]
+    """Their columns (n,)."""
+    place: NDArray[np.int64]
+    """Which of the forms each pixel has (n,); none where no colours are wanted."""
+    forms: NDArray[np.float32]
+    """Factors (k, 3 c) of column, row and 1, c each, that give normals and values of `Parts.surface`, over the depth."""
+
+    def normals(self) -> NDArray[np.float32]:
+        """Return unit normals (3, n) in the world, between those of the corners."""
+        vectors = self._between(range(3), slice(None))
+        x, y, z = vectors
+        vectors /= np.maximum(np.sqrt(x * x + y * y + z * z), np.float32(1e-12))
+        return vectors
+
+    def surface(self, numbers: Sequence[int], chosen: NDArray[np.int64] | slice) -> NDArray[np.float32]:
+        """Return some values (c, k) of `Parts.surface` of some pixels, between those of the corners."""
+        values = self._between([3 + number for number in numbers], chosen)
+        values /= self.inverse[chosen]
+        return values
+
+    def _between(self, numbers: Sequence[int], chosen: NDArray[np.int64] | slice) -> NDArray[np.float32]:
+        u, v, forms = self.column[chosen], self.row[chosen], self.forms.take(self.place[chosen], axis=0)
+        count = forms.shape[1] // 3
+        result = np.empty((len(numbers), len(u)), dtype=np.float32)
+        for i, values in zip(numbers, result, strict=True):
+            np.multiply(forms[:, i], u, out=values)
+            values += forms[:, count + i] * v
+            values += forms[:, 2 * count + i]
+        return result
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +98,42 @@ class Blocked:
     """Its first column."""
     depth: NDArray[np.float32]
     """Distance along the light to the first object, infinite where there is none, (h, w) [m]."""
+
+
+class Targets:
+    """The keys of the pixels of all cameras, in one row.
+
+    Args:
+        projection: What the cameras see.
+        has_light: Whether the last camera is that of a light. Of its image, most of which is empty, only a part is drawn.
+
+    Attributes:
+        keys: The keys (n,).
+        starts: Where those of each camera begin (c + 1,).
+    """
+
+    def __init__(self, projection: Projection, has_light: bool) -> None:
+        self.sizes = np.array([view.size for view in projection.views])
+        self.windows = [(slice(0, height), slice(0, width)) for width, height in self.sizes.tolist()]
+        if has_light:
+            (left, top), (right, bottom) = projection.bounds(len(self.windows) - 1)
+            self.windows[-1] = slice(top, bottom + 1), slice(left, right + 1)
+        shapes = [(rows.stop - rows.start, columns.stop - columns.start) for rows, columns in self.windows]
+        self._widths = np.array([width for _, width in shapes])
+        self.starts = np.cumsum([0, *(height * width for height, width in shapes)])
+        corners = [(rows.start, columns.start) for rows, columns in self.windows]
+        self._origins = self.starts[:-1] - [row * width + column for (row, column), (_, width) in zip(corners, shapes)]
+        self.keys = np.empty(int(self.starts[-1]), dtype=np.int64)
+        self.images = [self.keys[a:b].reshape(shape) for a, b, shape in zip(self.starts, self.starts[1:], shapes)]
+
+    def draw(self, keys: NDArray[np.int64], projection: Projection, wanted: NDArray[np.bool_]) -> None:
+        """Draw the triangles that each camera wants (c, m) into keys (n,)."""
+        outlines = outlines_of(projection, wanted)
+        camera = outlines.camera
+        widths, heights = self.sizes.T
+        spans = Spans(outlines, widths.take(camera), heights.take(camera))
+        planes = _inverse_depths(projection.corners(camera, outlines.triangle))
+        spans.draw_into(keys, planes, self._origins.take(camera), self._widths.take(camera))
 
 
 def draw(
@@ -84,89 +149,98 @@ def draw(
         light: Camera of a light.
 
     Returns:
-        What each camera sees, and what stands in the light; None where that is not asked for.
+        What each group of cameras sees, and what stands in the light; None where that is not asked for.
     """
-    views = [*(sight.view for sight in sights), *([] if light is None else [light])]
+    views = [*(view for sight in sights for view in sight.views), *([] if light is None else [light])]
     projection = Projection(placed, views)
-    starts = np.cumsum([0, *(view.size[0] * view.size[1] for view in views)])
-    used = [slice(0, view.size[0] * view.size[1]) for view in views]
-    if light is not None:
-        # most of its image is empty
-        (_, begin), (_, end) = projection.bounds(len(sights))
-        used[-1] = slice(begin * light.size[0], (end + 1) * light.size[0])
+    targets = Targets(projection, light is not None)
     solid, glass = opacity >= _SOLID, (opacity > 0.0) & (opacity < _SOLID)
-    nearest = np.empty(int(starts[-1]), dtype=np.int64)
-    _draw_into(nearest, starts, projection, solid & _from_layers(nearest, starts, used, projection, placed, layers, solid))
-    blocked = None if light is None else _blocked(nearest[starts[len(sights)] :], projection)
-    keys = nearest[: starts[len(sights)]]
-    if not glass.any():
-        return _with_normals(_seen(keys, sights, starts), sights, projection), blocked
-    front = keys.copy()
-    is_camera = np.arange(len(views)) < len(sights)
-    _draw_into(front, starts, projection, glass & is_camera[:, None])
-    seen = _with_normals(_seen(front, sights, starts), sights, projection)
-    behind = _with_normals(_seen(np.where(front != keys, keys, 0), sights, starts), sights, projection)
-    return [replace(own, behind=far) if len(far.pixels) else own for own, far in zip(seen, behind, strict=True)], blocked
+    targets.draw(targets.keys, projection, solid & _from_layers(targets, projection, placed, layers, solid))
+    blocked = None if light is None else _blocked(targets)
+    front = None
+    if glass.any():
+        front = targets.keys.copy()
+        is_camera = np.arange(len(views)) < len(views) - (light is not None)
+        targets.draw(front, projection, glass & is_camera[:, None])
+        front[front == targets.keys] = 0
+    drawn, first = [], 0
+    for sight in sights:
+        last = first + len(sight.views)
+        part = slice(targets.starts[first], targets.starts[last])
+        layers_seen = [keys[part] for keys in (targets.keys, front) if keys is not None]
+        drawn.append(_seen(layers_seen, sight, np.arange(first, last), projection))
+        first = last
+    return drawn, blocked
 
 
-def _seen(keys: NDArray[np.int64], sights: Sequence[Sight], starts: NDArray[np.int64]) -> list[tuple[NDArray, ...]]:
-    """Of each camera pixels, triangles, inverse depths and depths (n,) of keys that are not 0, before what hides them."""
+def _seen(layers: Sequence[NDArray[np.int64]], sight: Sight, cameras: NDArray[np.int64], projection: Projection) -> Drawn:
+    """What some cameras see, from keys that are not 0, before what hides it.
+
+    Args:
+        layers: Keys of their pixels (n,), and those of glass in front of them.
+        sight: The cameras.
+        cameras: Their numbers.
+        projection: The triangles.
+    """
+    keys = layers[0] if len(layers) == 1 else np.concatenate(layers)
+    counts = [view.size[0] * view.size[1] for view in sight.views] * len(layers)
+    count = len(layers[0])
     pixels = (keys > 0).nonzero()[0]
     triangles, inverse = parts_of_keys(keys.take(pixels))
     depth: NDArray[np.float32] = np.float32(1.0) / inverse
-    ends = np.searchsorted(pixels, starts)
-    drawn: list[tuple[NDArray, ...]] = []
-    for number, sight in enumerate(sights):
-        part = slice(ends[number], ends[number + 1])
-        flat = pixels[part] - starts[number]
-        quantities: tuple[NDArray, ...] = (flat, triangles[part], inverse[part], depth[part])
-        if sight.limit is not None:
-            seen = quantities[3] < sight.limit.take(flat) + TOUCHING
-            if not seen.all():
-                quantities = tuple(values[seen] for values in quantities)
-        drawn.append(quantities)
-    return drawn
+    ends = np.searchsorted(pixels, np.cumsum([0, *counts]))
+    if len(layers) > 1:
+        pixels[ends[len(cameras)] :] -= count
+    if sight.limit is not None:
+        seen = depth < sight.limit.take(pixels) + TOUCHING
+        if not seen.all():
+            kept = seen.nonzero()[0]
+            pixels, triangles, inverse, depth = (values.take(kept) for values in (pixels, triangles, inverse, depth))
+            ends = np.searchsorted(kept, ends)
+    rows, columns = _grid(tuple(view.size for view in sight.views))
+    cameras = np.concatenate([cameras] * len(layers))
+    place, forms = _no_forms() if not sight.is_lit else _forms(triangles, np.repeat(cameras, np.diff(ends)), projection)
+    return Drawn(ends, pixels, triangles, inverse, depth, rows.take(pixels), columns.take(pixels), place, forms)
 
 
-def _blocked(nearest: NDArray[np.int64], projection: Projection) -> Blocked:
-    """Surfaces in the light, which is the last camera, from the keys (n,) of its pixels."""
-    width, height = projection.views[-1].size
-    (first, begin), (last, end) = projection.bounds(len(projection.views) - 1)
-    part = nearest.reshape(height, width)[begin : end + 1, first : last + 1]
+@lru_cache(maxsize=8)
+def _grid(sizes: tuple[tuple[int, int], ...]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Row and column of every pixel (n,) of images of some sizes, image after image."""
+    each = [np.indices((height, width), dtype=np.float32).reshape(2, -1) for width, height in sizes]
+    rows, columns = np.concatenate(each, axis=1)
+    return rows, columns
+
+
+def _blocked(targets: Targets) -> Blocked:
+    """Surfaces in the light, which is the last camera."""
+    rows, columns = targets.windows[-1]
     with np.errstate(divide="ignore"):
-        return Blocked(begin, first, np.float32(1.0) / inverses_of_keys(part))
+        return Blocked(rows.start, columns.start, np.float32(1.0) / inverses_of_keys(targets.images[-1]))
 
 
 def _from_layers(
-    nearest: NDArray[np.int64],
-    starts: NDArray[np.int64],
-    used: Sequence[slice],
-    projection: Projection,
-    placed: Placed,
-    layers: Layers,
-    shown: NDArray[np.bool_],
+    targets: Targets, projection: Projection, placed: Placed, layers: Layers, shown: NDArray[np.bool_]
 ) -> NDArray[np.bool_]:
-    """Fill the `used` pixels of all images with what cameras at rest see of links at rest.
+    """Fill all images with what cameras at rest see of links at rest.
 
     Returns:
         What has still to be drawn, (c, m).
     """
-    keys = [nearest[start + part.start : start + part.stop] for start, part in zip(starts, used)]
     kept = layers.of(projection.views, shown, placed.still)
     link = placed.parts.link
     missing = np.zeros((len(kept), len(placed.still)), dtype=np.bool_)
-    for number, (layer, own) in enumerate(zip(kept, keys, strict=True)):
+    for number, (layer, own) in enumerate(zip(kept, targets.images, strict=True)):
         if layer is not None:
             missing[number] = placed.still & ~layer.links
         if layer is None or missing[number].any():
             own[:] = 0
     if missing.any():
-        _draw_into(nearest, starts, projection, shown & missing.take(link, axis=1))
+        targets.draw(targets.keys, projection, shown & missing.take(link, axis=1))
     left = np.ones((len(kept), len(placed.still)), dtype=np.bool_)
-    for number, (layer, own, part) in enumerate(zip(kept, keys, used, strict=True)):
+    for number, (layer, own, window) in enumerate(zip(kept, targets.images, targets.windows, strict=True)):
         if layer is None:
             continue
-        resting = layer.nearest[part]
+        resting = layer.nearest[window]
         if missing[number].any():
             np.maximum(resting, own, out=resting)
             layer.links[missing[number]] = True
@@ -175,44 +249,31 @@ def _from_layers(
     return (left & projection.reached).take(link, axis=1)
 
 
-def _draw_into(nearest: NDArray[np.int64], starts: NDArray[np.int64], projection: Projection, wanted: NDArray[np.bool_]) -> None:
-    """Draw the triangles that each camera wants (c, m) into the keys (n,) of the pixels of all cameras."""
-    outlines = outlines_of(projection, wanted)
-    camera = outlines.camera
-    widths, heights = np.array([view.size for view in projection.views]).T
-    spans = Spans(outlines, widths.take(camera), heights.take(camera))
-    planes = _inverse_depths(projection.corners(camera, outlines.triangle))
-    spans.draw_into(nearest, planes, starts.take(camera), widths.take(camera))
+def _no_forms() -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+    return np.zeros(0, dtype=np.int64), np.zeros((0, 9), dtype=np.float32)
 
 
-def _with_normals(drawn: Sequence[tuple[NDArray, ...]], sights: Sequence[Sight], projection: Projection) -> list[Drawn]:
-    """Add what lies between the corners of the triangles that are seen, for cameras that want colours."""
+def _forms(
+    triangles: NDArray[np.int64], camera: NDArray[np.int64], projection: Projection
+) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+    """Which form each of some triangles (n,) in the image of a camera (n,) has, and the forms; see `Drawn`."""
     count = projection.corner_points.shape[1]
-    lit = [number for number, sight in enumerate(sights) if sight.is_lit]
-    used = np.zeros((len(sights), count), dtype=np.bool_)
-    for number in lit:
-        used[number, drawn[number][1]] = True
-    camera, triangle = np.nonzero(used)
-    place = np.empty((len(sights), count), dtype=np.int64)
-    place[camera, triangle] = np.arange(len(camera))
-    values = np.take(projection.normals, triangle, axis=2)
+    which = camera * count + triangles
+    used = np.zeros(len(projection.views) * count, dtype=np.bool_)
+    used[which] = True
+    pairs = used.nonzero()[0]
+    place = np.empty(len(used), dtype=np.int64)
+    place[pairs] = np.arange(len(pairs))
+    own_camera = pairs // count
+    own = pairs - own_camera * count
+    values = np.take(projection.normals, own, axis=2)
     if projection.surface.shape[1]:
-        values = np.concatenate([values, np.take(projection.surface, triangle, axis=2)], axis=1)
-    forms = _forms(_inverses(projection.corners(camera, triangle)), values)
-    between = [np.zeros((values.shape[1], 0), dtype=np.float32)] * len(drawn)
-    if lit:
-        chosen = np.concatenate([place[number].take(drawn[number][1]) for number in lit])
-        rows = [drawn[number][0] // sights[number].view.size[0] for number in lit]
-        columns = [drawn[number][0] - row * sights[number].view.size[0] for number, row in zip(lit, rows, strict=True)]
-        inverse = np.concatenate([drawn[number][2] for number in lit])
-        found = _between(forms.take(chosen, axis=0), np.concatenate(rows), np.concatenate(columns), inverse)
-        ends = np.cumsum([0, *(len(row) for row in rows)])
-        for number, begin, end in zip(lit, ends, ends[1:]):
-            between[number] = found[:, begin:end]
-    return [
-        Drawn(pixels, triangles, inverse, depth, own[:3], own[3:])
-        for (pixels, triangles, inverse, depth), own in zip(drawn, between, strict=True)
-    ]
+        values = np.concatenate([values, np.take(projection.surface, own, axis=2)], axis=1)
+    weights = _inverses(projection.corners(own_camera, own)).astype(np.float32)
+    forms = weights[0][:, None] * values[0]
+    for i in (1, 2):
+        forms += weights[i][:, None] * values[i]
+    return place.take(which), np.ascontiguousarray(forms.reshape(3 * values.shape[1], -1).T)
 
 
 def _inverse_depths(p: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -234,29 +295,3 @@ def _inverses(p: NDArray[np.float64]) -> NDArray[np.float64]:
     determinant = p[0, 0] * rows[0, 0] + p[0, 1] * rows[0, 1] + p[0, 2] * rows[0, 2]
     rows /= np.where(determinant == 0.0, 1.0, determinant)
     return rows
-
-
-def _forms(inverses: NDArray[np.float64], values: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Factors (k, 3 c) of u, v and 1, c each, that give values over the depth between those of the corners, (3 corners, c, k)."""
-    weights = inverses.astype(np.float32)
-    forms = weights[0][:, None] * values[0]
-    for i in (1, 2):
-        forms += weights[i][:, None] * values[i]
-    return np.ascontiguousarray(forms.reshape(3 * values.shape[1], -1).T)
-
-
-def _between(
-    forms: NDArray[np.float32], row: NDArray[np.int64], column: NDArray[np.int64], inverse: NDArray[np.float32]
-) -> NDArray[np.float32]:
-    """Unit vectors and further values (c, n) at pixels in rows and columns (n,), from factors (n, 3 c) and inverse depths."""
-    u, v = column.astype(np.float32), row.astype(np.float32)
-    count = forms.shape[1] // 3
-    result = np.empty((count, len(u)), dtype=np.float32)
-    for i, values in enumerate(result):
-        np.multiply(forms[:, i], u, out=values)
-        values += forms[:, count + i] * v
-        values += forms[:, 2 * count + i]
-    x, y, z = vectors = result[:3]
-    vectors /= np.maximum(np.sqrt(x * x + y * y + z * z), np.float32(1e-12))
-    result[3:] /= inverse
-    return result

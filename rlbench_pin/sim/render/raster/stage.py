@@ -201,7 +201,7 @@ class Layer:
     """View of some links by one camera."""
 
     nearest: NDArray[np.int64]
-    """Key of the nearest triangle of each pixel (h * w,), 0 for none; see `Spans.draw_into`."""
+    """Key of the nearest triangle of each pixel (h, w), 0 for none; see `Spans.draw_into`."""
     links: NDArray[np.bool_]
     """Which links are in it (l,)."""
 
@@ -231,7 +231,7 @@ class Layers:
         if layer is not None and (layer.links & ~still).any():
             layer.nearest[:], layer.links[:] = 0, False
         elif layer is None and view.key in self._layers:
-            layer = Layer(np.zeros(view.size[0] * view.size[1], dtype=np.int64), np.zeros(len(still), dtype=np.bool_))
+            layer = Layer(np.zeros(view.size[::-1], dtype=np.int64), np.zeros(len(still), dtype=np.bool_))
         self._layers[view.key] = layer
         self._layers.move_to_end(view.key)
         while len(self._layers) > _KEPT:
