@@ -25,12 +25,14 @@ from rlbench_pin.sim.render.shading import (
     KeptBackdrop,
     LinkTexture,
     Sheet,
+    bytes_of,
     colors_in_light,
     halved,
+    light_blocks,
     normals_of_depth,
     put_textures,
 )
-from rlbench_pin.sim.render.shots import BulletRasterizer, NumpyRasterizer, Shot
+from rlbench_pin.sim.render.shots import BulletRasterizer, NumpyRasterizer, Resting, Shooting, Shot
 from rlbench_pin.sim.room import RoomBody
 from rlbench_pin.values import as_flag, as_record
 
@@ -98,6 +100,8 @@ class Renderer:
         self.lighting = Lighting()
         self._light_view: tuple[Light, CameraView] | None = None
         self._link_textures: dict[tuple[int, int], LinkTexture] = {}
+        self._rest_key: tuple[object, ...] = ()
+        self._rest: Resting | None = None
         self._painter: tuple[tuple[object, ...], Painter] | None = None
         self._backdrops: OrderedDict[tuple[object, ...], KeptBackdrop | None] = OrderedDict()
 
@@ -183,10 +187,13 @@ class Renderer:
         if shooting.blocked is not None:
             shadows = ShadowMap(view, painter.table_height, shooting.blocked)
         taken: dict[int, Images] = {}
-        for group, own, sheet, shot in zip(groups, wanted, sheets, shooting.shots, strict=True):
+        for number, (group, own, sheet) in enumerate(zip(groups, wanted, sheets, strict=True)):
+            resting = self._resting(shooting, number, painter) if own[0].is_shaded else None
+            shots = [*([] if resting is None else [resting.shot]), shooting.shot(number, resting)]
             if own[0].rgb:
-                self._color(own, sheet, shot, painter, shadows if own[0].shadows else None, shooting.lamps)
-            taken.update(zip(group, self._put_together(own, sheet, shot), strict=True))
+                under = shadows if own[0].shadows else None
+                self._color(own, sheet, shots, painter, under, shooting.lamps, resting)
+            taken.update(zip(group, self._put_together(own, sheet, shots), strict=True))
         return [taken[n] for n in range(len(requests))]
 
     # Moving objects ---------------------------------------------------------------------------------------------------
@@ -201,12 +208,28 @@ class Renderer:
         ambient = lighting.ambient if first.is_shaded else lighting.ambient + lighting.mean_fill
         return Sight([request.view for request in requests], sheet.depth, first.rgb, ambient)
 
-    def _put_together(self, requests: Sequence[Request], sheet: Sheet, shot: Shot) -> list[Images]:
+    def _resting(self, shooting: Shooting, number: int, room: Painter) -> Resting | None:
+        """Links at rest in their colours, from the second time on that nothing of them changed; see `Shooting`."""
+        if shooting.state is None or shooting.lamps or self._link_textures:
+            return None
+        key = (room, *shooting.state)
+        if self._rest_key != key:
+            self._rest_key, self._rest = key, None
+        elif self._rest is None:
+            shot, blocked = shooting.resting(number)
+            view, normals = self._view_of_light(), shot.normals
+            assert normals is not None
+            colors = colors_in_light(shot, normals, self.lighting, ShadowMap(view, room.table_height, blocked), ())
+            self._rest = Resting(shot, bytes_of(colors), light_blocks(shot, view))
+        return self._rest
+
+    def _put_together(self, requests: Sequence[Request], sheet: Sheet, shots: Sequence[Shot]) -> list[Images]:
         """Put depth and ids of what moves before those of the room, and return what is asked for."""
-        sheet.depth[shot.pixels] = shot.depth
-        if sheet.ids is not None:
-            of_segments = self._ids()[bodies_of(shot.segments), rows_of(shot.segments)]
-            sheet.ids[shot.pixels] = of_segments.take(shot.segment)
+        for shot in shots:
+            sheet.depth[shot.pixels] = shot.depth
+            if sheet.ids is not None:
+                of_segments = self._ids()[bodies_of(shot.segments), rows_of(shot.segments)]
+                sheet.ids[shot.pixels] = of_segments.take(shot.segment)
         return [
             Images(
                 sheet.part(sheet.bytes, n) if request.rgb else None,
@@ -220,24 +243,28 @@ class Renderer:
         self,
         requests: Sequence[Request],
         sheet: Sheet,
-        shot: Shot,
+        shots: Sequence[Shot],
         room: Painter,
         shadows: ShadowMap | None,
         lamps: Sequence[Lamp],
+        resting: Resting | None,
     ) -> None:
         """Put colours of what moves before those of the room, with shadows, fill lights and textures, and smooth edges."""
         if shadows is not None:
             sheet.shade_tables(shadows, room.table_key)
             if lamps:
                 sheet.put_pools(shadows, lamps)
+        if resting is not None:
+            sheet.put_shot(resting.shot, resting.colors)
+        shot = shots[-1]
         normals = normals_of_depth(sheet.backdrops, shot) if shot.normals is None else shot.normals
         colors = colors_in_light(shot, normals, self.lighting, shadows, lamps)
         if self._link_textures:
             put_textures(colors, shot, normals, self._link_textures, self._frame)
-        sheet.put_shot(shot, colors)
+        sheet.put_shot(shot, bytes_of(colors))
         smooth = [n for n, request in enumerate(requests) if request.antialiasing]
         if smooth:
-            sheet.smooth(shot, smooth)
+            sheet.smooth(shots, smooth)
 
     def _frame(self, body: int, link: int) -> NDArray[np.float32]:
         identifier = self._client.id

@@ -142,20 +142,20 @@ class Sheet:
                 colors += (np.float32(255.0) - colors) * light
                 self.put(pixels, colors.astype(np.uint8))
 
-    def put_shot(self, shot: Shot, colors: NDArray[np.float32]) -> None:
-        """Write colours (3, n) in 0..255 and above, along the tone curve, of what the cameras see; those of glass over others."""
-        pixels, own = shot.pixels, np.ascontiguousarray(toned(colors).T)
-        solid = len(pixels) - len(shot.opacity)
-        self.put(pixels[:solid], own[:solid])
+    def put_shot(self, shot: Shot, colors: NDArray[np.uint8]) -> None:
+        """Write the colours (n, 3) of what the cameras see; those of glass over others."""
+        pixels, solid = shot.pixels, len(shot.pixels) - len(shot.opacity)
+        self.put(pixels[:solid], colors[:solid])
         if len(shot.opacity):
             under = self.bytes.take(pixels[solid:], axis=0).astype(np.float32)
-            under += (own[solid:] - under) * shot.opacity[:, None]
+            under += (colors[solid:] - under) * shot.opacity[:, None]
             self.put(pixels[solid:], np.rint(under).astype(np.uint8))
 
-    def smooth(self, shot: Shot, chosen: Sequence[int]) -> None:
-        """Smooth the edges in some images of what the cameras see."""
+    def smooth(self, shots: Sequence[Shot], chosen: Sequence[int]) -> None:
+        """Smooth the edges in some images of what the cameras see, in shots that hide those before them."""
         surfaces = np.concatenate([backdrop.surfaces.ravel() for backdrop in self.backdrops])
-        surfaces[shot.pixels] = shot.surface
+        for shot in shots:
+            surfaces[shot.pixels] = shot.surface
         shapes = {backdrop.image.depth.shape for backdrop in self.backdrops}
         if len(shapes) == 1 and len(chosen) == len(self.backdrops):
             height, width = shapes.pop()
@@ -336,6 +336,21 @@ def _spots(shot: Shot, light: CameraView, chosen: NDArray[np.int64]) -> LightSpo
         values /= along
         values += np.float32(0.5)
     return LightSpots(right, down, along)
+
+
+def light_blocks(shot: Shot, light: CameraView) -> NDArray[np.int64]:
+    """Where what cameras see lies in the image of a light, as the numbers of blocks of four by four of its pixels (n,)."""
+    spots = _spots(shot, light, np.arange(len(shot.pixels)))
+    width, height = light.size
+    column, row = (
+        np.clip(values, 0.0, side - 1.0).astype(np.int64) >> 2 for values, side in ((spots.right, width), (spots.down, height))
+    )
+    return row * (width // 4) + column
+
+
+def bytes_of(colors: NDArray[np.float32]) -> NDArray[np.uint8]:
+    """Colours (n, 3) of those in 0..255 and above, (3, n), along the tone curve; overwrites them."""
+    return np.ascontiguousarray(toned(colors).T)
 
 
 def colors_in_light(

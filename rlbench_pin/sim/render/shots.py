@@ -14,8 +14,8 @@ from rlbench_pin.sim.output import captured_output
 from rlbench_pin.sim.render.camera import CameraView, projection_matrix
 from rlbench_pin.sim.render.lighting import SPECULAR, Lighting
 from rlbench_pin.sim.render.masks import bodies_of
-from rlbench_pin.sim.render.raster.drawing import TOUCHING, Blocked, Drawn, Sight, draw
-from rlbench_pin.sim.render.raster.stage import Appearance, Lamp, Materials, Parts, Stage
+from rlbench_pin.sim.render.raster.drawing import TOUCHING, Blocked, Drawing, Drawn, Sight
+from rlbench_pin.sim.render.raster.stage import Appearance, Lamp, Materials, Parts, Placed, Stage
 
 _HARDWARE_NEAR = 0.03  # its depth has so few bits that a nearer plane would cost millimetres [m]
 
@@ -73,15 +73,83 @@ class Shot:
 
 
 @dataclass(frozen=True, eq=False)
-class Shooting:
-    """Moving objects as the cameras of one instant see them."""
+class Resting:
+    """Links at rest as cameras at rest see them where nothing else casts a shadow."""
 
-    shots: list[Shot]
-    """One for each group of cameras."""
-    blocked: Blocked | None
-    """Surfaces in the light; None where that was not asked for."""
-    lamps: list[Lamp]
-    """Lamps that shine."""
+    shot: Shot
+    """What the cameras see."""
+    colors: NDArray[np.uint8]
+    """Its colours (n, 3)."""
+    block: NDArray[np.int64]
+    """Where each pixel lies in the image of the light, as the number of a block of four by four of its pixels (n,)."""
+
+
+class Shooting:
+    """Moving objects as the cameras of one instant see them.
+
+    Args:
+        shots: One for each group of cameras.
+        blocked: Surfaces in the light; None where that was not asked for.
+
+    Attributes:
+        blocked: The same.
+        lamps: Lamps that shine.
+        state: What is equal as long as the same links rest before the same cameras and look the same; None where nothing does.
+    """
+
+    def __init__(self, shots: Sequence[Shot], blocked: Blocked | None) -> None:
+        self._shots, self.blocked = shots, blocked
+        self.lamps: list[Lamp] = []
+        self.state: tuple[object, ...] | None = None
+
+    def shot(self, number: int, resting: Resting | None = None) -> Shot:
+        """Return what a group of cameras sees.
+
+        Args:
+            number: Number of the group.
+            resting: Links at rest, as they were; with them what still looks the same is left out.
+        """
+        return self._shots[number]
+
+    def resting(self, number: int) -> tuple[Shot, Blocked]:
+        """Return what a group of cameras sees of links at rest, and what the light sees of them; only where there is a state."""
+        raise NotImplementedError
+
+
+class NumpyShooting(Shooting):
+    """The same, drawn by numpy.
+
+    Args:
+        stage: The objects.
+        placed: Their triangles.
+        sights: The groups of cameras.
+        light: Camera of a light, if one looks.
+    """
+
+    def __init__(self, stage: Stage, placed: Placed, sights: Sequence[Sight], light: CameraView | None) -> None:
+        self._parts, self._materials, self._sights = placed.parts, stage.materials, sights
+        self._firsts = np.cumsum([0, *(len(sight.views) for sight in sights)]).tolist()
+        opacity = stage.materials.opacity.take(placed.parts.shape)
+        views = [view for sight in sights for view in sight.views]
+        self._drawing = Drawing(placed, stage.layers, opacity, views, light)
+        super().__init__((), None if light is None else self._drawing.blocked())
+        self.lamps = stage.lamps()
+        states = self._drawing.states()
+        if light is not None and states[-1] is not None:
+            self.state = stage.materials, *states
+
+    def shot(self, number: int, resting: Resting | None = None) -> Shot:
+        """Return what a group of cameras sees."""
+        again = None if resting is None else resting.shot.pixels.compress(self._drawing.changed().take(resting.block))
+        return self._shot(self._drawing.seen(self._sights[number], self._firsts[number], again), number)
+
+    def resting(self, number: int) -> tuple[Shot, Blocked]:
+        """Return what a group of cameras sees of links at rest, and what the light sees of them."""
+        shot = self._shot(self._drawing.resting(self._sights[number], self._firsts[number]), number)
+        return shot, self._drawing.resting_blocked()
+
+    def _shot(self, drawn: Drawn, number: int) -> Shot:
+        return _shot(drawn, self._parts, self._materials, self._sights[number])
 
 
 class NumpyRasterizer:
@@ -101,10 +169,7 @@ class NumpyRasterizer:
         placed = self._stage.update()
         if placed is None:
             return self._other.shoot(sights, lighting, light)
-        materials = self._stage.materials
-        drawn, blocked = draw(placed, self._stage.layers, materials.opacity.take(placed.parts.shape), sights, light)
-        shots = [_shot(each, placed.parts, materials, sight) for each, sight in zip(drawn, sights, strict=True)]
-        return Shooting(shots, blocked, self._stage.lamps())
+        return NumpyShooting(self._stage, placed, sights, light)
 
 
 def _shot(drawn: Drawn, parts: Parts, materials: Materials, sight: Sight) -> Shot:
@@ -166,7 +231,7 @@ class BulletRasterizer:
     def shoot(self, sights: Sequence[Sight], lighting: Lighting, light: CameraView | None) -> Shooting:
         """Look through some cameras, and through `light`, the camera of a light."""
         shots = [self._shot(sight, lighting) for sight in sights]
-        return Shooting(shots, None if light is None else self._blocked(light, lighting), [])
+        return Shooting(shots, None if light is None else self._blocked(light, lighting))
 
     def _blocked(self, light: CameraView, lighting: Lighting) -> Blocked:
         shot = self._shot(Sight([light], None), lighting)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from rlbench_pin.sim.render.camera import CameraView
 from rlbench_pin.sim.render.raster.spans import Projection, Spans, inverses_of_keys, outlines_of, parts_of_keys
-from rlbench_pin.sim.render.raster.stage import Layers, Placed
+from rlbench_pin.sim.render.raster.stage import Layer, Layers, Placed
 
 TOUCHING = np.float32(1e-5)
 """So far behind the room objects are still seen [m]."""
@@ -117,7 +117,8 @@ class Targets:
         self.windows = [(slice(0, height), slice(0, width)) for width, height in self.sizes.tolist()]
         if has_light:
             (left, top), (right, bottom) = projection.bounds(len(self.windows) - 1)
-            self.windows[-1] = slice(top, bottom + 1), slice(left, right + 1)
+            # whole blocks of four by four
+            self.windows[-1] = slice(top & ~3, (bottom + 4) & ~3), slice(left & ~3, (right + 4) & ~3)
         shapes = [(rows.stop - rows.start, columns.stop - columns.start) for rows, columns in self.windows]
         self._widths = np.array([width for _, width in shapes])
         self.starts = np.cumsum([0, *(height * width for height, width in shapes)])
@@ -136,61 +137,125 @@ class Targets:
         spans.draw_into(keys, planes, self._origins.take(camera), self._widths.take(camera))
 
 
-def draw(
-    placed: Placed, layers: Layers, opacity: NDArray[np.float32], sights: Sequence[Sight], light: CameraView | None
-) -> tuple[list[Drawn], Blocked | None]:
-    """Draw all triangles as some cameras see them; an image is the same whatever other cameras look, and was drawn before.
+class Drawing:
+    """All triangles as some cameras see them; an image is the same whatever other cameras look, and was drawn before.
 
     Args:
         placed: The triangles.
         layers: What was drawn before.
         opacity: Of each (m,): 0 is not seen, 1 hides all, what lies between is glass, which casts no shadow.
-        sights: The cameras.
-        light: Camera of a light.
-
-    Returns:
-        What each group of cameras sees, and what stands in the light; None where that is not asked for.
+        views: The cameras.
+        light: Camera of a light, if one is to be drawn.
     """
-    views = [*(view for sight in sights for view in sight.views), *([] if light is None else [light])]
-    projection = Projection(placed, views)
-    targets = Targets(projection, light is not None)
-    solid, glass = opacity >= _SOLID, (opacity > 0.0) & (opacity < _SOLID)
-    targets.draw(targets.keys, projection, solid & _from_layers(targets, projection, placed, layers, solid))
-    blocked = None if light is None else _blocked(targets)
-    front = None
-    if glass.any():
-        front = targets.keys.copy()
-        is_camera = np.arange(len(views)) < len(views) - (light is not None)
-        targets.draw(front, projection, glass & is_camera[:, None])
-        front[front == targets.keys] = 0
-    drawn, first = [], 0
-    for sight in sights:
-        last = first + len(sight.views)
-        part = slice(targets.starts[first], targets.starts[last])
-        layers_seen = [keys[part] for keys in (targets.keys, front) if keys is not None]
-        drawn.append(_seen(layers_seen, sight, np.arange(first, last), projection))
-        first = last
-    return drawn, blocked
+
+    def __init__(
+        self,
+        placed: Placed,
+        layers: Layers,
+        opacity: NDArray[np.float32],
+        views: Sequence[CameraView],
+        light: CameraView | None,
+    ) -> None:
+        projection = self._projection = Projection(placed, [*views, *([] if light is None else [light])])
+        targets = self._targets = Targets(projection, light is not None)
+        solid, glass = opacity >= _SOLID, (opacity > 0.0) & (opacity < _SOLID)
+        self._layers = layers.of(projection.views, solid, placed.still)
+        targets.draw(targets.keys, projection, solid & _from_layers(targets, projection, placed, self._layers, solid))
+        self._front = None
+        if glass.any():
+            front = self._front = targets.keys.copy()
+            is_camera = np.arange(len(projection.views)) < len(views)
+            targets.draw(front, projection, glass & is_camera[:, None])
+            front[front == targets.keys] = 0
+
+    def states(self) -> tuple[object | None, ...]:
+        """Return of each camera, the light last, what stays the same object while the same links rest; None where it is new."""
+        return tuple(None if layer is None else layer.state for layer in self._layers)
+
+    def blocked(self) -> Blocked:
+        """Return what stands in the light."""
+        rows, columns = self._targets.windows[-1]
+        return _blocked(rows.start, columns.start, self._targets.images[-1])
+
+    def resting_blocked(self) -> Blocked:
+        """Return which links at rest stand in the light, before which there is a layer."""
+        return _blocked(0, 0, self._kept(-1).nearest)
+
+    def changed(self) -> NDArray[np.bool_]:
+        """Return of every four by four pixels of the image that the light takes, flat, whether others than links at rest are
+        in these or in those around them.
+        """
+        rows, columns = self._targets.windows[-1]
+        differs = self._targets.images[-1] != self._kept(-1).nearest[rows, columns]
+        blocks = np.ascontiguousarray(differs).view(np.uint32)
+        blocks = (blocks[0::4] | blocks[1::4] | blocks[2::4] | blocks[3::4]) != 0
+        width, height = self._projection.views[-1].size
+        every = np.zeros((height // 4 + 2, width // 4 + 2), dtype=np.bool_)
+        every[rows.start // 4 + 1 : rows.stop // 4 + 1, columns.start // 4 + 1 : columns.stop // 4 + 1] = blocks
+        every[1:-1] |= every[2:] | every[:-2]
+        inner = every[1:-1]
+        return (inner[:, 1:-1] | inner[:, 2:] | inner[:, :-2]).ravel()
+
+    def seen(self, sight: Sight, first: int, again: NDArray[np.int64] | None = None) -> Drawn:
+        """Return what some cameras see.
+
+        Args:
+            sight: The cameras.
+            first: Number of the first of them.
+            again: With it links at rest are left out in the pixels of cameras with layers, but for these pixels (k,).
+        """
+        targets = self._targets
+        part = slice(targets.starts[first], targets.starts[first + len(sight.views)])
+        keys = targets.keys[part]
+        is_seen = keys > 0
+        if again is not None:
+            for number in range(first, first + len(sight.views)):
+                layer, begin = self._layers[number], targets.starts[number]
+                if layer is not None:
+                    own = slice(begin - part.start, targets.starts[number + 1] - part.start)
+                    is_seen[own] &= keys[own] != layer.nearest.ravel()
+            is_seen[again] = True
+        if self._front is None:
+            return _drawn(keys, is_seen, sight, first, self._projection)
+        front = self._front[part]
+        return _drawn(np.concatenate([keys, front]), np.concatenate([is_seen, front > 0]), sight, first, self._projection)
+
+    def resting(self, sight: Sight, first: int) -> Drawn:
+        """Return which links at rest some cameras see that have layers."""
+        layers = self._layers[first : first + len(sight.views)]
+        each = zip(layers, sight.views, strict=True)
+        keys = np.concatenate(
+            [np.zeros(view.size[0] * view.size[1], np.int64) if own is None else own.nearest.ravel() for own, view in each]
+        )
+        return _drawn(keys, keys > 0, sight, first, self._projection)
+
+    def _kept(self, number: int) -> Layer:
+        layer = self._layers[number]
+        assert layer is not None
+        return layer
 
 
-def _seen(layers: Sequence[NDArray[np.int64]], sight: Sight, cameras: NDArray[np.int64], projection: Projection) -> Drawn:
-    """What some cameras see, from keys that are not 0, before what hides it.
+def _drawn(keys: NDArray[np.int64], is_seen: NDArray[np.bool_], sight: Sight, first: int, projection: Projection) -> Drawn:
+    """What some cameras see, before what hides it.
 
     Args:
-        layers: Keys of their pixels (n,), and those of glass in front of them.
+        keys: Keys of their pixels (n,), and where there is glass, those of glass in front of them (2 n,).
+        is_seen: Which of these to look at.
         sight: The cameras.
-        cameras: Their numbers.
+        first: Number of the first of them.
         projection: The triangles.
     """
-    keys = layers[0] if len(layers) == 1 else np.concatenate(layers)
-    counts = [view.size[0] * view.size[1] for view in sight.views] * len(layers)
-    count = len(layers[0])
-    pixels = (keys > 0).nonzero()[0]
+    counts = [view.size[0] * view.size[1] for view in sight.views]
+    cameras = np.arange(first, first + len(counts))
+    has_glass = len(keys) > sum(counts)
+    if has_glass:
+        counts, cameras = counts * 2, np.concatenate([cameras, cameras])
+    pixels = is_seen.nonzero()[0]
     triangles, inverse = parts_of_keys(keys.take(pixels))
     depth: NDArray[np.float32] = np.float32(1.0) / inverse
     ends = np.searchsorted(pixels, np.cumsum([0, *counts]))
-    if len(layers) > 1:
-        pixels[ends[len(cameras)] :] -= count
+    if has_glass:
+        pixels[ends[len(sight.views)] :] -= len(keys) // 2
     if sight.limit is not None:
         seen = depth < sight.limit.take(pixels) + TOUCHING
         if not seen.all():
@@ -198,7 +263,6 @@ def _seen(layers: Sequence[NDArray[np.int64]], sight: Sight, cameras: NDArray[np
             pixels, triangles, inverse, depth = (values.take(kept) for values in (pixels, triangles, inverse, depth))
             ends = np.searchsorted(kept, ends)
     rows, columns = _grid(tuple(view.size for view in sight.views))
-    cameras = np.concatenate([cameras] * len(layers))
     place, forms = _no_forms() if not sight.is_lit else _forms(triangles, np.repeat(cameras, np.diff(ends)), projection)
     return Drawn(ends, pixels, triangles, inverse, depth, rows.take(pixels), columns.take(pixels), place, forms)
 
@@ -211,22 +275,20 @@ def _grid(sizes: tuple[tuple[int, int], ...]) -> tuple[NDArray[np.float32], NDAr
     return rows, columns
 
 
-def _blocked(targets: Targets) -> Blocked:
-    """Surfaces in the light, which is the last camera."""
-    rows, columns = targets.windows[-1]
+def _blocked(row: int, column: int, keys: NDArray[np.int64]) -> Blocked:
+    """Surfaces in the light, from the keys of a part of its pixels."""
     with np.errstate(divide="ignore"):
-        return Blocked(rows.start, columns.start, np.float32(1.0) / inverses_of_keys(targets.images[-1]))
+        return Blocked(row, column, np.float32(1.0) / inverses_of_keys(keys))
 
 
 def _from_layers(
-    targets: Targets, projection: Projection, placed: Placed, layers: Layers, shown: NDArray[np.bool_]
+    targets: Targets, projection: Projection, placed: Placed, kept: Sequence[Layer | None], shown: NDArray[np.bool_]
 ) -> NDArray[np.bool_]:
     """Fill all images with what cameras at rest see of links at rest.
 
     Returns:
         What has still to be drawn, (c, m).
     """
-    kept = layers.of(projection.views, shown, placed.still)
     link = placed.parts.link
     missing = np.zeros((len(kept), len(placed.still)), dtype=np.bool_)
     for number, (layer, own) in enumerate(zip(kept, targets.images, strict=True)):
@@ -243,7 +305,7 @@ def _from_layers(
         resting = layer.nearest[window]
         if missing[number].any():
             np.maximum(resting, own, out=resting)
-            layer.links[missing[number]] = True
+            layer.add(missing[number])
         own[:] = resting
         left[number] = ~layer.links
     return (left & projection.reached).take(link, axis=1)

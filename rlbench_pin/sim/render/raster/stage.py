@@ -196,14 +196,32 @@ _KEPT = 12
 """So many cameras are kept."""
 
 
-@dataclass(frozen=True, eq=False)
 class Layer:
-    """View of some links by one camera."""
+    """View of some links by one camera.
 
-    nearest: NDArray[np.int64]
-    """Key of the nearest triangle of each pixel (h, w), 0 for none; see `Spans.draw_into`."""
-    links: NDArray[np.bool_]
-    """Which links are in it (l,)."""
+    Args:
+        size: Width and height of its image [px].
+        count: Number of links.
+
+    Attributes:
+        nearest: Key of the nearest triangle of each pixel (h, w), 0 for none; see `Spans.draw_into`.
+        links: Which links are in it (l,).
+        state: Another object after each change.
+    """
+
+    def __init__(self, size: tuple[int, int], count: int) -> None:
+        self.nearest = np.zeros((size[1], size[0]), dtype=np.int64)
+        self.links = np.zeros(count, dtype=np.bool_)
+        self.state = object()
+
+    def clear(self) -> None:
+        """Take all links out."""
+        self.nearest[:], self.links[:], self.state = 0, False, object()
+
+    def add(self, links: NDArray[np.bool_]) -> None:
+        """Note that some links (l,) were drawn into it."""
+        self.links |= links
+        self.state = object()
 
 
 class Layers:
@@ -229,9 +247,9 @@ class Layers:
     def _layer(self, view: CameraView, still: NDArray[np.bool_]) -> Layer | None:
         layer = self._layers.get(view.key)
         if layer is not None and (layer.links & ~still).any():
-            layer.nearest[:], layer.links[:] = 0, False
+            layer.clear()
         elif layer is None and view.key in self._layers:
-            layer = Layer(np.zeros(view.size[::-1], dtype=np.int64), np.zeros(len(still), dtype=np.bool_))
+            layer = Layer(view.size, len(still))
         self._layers[view.key] = layer
         self._layers.move_to_end(view.key)
         while len(self._layers) > _KEPT:
