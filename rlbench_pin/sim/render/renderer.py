@@ -18,9 +18,9 @@ from rlbench_pin.sim.client import PhysicsClient, bullet
 from rlbench_pin.sim.render.backdrop import Painter
 from rlbench_pin.sim.render.camera import CameraView, Images
 from rlbench_pin.sim.render.lighting import Light, Lighting, ShadowMap, light_view
-from rlbench_pin.sim.render.masks import bodies_of, rows_of
 from rlbench_pin.sim.render.raster.drawing import Sight
 from rlbench_pin.sim.render.raster.stage import Appearance, Lamp
+from rlbench_pin.sim.render.resting import Resting, rest
 from rlbench_pin.sim.render.shading import (
     KeptBackdrop,
     LinkTexture,
@@ -28,11 +28,10 @@ from rlbench_pin.sim.render.shading import (
     bytes_of,
     colors_in_light,
     halved,
-    light_blocks,
     normals_of_depth,
     put_textures,
 )
-from rlbench_pin.sim.render.shots import BulletRasterizer, NumpyRasterizer, Resting, Shooting, Shot
+from rlbench_pin.sim.render.shots import BulletRasterizer, NumpyRasterizer, NumpyShooting, Shooting, Shot
 from rlbench_pin.sim.room import RoomBody
 from rlbench_pin.values import as_flag, as_record
 
@@ -126,9 +125,7 @@ class Renderer:
     def shadow_map(self) -> ShadowMap:
         """Look from the key light, for cameras that look at the present instant."""
         view, height = self._view_of_light(), self._present_painter().table_height
-        blocked = self._rasterizer.shoot([], self.lighting, view).blocked
-        assert blocked is not None
-        return ShadowMap(view, height, blocked)
+        return ShadowMap(view, height, self._rasterizer.shoot([], self.lighting, view).blocked())
 
     def render(
         self, view: CameraView, *, rgb: bool, depth: bool, mask: bool, shadows: bool | ShadowMap, antialiasing: bool = False
@@ -176,24 +173,31 @@ class Renderer:
         kinds = [(request.rgb, request.is_shaded) for request in requests]
         groups = [[n for n, own in enumerate(kinds) if own == kind] for kind in sorted(set(kinds))]
         wanted = [[requests[n] for n in group] for group in groups]
-        sheets = [
-            Sheet([self._backdrop(painter, request.view) for request in group], group[0].rgb, any(r.mask for r in group))
-            for group in wanted
-        ]
-        sights = [self._sight(group, sheet) for group, sheet in zip(wanted, sheets, strict=True)]
+        rooms = [[self._backdrop(painter, request.view) for request in group] for group in wanted]
+        sights = [self._sight(group, room) for group, room in zip(wanted, rooms, strict=True)]
         makes_map = shadows is None and any(request.is_shaded for request in requests)
-        view = self._view_of_light()
-        shooting = self._rasterizer.shoot(sights, self.lighting, view if makes_map else None)
-        if shooting.blocked is not None:
-            shadows = ShadowMap(view, painter.table_height, shooting.blocked)
+        light = self._view_of_light()
+        shooting = self._rasterizer.shoot(sights, self.lighting, light if makes_map else None)
         taken: dict[int, Images] = {}
-        for number, (group, own, sheet) in enumerate(zip(groups, wanted, sheets, strict=True)):
-            resting = self._resting(shooting, number, painter) if own[0].is_shaded else None
-            shots = [*([] if resting is None else [resting.shot]), shooting.shot(number, resting)]
-            if own[0].rgb:
-                under = shadows if own[0].shadows else None
-                self._color(own, sheet, shots, painter, under, shooting.lamps, resting)
-            taken.update(zip(group, self._put_together(own, sheet, shots), strict=True))
+        for number, (group, own, room) in enumerate(zip(groups, wanted, rooms, strict=True)):
+            near, first = None, own[0]
+            resting = self._resting(shooting, number, room, painter) if first.is_shaded else None
+            if resting is not None and isinstance(shooting, NumpyShooting):
+                room = resting.before(room)
+                shot, shadows, near = resting.moving(shooting, number)
+            else:
+                shot = shooting.shot(number)
+                if first.is_shaded and makes_map:
+                    shadows = ShadowMap(light, painter.table_height, shooting.blocked())
+            sheet = Sheet(room, first.rgb, any(request.mask for request in own))
+            sheet.put_rest(shot, self._ids())
+            if first.rgb:
+                if first.shadows and shadows is not None:
+                    sheet.shade_tables(shadows, painter.table_key, near)
+                    sheet.put_pools(shadows, shooting.lamps)
+                self._color(sheet, shot, shadows if first.shadows else None, shooting.lamps)
+                sheet.smooth([n for n, request in enumerate(own) if request.antialiasing])
+            taken.update(zip(group, _images(own, sheet), strict=True))
         return [taken[n] for n in range(len(requests))]
 
     # Moving objects ---------------------------------------------------------------------------------------------------
@@ -203,68 +207,31 @@ class Renderer:
             self._light_view = self.lighting.key, light_view(self.lighting.key)
         return self._light_view[1]
 
-    def _sight(self, requests: Sequence[Request], sheet: Sheet) -> Sight:
+    def _sight(self, requests: Sequence[Request], room: Sequence[KeptBackdrop]) -> Sight:
         lighting, first = self.lighting, requests[0]
         ambient = lighting.ambient if first.is_shaded else lighting.ambient + lighting.mean_fill
-        return Sight([request.view for request in requests], sheet.depth, first.rgb, ambient)
+        limit = np.concatenate([backdrop.image.depth.ravel() for backdrop in room])
+        return Sight([request.view for request in requests], limit, first.rgb, ambient)
 
-    def _resting(self, shooting: Shooting, number: int, room: Painter) -> Resting | None:
-        """Links at rest in their colours, from the second time on that nothing of them changed; see `Shooting`."""
-        if shooting.state is None or shooting.lamps or self._link_textures:
+    def _resting(self, shooting: Shooting, number: int, backdrops: Sequence[KeptBackdrop], room: Painter) -> Resting | None:
+        """Links at rest before the room, from the second time on that nothing of it changed."""
+        if not isinstance(shooting, NumpyShooting) or shooting.state is None or shooting.lamps or self._link_textures:
             return None
-        key = (room, *shooting.state)
-        if self._rest_key != key:
+        ids = self._ids()
+        key = (room, ids, *shooting.state)
+        if len(key) != len(self._rest_key) or any(now is not before for now, before in zip(key, self._rest_key)):
             self._rest_key, self._rest = key, None
         elif self._rest is None:
-            shot, blocked = shooting.resting(number)
-            view, normals = self._view_of_light(), shot.normals
-            assert normals is not None
-            colors = colors_in_light(shot, normals, self.lighting, ShadowMap(view, room.table_height, blocked), ())
-            self._rest = Resting(shot, bytes_of(colors), light_blocks(shot, view))
+            self._rest = rest(shooting, number, backdrops, room, self.lighting, self._view_of_light(), ids)
         return self._rest
 
-    def _put_together(self, requests: Sequence[Request], sheet: Sheet, shots: Sequence[Shot]) -> list[Images]:
-        """Put depth and ids of what moves before those of the room, and return what is asked for."""
-        for shot in shots:
-            sheet.depth[shot.pixels] = shot.depth
-            if sheet.ids is not None:
-                of_segments = self._ids()[bodies_of(shot.segments), rows_of(shot.segments)]
-                sheet.ids[shot.pixels] = of_segments.take(shot.segment)
-        return [
-            Images(
-                sheet.part(sheet.bytes, n) if request.rgb else None,
-                sheet.part(sheet.depth, n) if request.depth else None,
-                sheet.part(sheet.ids, n) if request.mask and sheet.ids is not None else None,
-            )
-            for n, request in enumerate(requests)
-        ]
-
-    def _color(
-        self,
-        requests: Sequence[Request],
-        sheet: Sheet,
-        shots: Sequence[Shot],
-        room: Painter,
-        shadows: ShadowMap | None,
-        lamps: Sequence[Lamp],
-        resting: Resting | None,
-    ) -> None:
-        """Put colours of what moves before those of the room, with shadows, fill lights and textures, and smooth edges."""
-        if shadows is not None:
-            sheet.shade_tables(shadows, room.table_key)
-            if lamps:
-                sheet.put_pools(shadows, lamps)
-        if resting is not None:
-            sheet.put_shot(resting.shot, resting.colors)
-        shot = shots[-1]
+    def _color(self, sheet: Sheet, shot: Shot, shadows: ShadowMap | None, lamps: Sequence[Lamp]) -> None:
+        """Put colours of what moves before those of the room, with shadows, fill lights and textures."""
         normals = normals_of_depth(sheet.backdrops, shot) if shot.normals is None else shot.normals
         colors = colors_in_light(shot, normals, self.lighting, shadows, lamps)
         if self._link_textures:
             put_textures(colors, shot, normals, self._link_textures, self._frame)
-        sheet.put_shot(shot, bytes_of(colors))
-        smooth = [n for n, request in enumerate(requests) if request.antialiasing]
-        if smooth:
-            sheet.smooth(shots, smooth)
+        sheet.put_colors(shot, bytes_of(colors))
 
     def _frame(self, body: int, link: int) -> NDArray[np.float32]:
         identifier = self._client.id
@@ -301,6 +268,18 @@ class Renderer:
         while len(self._backdrops) > _KEPT:
             self._backdrops.popitem(last=False)
         return made
+
+
+def _images(requests: Sequence[Request], sheet: Sheet) -> list[Images]:
+    """Return what is asked for of the images of some cameras."""
+    return [
+        Images(
+            sheet.part(sheet.bytes, n) if request.rgb else None,
+            sheet.part(sheet.depth, n) if request.depth else None,
+            sheet.part(sheet.ids, n) if request.mask else None,
+        )
+        for n, request in enumerate(requests)
+    ]
 
 
 def _joined(request: Request, parts: Sequence[Images]) -> Images:

@@ -6,7 +6,7 @@ Textures on moving objects are projected along the main axes of each link, whate
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -24,14 +24,13 @@ from rlbench_pin.sim.render.lighting import (
     table_spots,
     to_light,
 )
-from rlbench_pin.sim.render.masks import segment_of
+from rlbench_pin.sim.render.masks import bodies_of, rows_of, segment_of
 from rlbench_pin.sim.render.raster.stage import Lamp
 from rlbench_pin.sim.render.shots import Shot
 from rlbench_pin.sim.render.texture import Texture
 from rlbench_pin.sim.render.tone import toned
 
 _EDGE = np.float32(1e9)
-_NO_PIXELS = np.zeros(0, dtype=PIXEL)
 
 
 class KeptBackdrop:
@@ -40,11 +39,40 @@ class KeptBackdrop:
     Args:
         view: The camera.
         image: What it sees of the room.
+        bare: Colours (h, w, 3) without shadows if those of the image have some.
+
+    Attributes:
+        view: The same.
+        image: The same.
+        bare: Colours without shadows.
+        is_shaded: Whether those of the image have shadows.
     """
 
-    def __init__(self, view: CameraView, image: Backdrop) -> None:
+    def __init__(self, view: CameraView, image: Backdrop, bare: NDArray[np.uint8] | None = None) -> None:
         self.view, self.image = view, image
+        self.is_shaded = bare is not None
+        self.bare = image.rgb if bare is None else bare
         self._spots: tuple[CameraView, TableSpots] | None = None
+
+    def with_resting(self, sheet: Sheet, number: int, covered: NDArray[np.bool_], shadows: ShadowMap) -> KeptBackdrop:
+        """Return the room with links at rest before it.
+
+        Args:
+            sheet: Images of both.
+            number: Number of this camera in them.
+            covered: Which of all pixels see the links (n,).
+            shadows: The shadows of the links.
+        """
+        rgb, depth, mask, surfaces = (
+            sheet.part(values, number).copy() for values in (sheet.bytes, sheet.depth, sheet.ids, sheet.surfaces)
+        )
+        result = KeptBackdrop(self.view, replace(self.image, rgb=rgb, depth=depth, mask=mask), self.image.rgb)
+        result.surfaces = surfaces
+        table = self.table(shadows)
+        free = (~sheet.part(covered, number).ravel().take(table.pixels)).nonzero()[0]
+        names = ("pixels", "right", "down", "block")
+        result._spots = shadows.view, replace(table, **{name: getattr(table, name).take(free) for name in names})
+        return result
 
     @cached_property
     def inverse(self) -> NDArray[np.float32]:
@@ -77,18 +105,23 @@ class Sheet:
 
     Attributes:
         backdrops: The same.
-        colors: Colours (n,) of type `PIXEL`.
         depth: Depth (n,) [m].
-        ids: Mask ids (n,).
+        colors: Colours (n,) of type `PIXEL`; none where there are no colours.
+        surfaces: Which surface each pixel shows (n,); none where there are no colours.
+        ids: Mask ids (n,); none where there are no ids.
     """
 
     def __init__(self, backdrops: Sequence[KeptBackdrop], has_colors: bool, has_ids: bool) -> None:
-        self.backdrops = backdrops
+        self.backdrops, self._has_ids = backdrops, has_ids
         images = [backdrop.image for backdrop in backdrops]
         self.starts = np.cumsum([0, *(image.depth.size for image in images)])
         self.depth = np.concatenate([image.depth.ravel() for image in images])
-        self.colors = np.concatenate([image.rgb.reshape(-1).view(PIXEL) for image in images] if has_colors else [_NO_PIXELS])
-        self.ids = np.concatenate([image.mask.ravel() for image in images]) if has_ids else None
+        self.colors, self.surfaces, self.ids = np.zeros(0, PIXEL), np.zeros(0, np.uint8), np.zeros(0, np.int32)
+        if has_colors:
+            self.colors = np.concatenate([image.rgb.reshape(-1).view(PIXEL) for image in images])
+            self.surfaces = np.concatenate([backdrop.surfaces.ravel() for backdrop in backdrops])
+        if has_ids:
+            self.ids = np.concatenate([image.mask.ravel() for image in images])
 
     @property
     def bytes(self) -> NDArray[np.uint8]:
@@ -104,17 +137,22 @@ class Sheet:
         """Write colours (k, 3) to some pixels."""
         self.colors[pixels] = np.ascontiguousarray(colors).reshape(-1).view(PIXEL)
 
-    def shade_tables(self, shadows: ShadowMap, key: NDArray[np.float32]) -> None:
+    def shade_tables(self, shadows: ShadowMap, key: NDArray[np.float32], near: NDArray[np.bool_] | None = None) -> None:
         """Darken the table where moving objects stand in the key light.
 
         Args:
             shadows: The shadows.
             key: Share (3,) of its colour that the key light gives.
+            near: Blocks of texels (n, n) in which shadows have changed, for images that are shaded.
         """
         if shadows.is_empty:
             return
-        pixels, missing = shadows.at([backdrop.table(shadows) for backdrop in self.backdrops], self.starts)
-        shaded = self.colors.take(pixels).view(np.uint8).reshape(-1, 3)
+        again = [near.ravel() if near is not None and backdrop.is_shaded else None for backdrop in self.backdrops]
+        each, missing = shadows.at([backdrop.table(shadows) for backdrop in self.backdrops], again)
+        bare = [backdrop.bare.reshape(-1).view(PIXEL).take(own) for backdrop, own in zip(self.backdrops, each, strict=True)]
+        shaded = np.concatenate(bare).view(np.uint8).reshape(-1, 3)
+        pixels = np.concatenate(each)
+        pixels += np.repeat(self.starts[:-1], [len(own) for own in each])
         left: dict[float, NDArray[np.float32]] = {}
         for channel, part in enumerate(key.tolist()):
             if part not in left:
@@ -142,7 +180,7 @@ class Sheet:
                 colors += (np.float32(255.0) - colors) * light
                 self.put(pixels, colors.astype(np.uint8))
 
-    def put_shot(self, shot: Shot, colors: NDArray[np.uint8]) -> None:
+    def put_colors(self, shot: Shot, colors: NDArray[np.uint8]) -> None:
         """Write the colours (n, 3) of what the cameras see; those of glass over others."""
         pixels, solid = shot.pixels, len(shot.pixels) - len(shot.opacity)
         self.put(pixels[:solid], colors[:solid])
@@ -151,18 +189,24 @@ class Sheet:
             under += (colors[solid:] - under) * shot.opacity[:, None]
             self.put(pixels[solid:], np.rint(under).astype(np.uint8))
 
-    def smooth(self, shots: Sequence[Shot], chosen: Sequence[int]) -> None:
-        """Smooth the edges in some images of what the cameras see, in shots that hide those before them."""
-        surfaces = np.concatenate([backdrop.surfaces.ravel() for backdrop in self.backdrops])
-        for shot in shots:
-            surfaces[shot.pixels] = shot.surface
+    def put_rest(self, shot: Shot, ids: NDArray[np.int32]) -> None:
+        """Write all but the colours of what the cameras see; `ids` are the mask ids of body b and link l at `[b, l + 1]`."""
+        self.depth[shot.pixels] = shot.depth
+        if len(self.surfaces):
+            self.surfaces[shot.pixels] = shot.surface
+        if self._has_ids:
+            of_segments = ids[bodies_of(shot.segments), rows_of(shot.segments)]
+            self.ids[shot.pixels] = of_segments.take(shot.segment)
+
+    def smooth(self, chosen: Sequence[int]) -> None:
+        """Smooth the edges in some images."""
         shapes = {backdrop.image.depth.shape for backdrop in self.backdrops}
         if len(shapes) == 1 and len(chosen) == len(self.backdrops):
             height, width = shapes.pop()
-            smoothed(self.bytes.reshape(-1, height, width, 3), surfaces.reshape(-1, height, width))
+            smoothed(self.bytes.reshape(-1, height, width, 3), self.surfaces.reshape(-1, height, width))
         else:
             for number in chosen:
-                smoothed(self.part(self.bytes, number)[None], self.part(surfaces, number)[None])
+                smoothed(self.part(self.bytes, number)[None], self.part(self.surfaces, number)[None])
 
 
 def _pool(squared: NDArray[np.float32], lamp: Lamp) -> NDArray[np.float32]:

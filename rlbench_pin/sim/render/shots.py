@@ -72,18 +72,6 @@ class Shot:
                 yield n % len(self.views), self.views[n % len(self.views)], slice(begin, end)
 
 
-@dataclass(frozen=True, eq=False)
-class Resting:
-    """Links at rest as cameras at rest see them where nothing else casts a shadow."""
-
-    shot: Shot
-    """What the cameras see."""
-    colors: NDArray[np.uint8]
-    """Its colours (n, 3)."""
-    block: NDArray[np.int64]
-    """Where each pixel lies in the image of the light, as the number of a block of four by four of its pixels (n,)."""
-
-
 class Shooting:
     """Moving objects as the cameras of one instant see them.
 
@@ -92,28 +80,23 @@ class Shooting:
         blocked: Surfaces in the light; None where that was not asked for.
 
     Attributes:
-        blocked: The same.
         lamps: Lamps that shine.
         state: What is equal as long as the same links rest before the same cameras and look the same; None where nothing does.
     """
 
     def __init__(self, shots: Sequence[Shot], blocked: Blocked | None) -> None:
-        self._shots, self.blocked = shots, blocked
+        self._shots, self._blocked = shots, blocked
         self.lamps: list[Lamp] = []
         self.state: tuple[object, ...] | None = None
 
-    def shot(self, number: int, resting: Resting | None = None) -> Shot:
-        """Return what a group of cameras sees.
-
-        Args:
-            number: Number of the group.
-            resting: Links at rest, as they were; with them what still looks the same is left out.
-        """
+    def shot(self, number: int) -> Shot:
+        """Return what a group of cameras sees."""
         return self._shots[number]
 
-    def resting(self, number: int) -> tuple[Shot, Blocked]:
-        """Return what a group of cameras sees of links at rest, and what the light sees of them; only where there is a state."""
-        raise NotImplementedError
+    def blocked(self) -> Blocked:
+        """Return what stands in the light, if that was asked for."""
+        assert self._blocked is not None
+        return self._blocked
 
 
 class NumpyShooting(Shooting):
@@ -127,26 +110,41 @@ class NumpyShooting(Shooting):
     """
 
     def __init__(self, stage: Stage, placed: Placed, sights: Sequence[Sight], light: CameraView | None) -> None:
+        super().__init__((), None)
         self._parts, self._materials, self._sights = placed.parts, stage.materials, sights
         self._firsts = np.cumsum([0, *(len(sight.views) for sight in sights)]).tolist()
         opacity = stage.materials.opacity.take(placed.parts.shape)
         views = [view for sight in sights for view in sight.views]
         self._drawing = Drawing(placed, stage.layers, opacity, views, light)
-        super().__init__((), None if light is None else self._drawing.blocked())
         self.lamps = stage.lamps()
         states = self._drawing.states()
         if light is not None and states[-1] is not None:
             self.state = stage.materials, *states
 
-    def shot(self, number: int, resting: Resting | None = None) -> Shot:
-        """Return what a group of cameras sees."""
-        again = None if resting is None else resting.shot.pixels.compress(self._drawing.changed().take(resting.block))
+    def shot(self, number: int, again: NDArray[np.int64] | None = None) -> Shot:
+        """Return what a group of cameras sees.
+
+        Args:
+            number: Number of the group.
+            again: With it links at rest are left out that cameras at rest see, but for these pixels (k,).
+        """
         return self._shot(self._drawing.seen(self._sights[number], self._firsts[number], again), number)
 
-    def resting(self, number: int) -> tuple[Shot, Blocked]:
-        """Return what a group of cameras sees of links at rest, and what the light sees of them."""
-        shot = self._shot(self._drawing.resting(self._sights[number], self._firsts[number]), number)
-        return shot, self._drawing.resting_blocked()
+    def blocked(self) -> Blocked:
+        """Return what stands in the light."""
+        return self._drawing.all_blocked()
+
+    def resting(self, number: int) -> tuple[Shot, Blocked, list[bool]]:
+        """Return what cameras at rest of a group see of links at rest, what the light sees of them, and which cameras rest."""
+        sight, first = self._sights[number], self._firsts[number]
+        is_kept = [state is not None for state in self._drawing.states()[first : first + len(sight.views)]]
+        return self._shot(self._drawing.resting(sight, first), number), self._drawing.all_blocked(resting=True), is_kept
+
+    def moving(self) -> tuple[Blocked, NDArray[np.bool_]]:
+        """Return what stands in the light where more than links at rest is, and of blocks of four by four pixels, (n, n),
+        whether it is there.
+        """
+        return self._drawing.blocked(), self._drawing.changed()
 
     def _shot(self, drawn: Drawn, number: int) -> Shot:
         return _shot(drawn, self._parts, self._materials, self._sights[number])

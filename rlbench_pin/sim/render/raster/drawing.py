@@ -105,18 +105,19 @@ class Targets:
 
     Args:
         projection: What the cameras see.
-        has_light: Whether the last camera is that of a light. Of its image, most of which is empty, only a part is drawn.
+        moving: Which links (l,) move in the image of the last camera if that is the camera of a light; only where these are it
+            is drawn.
 
     Attributes:
         keys: The keys (n,).
         starts: Where those of each camera begin (c + 1,).
     """
 
-    def __init__(self, projection: Projection, has_light: bool) -> None:
+    def __init__(self, projection: Projection, moving: NDArray[np.bool_] | None) -> None:
         self.sizes = np.array([view.size for view in projection.views])
         self.windows = [(slice(0, height), slice(0, width)) for width, height in self.sizes.tolist()]
-        if has_light:
-            (left, top), (right, bottom) = projection.bounds(len(self.windows) - 1)
+        if moving is not None:
+            (left, top), (right, bottom) = projection.bounds(len(self.windows) - 1, moving)
             # whole blocks of four by four
             self.windows[-1] = slice(top & ~3, (bottom + 4) & ~3), slice(left & ~3, (right + 4) & ~3)
         shapes = [(rows.stop - rows.start, columns.stop - columns.start) for rows, columns in self.windows]
@@ -157,9 +158,11 @@ class Drawing:
         light: CameraView | None,
     ) -> None:
         projection = self._projection = Projection(placed, [*views, *([] if light is None else [light])])
-        targets = self._targets = Targets(projection, light is not None)
         solid, glass = opacity >= _SOLID, (opacity > 0.0) & (opacity < _SOLID)
         self._layers = layers.of(projection.views, solid, placed.still)
+        kept = self._layers[-1]
+        moving = np.ones(len(placed.still), dtype=np.bool_) if kept is None else ~kept.links
+        targets = self._targets = Targets(projection, None if light is None else moving)
         targets.draw(targets.keys, projection, solid & _from_layers(targets, projection, placed, self._layers, solid))
         self._front = None
         if glass.any():
@@ -173,28 +176,33 @@ class Drawing:
         return tuple(None if layer is None else layer.state for layer in self._layers)
 
     def blocked(self) -> Blocked:
-        """Return what stands in the light."""
+        """Return what stands in the light where other links than those at rest are."""
         rows, columns = self._targets.windows[-1]
         return _blocked(rows.start, columns.start, self._targets.images[-1])
 
-    def resting_blocked(self) -> Blocked:
-        """Return which links at rest stand in the light, before which there is a layer."""
-        return _blocked(0, 0, self._kept(-1).nearest)
+    def all_blocked(self, resting: bool = False) -> Blocked:
+        """Return what stands in the light, or which links at rest do."""
+        if self._layers[-1] is None:
+            return self.blocked()
+        keys = self._kept(-1).nearest
+        if not resting:
+            keys = keys.copy()
+            keys[self._targets.windows[-1]] = self._targets.images[-1]
+        rows, columns = (
+            slice(ends[0], ends[-1] + 1) if len(ends := keys.any(axis=axis).nonzero()[0]) else slice(0, 0) for axis in (1, 0)
+        )
+        return _blocked(rows.start, columns.start, keys[rows, columns])
 
     def changed(self) -> NDArray[np.bool_]:
-        """Return of every four by four pixels of the image that the light takes, flat, whether others than links at rest are
-        in these or in those around them.
-        """
+        """Return of every four by four pixels of the image that the light takes whether others than links at rest are there."""
         rows, columns = self._targets.windows[-1]
         differs = self._targets.images[-1] != self._kept(-1).nearest[rows, columns]
         blocks = np.ascontiguousarray(differs).view(np.uint32)
         blocks = (blocks[0::4] | blocks[1::4] | blocks[2::4] | blocks[3::4]) != 0
         width, height = self._projection.views[-1].size
-        every = np.zeros((height // 4 + 2, width // 4 + 2), dtype=np.bool_)
-        every[rows.start // 4 + 1 : rows.stop // 4 + 1, columns.start // 4 + 1 : columns.stop // 4 + 1] = blocks
-        every[1:-1] |= every[2:] | every[:-2]
-        inner = every[1:-1]
-        return (inner[:, 1:-1] | inner[:, 2:] | inner[:, :-2]).ravel()
+        every = np.zeros((height // 4, width // 4), dtype=np.bool_)
+        every[rows.start // 4 : rows.stop // 4, columns.start // 4 : columns.stop // 4] = blocks
+        return every
 
     def seen(self, sight: Sight, first: int, again: NDArray[np.int64] | None = None) -> Drawn:
         """Return what some cameras see.

@@ -60,14 +60,20 @@ class Projection:
         eyes[:, 0, :3] = [view.pose[:3] for view in views]
         self.facing: NDArray[np.bool_] = np.matmul(eyes, placed.planes)[:, 0] > 0.0
         self.reached = _reached(views, placed)
-        self._count = points.shape[2]
+        self._count, self._slices = points.shape[2], placed.parts.point_slices
         self._points = points.ravel()
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             self._pixels = (points[:, :2] / points[:, 2:]).ravel()
 
-    def bounds(self, camera: int) -> tuple[tuple[int, int], tuple[int, int]]:
-        """First and last column, and first and last row, of the part of an image that holds all points that are in it."""
+    def bounds(self, camera: int, links: NDArray[np.bool_]) -> tuple[tuple[int, int], tuple[int, int]]:
+        """First and last column, and first and last row, of the part of an image that holds all points of some links (l,)."""
         pixels = self._pixels[2 * camera * self._count : 2 * (camera + 1) * self._count].reshape(2, -1)
+        if not links.all():
+            pixels = np.concatenate(
+                [pixels[:, :0], *(pixels[:, own] for own, is_one in zip(self._slices, links) if is_one)], axis=1
+            )
+        if not pixels.shape[1]:
+            return (0, 0), (0, 0)
         spans = []
         for low, high, side in zip(pixels.min(axis=1), pixels.max(axis=1), self.views[camera].size, strict=True):
             is_known = np.isfinite(low) and np.isfinite(high)
