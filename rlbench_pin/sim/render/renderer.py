@@ -194,7 +194,8 @@ class Renderer:
             if first.rgb:
                 if first.shadows and shadows is not None:
                     sheet.shade_tables(shadows, painter.table_key, near)
-                    sheet.put_pools(shadows, shooting.lamps)
+                    if shooting.lamps:
+                        sheet.put_pools(shadows, shooting.lamps)
                 self._color(sheet, shot, shadows if first.shadows else None, shooting.lamps)
                 sheet.smooth([n for n, request in enumerate(own) if request.antialiasing])
             taken.update(zip(group, _images(own, sheet), strict=True))
