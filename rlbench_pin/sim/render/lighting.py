@@ -230,10 +230,10 @@ class ShadowMap:
         return share
 
     def _share(self, texel: NDArray[np.int64], limit: NDArray[np.float32]) -> NDArray[np.float32]:
-        depth = self._image.ravel()
+        depth, first = self._image.ravel(), texel - (2 * _SIZE + 2)
         free = np.zeros(len(texel), dtype=np.uint8)
         for row, column in _TAPS:
-            free += depth.take(texel + (row * _SIZE + column)) >= limit
+            free += depth[(row + 2) * _SIZE + column + 2 :].take(first) >= limit
         return free * np.float32(1.0 / len(_TAPS))
 
     @cached_property

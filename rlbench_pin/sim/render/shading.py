@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -221,7 +221,8 @@ def smoothed(images: NDArray[np.uint8], surfaces: NDArray[np.uint8]) -> None:
     takes from the other side what lies there of it. A. Reshetov, Morphological Antialiasing, 2009.
     """
     flat, own_pixels = images.reshape(-1, 3), images.reshape(-1).view(PIXEL)
-    for first, second, share in _crossings_both_ways(surfaces):
+    for first, step, share in _crossings_both_ways(surfaces):
+        second = first + step
         for own, other, sign in ((first, second, 1.0), (second, first, -1.0)):
             chosen = (share * np.float32(sign) > np.float32(0.02)).nonzero()[0]
             weight = np.abs(share.take(chosen))[:, None]
@@ -232,30 +233,30 @@ def smoothed(images: NDArray[np.uint8], surfaces: NDArray[np.uint8]) -> None:
             own_pixels[pixels] = colors.astype(np.uint8).reshape(-1).view(PIXEL)
 
 
-def _crossings_both_ways(surfaces: NDArray[np.uint8]) -> list[tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float32]]]:
-    """Crossings as in `_crossings`, of pixels with those below them and of pixels with those to their right."""
-    count, height, width = surfaces.shape
+def _crossings_both_ways(surfaces: NDArray[np.uint8]) -> list[tuple[NDArray[np.int64], int, NDArray[np.float32]]]:
+    """Crossings as in `_crossings` of pixels with those below them and of pixels with those to their right: pixels (n,), steps to
+    the others, and shares (n,).
+    """
+    _, height, width = surfaces.shape
     turned = surfaces.transpose(0, 2, 1)
     if height != width:
-        upright, (first, second, share) = _crossings(surfaces), _crossings(np.ascontiguousarray(turned))
+        (upper, share), (beside, across) = _crossings(surfaces), _crossings(np.ascontiguousarray(turned))
     else:
-        upper, lower, every = _crossings(np.concatenate([surfaces, turned]))
-        end = int(np.searchsorted(upper, surfaces.size))
-        upright = upper[:end], lower[:end], every[:end]
-        first, second, share = upper[end:] - surfaces.size, lower[end:] - surfaces.size, every[end:]
-    return [upright, (_turned_back(first, height, width), _turned_back(second, height, width), share)]
+        every, shares = _crossings(np.concatenate([surfaces, turned]))
+        end = int(np.searchsorted(every, surfaces.size))
+        upper, share, beside, across = every[:end], shares[:end], every[end:] - surfaces.size, shares[end:]
+    return [(upper, width, share), (_turned_back(surfaces.shape).take(beside), 1, across)]
 
 
-def _turned_back(pixels: NDArray[np.int64], height: int, width: int) -> NDArray[np.int64]:
-    """Flat indices (n,) in images (c, h, w) of those in images (c, w, h)."""
-    column = pixels // height
-    image = column // width
-    return image * (height * width) + (pixels - column * height) * width + (column - image * width)
+@lru_cache(maxsize=8)
+def _turned_back(shape: tuple[int, ...]) -> NDArray[np.int64]:
+    """Flat indices (n,) in images (c, h, w) of all pixels of images (c, w, h)."""
+    return np.arange(np.prod(shape)).reshape(shape).transpose(0, 2, 1).ravel()
 
 
-def _crossings(surfaces: NDArray[np.uint8]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float32]]:
-    """Pixels (n,) of images (c, h, w) that see another surface than those below them, these, and how far the edge lies above
-    their border as a share of a pixel (n,), negative where it lies below.
+def _crossings(surfaces: NDArray[np.uint8]) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+    """Pixels (n,) of images (c, h, w) that see another surface than those below them, and how far the edge lies above their
+    border as a share of a pixel (n,), negative where it lies below.
     """
     width = surfaces.shape[2]
     flat = surfaces.ravel()
@@ -268,8 +269,7 @@ def _crossings(surfaces: NDArray[np.uint8]) -> tuple[NDArray[np.int64], NDArray[
     goes_on[:-width] &= goes_on[width:]
     goes_on[1:] &= differs.ravel()[:-1]
     upper = differs.ravel().nonzero()[0]
-    lower = upper + width
-    above, below = flat.take(upper), flat.take(lower)
+    above, below = flat.take(upper), flat.take(upper + width)
     begins = np.ones(len(upper) + 1, dtype=np.bool_)
     np.logical_not(goes_on.take(upper), out=begins[:-1])
     ends = begins.nonzero()[0]
@@ -293,7 +293,7 @@ def _crossings(surfaces: NDArray[np.uint8]) -> tuple[NDArray[np.int64], NDArray[
     left *= np.maximum(way, np.float32(0.0))
     right *= np.minimum(way, np.float32(0.0))
     left -= right
-    return upper, lower, left
+    return upper, left
 
 
 def halved(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
