@@ -174,7 +174,7 @@ class Renderer:
         groups = [[n for n, own in enumerate(kinds) if own == kind] for kind in sorted(set(kinds))]
         wanted = [[requests[n] for n in group] for group in groups]
         rooms = [[self._backdrop(painter, request.view) for request in group] for group in wanted]
-        sights = [self._sight(group, room) for group, room in zip(wanted, rooms, strict=True)]
+        sights = [self._sight(group) for group in wanted]
         makes_map = shadows is None and any(request.is_shaded for request in requests)
         light = self._view_of_light()
         shooting = self._rasterizer.shoot(sights, self.lighting, light if makes_map else None)
@@ -182,14 +182,13 @@ class Renderer:
         for number, (group, own, room) in enumerate(zip(groups, wanted, rooms, strict=True)):
             near, first = None, own[0]
             resting = self._resting(shooting, number, room, painter) if first.is_shaded else None
+            sheet = Sheet(room if resting is None else resting.before(room), first.rgb, any(request.mask for request in own))
             if resting is not None and isinstance(shooting, NumpyShooting):
-                room = resting.before(room)
-                shot, shadows, near = resting.moving(shooting, number)
+                shot, shadows, near = resting.moving(shooting, number, sheet.depth)
             else:
-                shot = shooting.shot(number)
+                shot = shooting.shot(number, sheet.depth)
                 if first.is_shaded and makes_map:
                     shadows = ShadowMap(light, painter.table_height, shooting.blocked())
-            sheet = Sheet(room, first.rgb, any(request.mask for request in own))
             sheet.put_rest(shot, self._ids())
             if first.rgb:
                 if first.shadows and shadows is not None:
@@ -208,11 +207,10 @@ class Renderer:
             self._light_view = self.lighting.key, light_view(self.lighting.key)
         return self._light_view[1]
 
-    def _sight(self, requests: Sequence[Request], room: Sequence[KeptBackdrop]) -> Sight:
+    def _sight(self, requests: Sequence[Request]) -> Sight:
         lighting, first = self.lighting, requests[0]
         ambient = lighting.ambient if first.is_shaded else lighting.ambient + lighting.mean_fill
-        limit = np.concatenate([backdrop.image.depth.ravel() for backdrop in room])
-        return Sight([request.view for request in requests], limit, first.rgb, ambient)
+        return Sight([request.view for request in requests], first.rgb, ambient)
 
     def _resting(self, shooting: Shooting, number: int, backdrops: Sequence[KeptBackdrop], room: Painter) -> Resting | None:
         """Links at rest before the room, from the second time on that nothing of it changed."""

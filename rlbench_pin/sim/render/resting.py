@@ -39,12 +39,15 @@ class Resting:
         each = zip(self.backdrops, self.is_kept, backdrops, strict=True)
         return [kept if is_kept else room for kept, is_kept, room in each]
 
-    def moving(self, shooting: NumpyShooting, number: int) -> tuple[Shot, ShadowMap, NDArray[np.bool_]]:
+    def moving(
+        self, shooting: NumpyShooting, number: int, limit: NDArray[np.float32]
+    ) -> tuple[Shot, ShadowMap, NDArray[np.bool_]]:
         """Return what a group of cameras sees of other links and of what these shade.
 
         Args:
             shooting: What the cameras see.
             number: Number of the group.
+            limit: Depth of all their pixels (n,) from which on nothing is seen [m].
 
         Returns:
             What they see, all shadows, and in which blocks of the image of the key light the table has other shadows, (n, n).
@@ -53,7 +56,7 @@ class Resting:
         shadows = ShadowMap(self.shadows.view, self.shadows.height, blocked, self.shadows)
         near = spread(changed)
         again = self.pixels.compress(near.ravel().take(self.block))
-        return shooting.shot(number, again), shadows, spread(spread(near))
+        return shooting.shot(number, limit, again), shadows, spread(spread(near))
 
 
 def rest(
@@ -76,8 +79,9 @@ def rest(
         light: Camera of the key light.
         ids: Mask ids of body b and link l at `[b, l + 1]`.
     """
-    shot, blocked, is_kept = shooting.resting(number)
-    shadows, sheet = ShadowMap(light, room.table_height, blocked), Sheet(backdrops, has_colors=True, has_ids=True)
+    sheet = Sheet(backdrops, has_colors=True, has_ids=True)
+    shot, blocked, is_kept = shooting.resting(number, sheet.depth)
+    shadows = ShadowMap(light, room.table_height, blocked)
     sheet.shade_tables(shadows, room.table_key)
     assert shot.normals is not None
     sheet.put_colors(shot, bytes_of(colors_in_light(shot, shot.normals, lighting, shadows, ())))

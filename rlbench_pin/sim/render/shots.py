@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,73 +73,65 @@ class Shot:
                 yield n % len(self.views), self.views[n % len(self.views)], slice(begin, end)
 
 
-class Shooting:
+class Shooting(Protocol):
     """Moving objects as the cameras of one instant see them.
-
-    Args:
-        shots: One for each group of cameras.
-        blocked: Surfaces in the light; None where that was not asked for.
 
     Attributes:
         lamps: Lamps that shine.
-        state: What is equal as long as the same links rest before the same cameras and look the same; None where nothing does.
     """
 
-    def __init__(self, shots: Sequence[Shot], blocked: Blocked | None) -> None:
-        self._shots, self._blocked = shots, blocked
-        self.lamps: list[Lamp] = []
-        self.state: tuple[object, ...] | None = None
+    lamps: Sequence[Lamp]
 
-    def shot(self, number: int) -> Shot:
-        """Return what a group of cameras sees."""
-        return self._shots[number]
+    def shot(self, number: int, limit: NDArray[np.float32] | None) -> Shot:
+        """Return what a group of cameras sees.
+
+        Args:
+            number: Number of the group.
+            limit: Depth of all their pixels (n,), image after image, from which on nothing is seen [m]; nothing hides anything
+                when None.
+        """
 
     def blocked(self) -> Blocked:
-        """Return what stands in the light, if that was asked for."""
-        assert self._blocked is not None
-        return self._blocked
+        """Return what stands in the light that looks."""
 
 
-class NumpyShooting(Shooting):
-    """The same, drawn by numpy.
+class NumpyShooting:
+    """Drawn by numpy.
 
     Args:
         stage: The objects.
         placed: Their triangles.
         sights: The groups of cameras.
         light: Camera of a light, if one looks.
+
+    Attributes:
+        lamps: Lamps that shine.
+        state: What is equal as long as the same links rest before the same cameras and look the same; None where nothing does.
     """
 
     def __init__(self, stage: Stage, placed: Placed, sights: Sequence[Sight], light: CameraView | None) -> None:
-        super().__init__((), None)
         self._parts, self._materials, self._sights = placed.parts, stage.materials, sights
         self._firsts = np.cumsum([0, *(len(sight.views) for sight in sights)]).tolist()
         opacity = stage.materials.opacity.take(placed.parts.shape)
         views = [view for sight in sights for view in sight.views]
         self._drawing = Drawing(placed, stage.layers, opacity, views, light)
-        self.lamps = stage.lamps()
+        self.lamps: Sequence[Lamp] = stage.lamps()
         states = self._drawing.states()
-        if light is not None and states[-1] is not None:
-            self.state = stage.materials, *states
+        self.state = (stage.materials, *states) if light is not None and states[-1] is not None else None
 
-    def shot(self, number: int, again: NDArray[np.int64] | None = None) -> Shot:
-        """Return what a group of cameras sees.
-
-        Args:
-            number: Number of the group.
-            again: With it links at rest are left out that cameras at rest see, but for these pixels (k,).
-        """
-        return self._shot(self._drawing.seen(self._sights[number], self._firsts[number], again), number)
+    def shot(self, number: int, limit: NDArray[np.float32] | None, again: NDArray[np.int64] | None = None) -> Shot:
+        """Return what a group of cameras sees; with `again` without links at rest before cameras at rest but in these pixels."""
+        return self._shot(self._drawing.seen(self._sights[number], self._firsts[number], limit, again), number)
 
     def blocked(self) -> Blocked:
         """Return what stands in the light."""
         return self._drawing.all_blocked()
 
-    def resting(self, number: int) -> tuple[Shot, Blocked, list[bool]]:
+    def resting(self, number: int, limit: NDArray[np.float32]) -> tuple[Shot, Blocked, list[bool]]:
         """Return what cameras at rest of a group see of links at rest, what the light sees of them, and which cameras rest."""
         sight, first = self._sights[number], self._firsts[number]
         is_kept = [state is not None for state in self._drawing.states()[first : first + len(sight.views)]]
-        return self._shot(self._drawing.resting(sight, first), number), self._drawing.all_blocked(resting=True), is_kept
+        return self._shot(self._drawing.resting(sight, first, limit), number), self._drawing.all_blocked(resting=True), is_kept
 
     def moving(self) -> tuple[Blocked, NDArray[np.bool_]]:
         """Return what stands in the light where more than links at rest is, and of blocks of four by four pixels, (n, n),
@@ -228,19 +221,13 @@ class BulletRasterizer:
 
     def shoot(self, sights: Sequence[Sight], lighting: Lighting, light: CameraView | None) -> Shooting:
         """Look through some cameras, and through `light`, the camera of a light."""
-        shots = [self._shot(sight, lighting) for sight in sights]
-        return Shooting(shots, None if light is None else self._blocked(light, lighting))
+        return BulletShooting(self, sights, lighting, light)
 
-    def _blocked(self, light: CameraView, lighting: Lighting) -> Blocked:
-        shot = self._shot(Sight([light], None), lighting)
-        depth = np.full(light.size[0] * light.size[1], np.inf, dtype=np.float32)
-        depth[shot.pixels] = shot.depth
-        return Blocked(0, 0, depth.reshape(light.size[::-1]))
-
-    def _shot(self, sight: Sight, lighting: Lighting) -> Shot:
+    def shot(self, sight: Sight, limit: NDArray[np.float32] | None, lighting: Lighting) -> Shot:
+        """Return what some cameras see before a depth (n,) [m]."""
         ends = np.cumsum([0, *(view.size[0] * view.size[1] for view in sight.views)])
-        limits = [None if sight.limit is None else sight.limit[a:b] for a, b in zip(ends, ends[1:])]
-        each = [self._pixels(view, limit, sight, lighting) for view, limit in zip(sight.views, limits, strict=True)]
+        limits = [None if limit is None else limit[a:b] for a, b in zip(ends, ends[1:])]
+        each = [self._pixels(view, own, sight, lighting) for view, own in zip(sight.views, limits, strict=True)]
         pixels, inverse, depth, segments, colors = (np.concatenate(values, axis=-1) for values in zip(*each, strict=True))
         counts = [len(own[0]) for own in each]
         widths = np.repeat([view.size[0] for view in sight.views], counts)
@@ -287,3 +274,33 @@ class BulletRasterizer:
                 flags=bullet.ER_SEGMENTATION_MASK_OBJECT_AND_LINKINDEX,
                 physicsClientId=self._client.id,
             )[2:]
+
+
+class BulletShooting:
+    """Drawn by PyBullet.
+
+    Args:
+        rasterizer: The renderer.
+        sights: The groups of cameras.
+        lighting: The lights.
+        light: Camera of a light, if one looks.
+    """
+
+    def __init__(
+        self, rasterizer: BulletRasterizer, sights: Sequence[Sight], lighting: Lighting, light: CameraView | None
+    ) -> None:
+        self._rasterizer, self._sights, self._lighting, self._light = rasterizer, sights, lighting, light
+        self.lamps: Sequence[Lamp] = ()
+
+    def shot(self, number: int, limit: NDArray[np.float32] | None) -> Shot:
+        """Return what a group of cameras sees."""
+        return self._rasterizer.shot(self._sights[number], limit, self._lighting)
+
+    def blocked(self) -> Blocked:
+        """Return what stands in the light."""
+        assert self._light is not None
+        shot = self._rasterizer.shot(Sight([self._light]), None, self._lighting)
+        width, height = self._light.size
+        depth = np.full(width * height, np.inf, dtype=np.float32)
+        depth[shot.pixels] = shot.depth
+        return Blocked(0, 0, depth.reshape(height, width))

@@ -29,12 +29,10 @@ _SOLID = np.float32(0.999)
 
 @dataclass(frozen=True, eq=False)
 class Sight:
-    """Cameras that want the same, and what hides moving objects from them."""
+    """Cameras that want the same."""
 
     views: Sequence[CameraView]
     """The cameras."""
-    limit: NDArray[np.float32] | None
-    """Depth of all their pixels (n,), image after image, from which on nothing is seen [m]; nothing hides anything when None."""
     is_lit: bool = False
     """Whether colours are wanted."""
     ambient: float = 1.0
@@ -204,12 +202,14 @@ class Drawing:
         every[rows.start // 4 : rows.stop // 4, columns.start // 4 : columns.stop // 4] = blocks
         return every
 
-    def seen(self, sight: Sight, first: int, again: NDArray[np.int64] | None = None) -> Drawn:
+    def seen(self, sight: Sight, first: int, limit: NDArray[np.float32] | None, again: NDArray[np.int64] | None = None) -> Drawn:
         """Return what some cameras see.
 
         Args:
             sight: The cameras.
             first: Number of the first of them.
+            limit: Depth of all their pixels (n,), image after image, from which on nothing is seen [m]; nothing hides anything
+                when None.
             again: With it links at rest are left out in the pixels of cameras with layers, but for these pixels (k,).
         """
         targets = self._targets
@@ -224,18 +224,18 @@ class Drawing:
                     is_seen[own] &= keys[own] != layer.nearest.ravel()
             is_seen[again] = True
         if self._front is None:
-            return _drawn(keys, is_seen, sight, first, self._projection)
+            return _drawn(keys, is_seen, sight, first, limit, self._projection)
         front = self._front[part]
-        return _drawn(np.concatenate([keys, front]), np.concatenate([is_seen, front > 0]), sight, first, self._projection)
+        return _drawn(np.concatenate([keys, front]), np.concatenate([is_seen, front > 0]), sight, first, limit, self._projection)
 
-    def resting(self, sight: Sight, first: int) -> Drawn:
-        """Return which links at rest some cameras see that have layers."""
+    def resting(self, sight: Sight, first: int, limit: NDArray[np.float32]) -> Drawn:
+        """Return which links at rest some cameras see that have layers, before some depth of all pixels (n,) [m]."""
         layers = self._layers[first : first + len(sight.views)]
         each = zip(layers, sight.views, strict=True)
         keys = np.concatenate(
             [np.zeros(view.size[0] * view.size[1], np.int64) if own is None else own.nearest.ravel() for own, view in each]
         )
-        return _drawn(keys, keys > 0, sight, first, self._projection)
+        return _drawn(keys, keys > 0, sight, first, limit, self._projection)
 
     def _kept(self, number: int) -> Layer:
         layer = self._layers[number]
@@ -243,7 +243,14 @@ class Drawing:
         return layer
 
 
-def _drawn(keys: NDArray[np.int64], is_seen: NDArray[np.bool_], sight: Sight, first: int, projection: Projection) -> Drawn:
+def _drawn(
+    keys: NDArray[np.int64],
+    is_seen: NDArray[np.bool_],
+    sight: Sight,
+    first: int,
+    limit: NDArray[np.float32] | None,
+    projection: Projection,
+) -> Drawn:
     """What some cameras see, before what hides it.
 
     Args:
@@ -251,6 +258,7 @@ def _drawn(keys: NDArray[np.int64], is_seen: NDArray[np.bool_], sight: Sight, fi
         is_seen: Which of these to look at.
         sight: The cameras.
         first: Number of the first of them.
+        limit: Depth of the pixels (n,) from which on nothing is seen [m].
         projection: The triangles.
     """
     counts = [view.size[0] * view.size[1] for view in sight.views]
@@ -264,8 +272,8 @@ def _drawn(keys: NDArray[np.int64], is_seen: NDArray[np.bool_], sight: Sight, fi
     ends = np.searchsorted(pixels, np.cumsum([0, *counts]))
     if has_glass:
         pixels[ends[len(sight.views)] :] -= len(keys) // 2
-    if sight.limit is not None:
-        seen = depth < sight.limit.take(pixels) + TOUCHING
+    if limit is not None:
+        seen = depth < limit.take(pixels) + TOUCHING
         if not seen.all():
             kept = seen.nonzero()[0]
             pixels, triangles, inverse, depth = (values.take(kept) for values in (pixels, triangles, inverse, depth))
