@@ -187,7 +187,7 @@ class ShadowMap:
             for first, count in zip((blocked.row, blocked.column), blocked.depth.shape, strict=True)
         )
         self._is_same = rows.start >= rows.stop or columns.start >= columns.stop
-        self.is_empty = self._is_same and self._under is None
+        self.is_empty: bool = self._is_same and self._under is None
         if self._is_same:
             return
         self._window = _span(rows), _span(columns)

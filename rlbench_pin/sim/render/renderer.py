@@ -20,7 +20,7 @@ from rlbench_pin.sim.render.camera import CameraView, Images
 from rlbench_pin.sim.render.lighting import Light, Lighting, ShadowMap, light_view
 from rlbench_pin.sim.render.raster.drawing import Sight
 from rlbench_pin.sim.render.raster.stage import Appearance, Lamp
-from rlbench_pin.sim.render.resting import Resting, rest
+from rlbench_pin.sim.render.resting_links import RestingLinks, resting_links
 from rlbench_pin.sim.render.shading import (
     KeptBackdrop,
     LinkTexture,
@@ -100,7 +100,7 @@ class Renderer:
         self._light_view: tuple[Light, CameraView] | None = None
         self._link_textures: dict[tuple[int, int], LinkTexture] = {}
         self._rest_key: tuple[object, ...] = ()
-        self._rest: Resting | None = None
+        self._rest: RestingLinks | None = None
         self._painter: tuple[tuple[object, ...], Painter] | None = None
         self._backdrops: OrderedDict[tuple[object, ...], KeptBackdrop | None] = OrderedDict()
 
@@ -212,7 +212,7 @@ class Renderer:
         ambient = lighting.ambient if first.is_shaded else lighting.ambient + lighting.mean_fill
         return Sight([request.view for request in requests], first.rgb, ambient)
 
-    def _resting(self, shooting: Shooting, number: int, backdrops: Sequence[KeptBackdrop], room: Painter) -> Resting | None:
+    def _resting(self, shooting: Shooting, number: int, backdrops: Sequence[KeptBackdrop], room: Painter) -> RestingLinks | None:
         """Links at rest before the room, from the second time on that nothing of it changed."""
         if not isinstance(shooting, NumpyShooting) or shooting.state is None or shooting.lamps or self._link_textures:
             return None
@@ -221,7 +221,7 @@ class Renderer:
         if len(key) != len(self._rest_key) or any(now is not before for now, before in zip(key, self._rest_key)):
             self._rest_key, self._rest = key, None
         elif self._rest is None:
-            self._rest = rest(shooting, number, backdrops, room, self.lighting, self._view_of_light(), ids)
+            self._rest = resting_links(shooting, number, backdrops, room, self.lighting, self._view_of_light(), ids)
         return self._rest
 
     def _color(self, sheet: Sheet, shot: Shot, shadows: ShadowMap | None, lamps: Sequence[Lamp]) -> None:

@@ -186,9 +186,7 @@ class Drawing:
         if not resting:
             keys = keys.copy()
             keys[self._targets.windows[-1]] = self._targets.images[-1]
-        rows, columns = (
-            slice(ends[0], ends[-1] + 1) if len(ends := keys.any(axis=axis).nonzero()[0]) else slice(0, 0) for axis in (1, 0)
-        )
+        rows, columns = (_extent(np.asarray(keys.any(axis=axis))) for axis in (1, 0))
         return _blocked(rows.start, columns.start, keys[rows, columns])
 
     def changed(self) -> NDArray[np.bool_]:
@@ -276,7 +274,8 @@ def _drawn(
         seen = depth < limit.take(pixels) + TOUCHING
         if not seen.all():
             kept = seen.nonzero()[0]
-            pixels, triangles, inverse, depth = (values.take(kept) for values in (pixels, triangles, inverse, depth))
+            pixels, triangles = pixels.take(kept), triangles.take(kept)
+            inverse, depth = inverse.take(kept), depth.take(kept)
             ends = np.searchsorted(kept, ends)
     rows, columns = _grid(tuple(view.size for view in sight.views))
     place, forms = _no_forms() if not sight.is_lit else _forms(triangles, np.repeat(cameras, np.diff(ends)), projection)
@@ -289,6 +288,12 @@ def _grid(sizes: tuple[tuple[int, int], ...]) -> tuple[NDArray[np.float32], NDAr
     each = [np.indices((height, width), dtype=np.float32).reshape(2, -1) for width, height in sizes]
     rows, columns = np.concatenate(each, axis=1)
     return rows, columns
+
+
+def _extent(is_used: NDArray[np.bool_]) -> slice:
+    """From the first to the last."""
+    used = is_used.nonzero()[0].tolist()
+    return slice(used[0], used[-1] + 1) if used else slice(0, 0)
 
 
 def _blocked(row: int, column: int, keys: NDArray[np.int64]) -> Blocked:

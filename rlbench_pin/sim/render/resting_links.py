@@ -20,7 +20,7 @@ from rlbench_pin.sim.render.shots import NumpyShooting, Shot
 
 
 @dataclass(frozen=True, eq=False)
-class Resting:
+class RestingLinks:
     """Links at rest as the cameras of a group see them."""
 
     backdrops: Sequence[KeptBackdrop]
@@ -59,7 +59,7 @@ class Resting:
         return shooting.shot(number, limit, again), shadows, spread(spread(near))
 
 
-def rest(
+def resting_links(
     shooting: NumpyShooting,
     number: int,
     backdrops: Sequence[KeptBackdrop],
@@ -67,7 +67,7 @@ def rest(
     lighting: Lighting,
     light: CameraView,
     ids: NDArray[np.int32],
-) -> Resting:
+) -> RestingLinks:
     """Draw links at rest as the cameras of a group see them that rest.
 
     Args:
@@ -92,4 +92,4 @@ def rest(
         backdrop if not is_one else backdrop.with_resting(sheet, n, covered, shadows)
         for n, (backdrop, is_one) in enumerate(zip(backdrops, is_kept, strict=True))
     ]
-    return Resting(seen, is_kept, shot.pixels, light_blocks(shot, light), shadows)
+    return RestingLinks(seen, is_kept, shot.pixels, light_blocks(shot, light), shadows)
