@@ -193,12 +193,13 @@ class ShadowMap:
         self._window = _span(rows), _span(columns)
         # what is not filled is not looked up
         self._image = np.empty((_SIZE, _SIZE), dtype=np.float32)
-        self._image[self._window[0]] = _FAR
         self._rows = self._window[0]
-        if self._under is not None:
+        if self._under is None:
+            self._image[self._rows] = _FAR
+        else:
             others = self._under._rows
             self._rows = slice(min(self._rows.start, others.start), max(self._rows.stop, others.stop))
-            self._image[self._rows] = _FAR
+            self._image[self._rows.start : others.start], self._image[others.stop : self._rows.stop] = _FAR, _FAR
             self._image[others] = self._under._image[others]
         self._image[rows, columns] = blocked.depth[_moved(rows, blocked.row), _moved(columns, blocked.column)]
 
