@@ -99,6 +99,7 @@ class Renderer:
         self.lighting = Lighting()
         self._light_view: tuple[Light, CameraView] | None = None
         self._link_textures: dict[tuple[int, int], LinkTexture] = {}
+        self._rest_layout: tuple[object, ...] = ()
         self._rest_key: tuple[object, ...] = ()
         self._rest: RestingLinks | None = None
         self._painter: tuple[tuple[object, ...], Painter] | None = None
@@ -217,9 +218,11 @@ class Renderer:
         if not isinstance(shooting, NumpyShooting) or shooting.state is None or shooting.lamps or self._link_textures:
             return None
         ids = self._ids()
+        layout = (number, *(backdrop.view.size for backdrop in backdrops))
         key = (room, ids, *shooting.state)
-        if len(key) != len(self._rest_key) or any(now is not before for now, before in zip(key, self._rest_key)):
-            self._rest_key, self._rest = key, None
+        is_same = layout == self._rest_layout and len(key) == len(self._rest_key)
+        if not is_same or any(now is not before for now, before in zip(key, self._rest_key)):
+            self._rest_layout, self._rest_key, self._rest = layout, key, None
         elif self._rest is None:
             self._rest = resting_links(shooting, number, backdrops, room, self.lighting, self._view_of_light(), ids)
         return self._rest

@@ -278,6 +278,17 @@ def test_what_rests_is_drawn_once_and_nothing_changes_by_that():
         assert sum(kept) > 12 and not kept[8]
 
 
+def test_what_rests_is_kept_for_one_set_of_cameras(world):
+    """With a first camera that moves, of one size or another, with or without colours, a camera at rest sees the same."""
+    expected = world.renderer.render_all([Request(SIDE, shadows=True)])[0].rgb.tobytes()
+    for k in range(24):
+        size = (64, 48) if k < 8 else (40, 40)
+        eye = (0.9, 0.5 + 0.01 * k, 1.3)
+        moving = CameraView(pose=look_at(eye, (0.3, 0.0, 0.8)), fov=0.6, size=size, near=0.05, far=6.0)
+        requests = [Request(moving, rgb=k < 16, shadows=True), Request(SIDE, shadows=True)]
+        assert world.renderer.render_all(requests)[1].rgb.tobytes() == expected
+
+
 def test_a_rectangle_that_fills_the_picture_is_drawn_as_among_others(world, monkeypatch):
     """The short way for what sees the table alone gives the colours of the long one, but for texels at a rounding border."""
     view = CameraView(pose=look_at((0.3, 0.0, 1.15), (0.32, 0.05, TABLE_HEIGHT)), fov=0.6, size=(64, 64), near=0.05, far=6.0)
