@@ -55,8 +55,9 @@ _SMALL = 96
 """Side of the masks by which the direction is chosen [px]."""
 _ENOUGH = 0.7
 """A view that shows so much of what the best one shows of a link is as good in that."""
-_REVEALED, _APART = 3.0, 1.5
-"""Weights of what a door or a lid hides, and of the distance in the image between what has been taken away and the rest."""
+_PAST_ARM, _REVEALED, _APART = 0.4, 3.0, 1.5
+"""Weights of what is seen past the arm, of what a door or a lid hides, and of the distance in the image between what has been taken
+away and the rest."""
 _MARGIN, _GAP, _CAPTION, _TITLE = 8, 8, 18, 54
 _INK, _PAPER, _FAINT = (30, 30, 30), (255, 255, 255), (110, 110, 110)
 
@@ -344,8 +345,8 @@ def _clearest(
         pixels = shown.sum(axis=(2, 3))
         past_arm = (with_arm == number).sum(axis=(1, 2))
         changed = (shown[0] != shown[-1]).sum(axis=(1, 2))
-        for part in (pixels.mean(axis=0), pixels[0], past_arm, changed):
-            score += _log_share(part) / len(moving)
+        for weight, part in ((1.0, pixels.mean(axis=0)), (1.0, pixels[0]), (_PAST_ARM, past_arm), (1.0, changed)):
+            score += weight * _log_share(part) / len(moving)
         score += 2.0 * _log_share(pixels[-1], enough=1.0) / len(moving)
         rest = np.isin(masks[0], [other for name, other in still if name != body])
         before = (shown[-1] & rest).sum(axis=(1, 2)) / np.maximum(pixels[-1], 1)
