@@ -35,6 +35,8 @@ _LARGE = 0.35
 """From this longest side on a body is not framed whole [m]."""
 _NEAR = 0.16
 """Distance from the links that move at which large bodies are framed [m]."""
+_WHOLE = 1.4
+"""Large bodies are framed whole where all that is framed becomes no longer than by this factor."""
 _AROUND = 0.04
 """Room around all that is framed [m]."""
 _LEVER = 0.1
@@ -51,6 +53,11 @@ _INSIDE = np.array([(-1.4, -1.75, 0.9), (1.9, 1.75, 2.5)])
 """Box in which the camera may stand [m]."""
 _SMALL = 96
 """Side of the masks by which the direction is chosen [px]."""
+_ENOUGH = 0.7
+"""A view that shows so much of what the best one shows of a link is as good in that."""
+_PAST_ARM, _REVEALED, _APART = 0.4, 3.0, 1.5
+"""Weights of what is seen past the arm, of what a door or a lid hides, and of the distance in the image between what has been taken
+away and the rest."""
 _MARGIN, _GAP, _CAPTION, _TITLE = 8, 8, 18, 54
 _INK, _PAPER, _FAINT = (30, 30, 30), (255, 255, 255), (110, 110, 110)
 
@@ -308,44 +315,58 @@ def task_view(world: World, frames: Sequence[Frame], size: int) -> CameraView:
     moving, still = (
         [link for link, is_moving in zip(own, moves, strict=True) if is_moving == wanted] for wanted in (True, False)
     )
+    world.restore(frames[-1].state)
+    with_arm = np.array([world.render(view, rgb=False, depth=False).mask for view in views])
     masks = []
     for frame in frames:
         world.restore(frame.state)
         _hide_arm(world)
         masks.append([world.render(view, rgb=False, depth=False).mask for view in views])
-    return replace(views[_clearest(np.array(masks), moving or still, still)], size=(size, size))
+    return replace(views[_clearest(np.array(masks), with_arm, moving or still, still)], size=(size, size))
 
 
-def _clearest(masks: NDArray[np.int32], moving: Sequence[tuple[str, int]], still: Sequence[tuple[str, int]]) -> int:
+def _clearest(
+    masks: NDArray[np.int32], with_arm: NDArray[np.int32], moving: Sequence[tuple[str, int]], still: Sequence[tuple[str, int]]
+) -> int:
     """Return the number of the view that shows most of the links that move, above all at the last frame, and of their motion.
 
-    It also shows most of what a door or a lid hides at the first or at the last frame, and of the other links at the first.
+    It also shows most of what a door or a lid hides at the first or at the last frame, and of the other links at both. What has
+    been taken away is not before or behind the rest at the last frame, if there is such a view.
 
     Args:
-        masks: Masks (frames, views, h, w).
+        masks: Masks (frames, views, h, w) without the arm.
+        with_arm: Those of the last frame with the arm (views, h, w).
         moving: Body and mask id of the links that move.
         still: Body and mask id of the others.
     """
     score = np.zeros(masks.shape[1])
-    for _, number in moving:
+    for body, number in moving:
         shown = masks == number
         pixels = shown.sum(axis=(2, 3))
-        for part in (pixels.mean(axis=0), pixels[0], pixels[-1], pixels[-1], (shown[0] != shown[-1]).sum(axis=(1, 2))):
-            score += _log_share(part) / len(moving)
+        past_arm = (with_arm == number).sum(axis=(1, 2))
+        changed = (shown[0] != shown[-1]).sum(axis=(1, 2))
+        for weight, part in ((1.0, pixels.mean(axis=0)), (1.0, pixels[0]), (_PAST_ARM, past_arm), (1.0, changed)):
+            score += weight * _log_share(part) / len(moving)
+        score += 2.0 * _log_share(pixels[-1], enough=1.0) / len(moving)
+        rest = np.isin(masks[0], [other for name, other in still if name != body])
+        before = (shown[-1] & rest).sum(axis=(1, 2)) / np.maximum(pixels[-1], 1)
+        if before[pixels[-1] > 0].min(initial=1.0) < 0.02:
+            score += _APART * np.log(1.1 - np.minimum(4.0 * before, 1.0)) / len(moving)
     for body in {body for body, _ in moving} & {body for body, _ in still}:
         before, after = (
             [np.isin(masks[k], [number for name, number in group if name == body]) for group in (moving, still)] for k in (0, -1)
         )
         revealed = (before[0] & after[1]) | (before[1] & after[0])
-        score += _log_share(revealed.sum(axis=(1, 2)))
+        score += _REVEALED * _log_share(revealed.sum(axis=(1, 2)))
     for _, number in still:
-        score += _log_share((masks[0] == number).sum(axis=(1, 2))) / len(still)
+        for k in (0, -1):
+            score += 0.5 * _log_share((masks[k] == number).sum(axis=(1, 2))) / len(still)
     return int(np.argmax(score))
 
 
-def _log_share(pixels: NDArray[np.int_]) -> FloatArray:
-    """Logarithm of the share (views,) that each view shows of what the best one shows."""
-    return np.asarray(np.log(pixels / max(pixels.max(), 1) + 0.1))
+def _log_share(pixels: NDArray[np.int_], enough: float = _ENOUGH) -> FloatArray:
+    """Logarithm of the share (views,) that each view shows of what the best one shows, up to what is enough."""
+    return np.asarray(np.log(np.minimum(pixels / max(pixels.max(), 1), enough) + 0.1))
 
 
 def _points_to_frame(links: Sequence[tuple[Body, str]], poses: Sequence[FloatArray], moves: NDArray[np.bool_]) -> FloatArray:
@@ -356,8 +377,12 @@ def _points_to_frame(links: Sequence[tuple[Body, str]], poses: Sequence[FloatArr
     whole = [own for own, moving, (body, _) in zip(corners, moves, links, strict=True) if moving or small[body.name]]
     moving = np.concatenate([own for own, is_moving in zip(corners, moves, strict=True) if is_moving or not moves.any()])
     low, high = moving.min(axis=0) - _NEAR, moving.max(axis=0) + _NEAR
-    parts = [own.clip(low, high) for own in corners if (own.min(axis=0) < high).all() and (own.max(axis=0) > low).all()]
-    points = np.concatenate([*whole, *parts])
+    near = [own for own in corners if (own.min(axis=0) < high).all() and (own.max(axis=0) > low).all()]
+    points = np.concatenate([*whole, *(own.clip(low, high) for own in near)])
+    for own in sorted(near, key=lambda own: float(np.ptp(own, axis=0).max())):
+        longer = np.concatenate([points, own])
+        if np.linalg.norm(np.ptp(longer, axis=0)) <= _WHOLE * np.linalg.norm(np.ptp(points, axis=0)):
+            points = longer
     return np.concatenate([points + _AROUND * side for side in (*np.eye(3), *-np.eye(3))])
 
 

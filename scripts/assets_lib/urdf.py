@@ -13,12 +13,16 @@ from typing import Literal
 import numpy as np
 
 from assets_lib.files import mtl_text, number, numbers, obj_text, significant, write_text
-from assets_lib.mesh import FloatArray, Mesh, box, cylinder, icosphere, mass_properties
+from assets_lib.mesh import FloatArray, Mesh, box, corner_normals, cylinder, icosphere, mass_properties, rotation
 from assets_lib.occlusion import shades_of
+from assets_lib.refine import CELLS, added, cut, shaded_quads
 from assets_lib.textures import PATTERN_SIZES, PATTERNS
 
 Vec3 = tuple[float, float, float]
 ZERO: Vec3 = (0.0, 0.0, 0.0)
+TRIANGLES, LARGE, FURNITURE = 1100, 0.3, (200, 1400)
+"""Most triangles of an object whose flat faces are cut into cells. Where a mesh is as long as `LARGE` [m], cells may add as many
+as the first of `FURNITURE` up to the second."""
 SMOOTH = 0.7
 """Default crease angle of visual meshes [rad]."""
 
@@ -157,6 +161,8 @@ class Link:
     """Whether it holds on to the points where it touches, so that friction alone does not creep."""
     center: Vec3 | None = None
     """Centre of mass [m], where it is not that of the parts."""
+    weighs: tuple[Shape, ...] = ()
+    """Parts over which the mass of a link that nothing collides with is spread; those that are seen, if there are none."""
 
 
 @dataclass(frozen=True)
@@ -195,7 +201,7 @@ def inertia_of(link: Link) -> tuple[FloatArray, FloatArray]:
 
     A link without parts is a ball of 1 cm radius.
     """
-    shapes = link.collisions or tuple(v.shape for v in link.visuals) or (sphere_shape(0.01),)
+    shapes = link.collisions or link.weighs or tuple(v.shape for v in link.visuals) or (sphere_shape(0.01),)
     parts = [mass_properties(s.mesh()) for s in shapes]
     volume = sum(p[0] for p in parts)
     center = sum(p[0] * p[1] for p in parts) / volume
@@ -273,22 +279,69 @@ def urdf_text(model: Model) -> str:
     return "\n".join([*lines, "</robot>"]) + "\n"
 
 
-def _shades(link: Link) -> list[FloatArray | None]:
-    """Return the shades of each visual; none where textures have them, as those of the room."""
-    if not link.visuals or any(visual.texture is not None for visual in link.visuals):
-        return [None] * len(link.visuals)
-    meshes = [visual.shape.mesh() for visual in link.visuals]
-    return [*shades_of(meshes, [visual.finish.opacity == 1.0 for visual in link.visuals])]
+@dataclass(frozen=True)
+class _Skin:
+    """The mesh of a visual part as it is written, in its own frame."""
+
+    mesh: Mesh
+    normals: FloatArray
+    """Of the corners of its faces, (m, 3, 3)."""
+    shades: FloatArray | None = None
+    """How much light reaches them, (m, 3)."""
+
+
+def _is_shaded(link: Link) -> bool:
+    """Whether light is baked into the visuals of a link; not where they have textures, as those of the room."""
+    return bool(link.visuals) and all(visual.texture is None for visual in link.visuals)
+
+
+def _skins(model: Model) -> dict[str, list[_Skin]]:
+    """Return the meshes of the visuals of each link, by its name: flat faces on which the light changes cut into cells.
+
+    Objects that nothing collides with keep their meshes, because sensors use those.
+    """
+    skins, quads = {}, {}
+    for link in model.links:
+        bare = [visual.shape.data or replace(visual.shape, xyz=ZERO, rpy=ZERO).mesh() for visual in link.visuals]
+        skins[link.name] = [_Skin(own, corner_normals(own, v.crease)) for own, v in zip(bare, link.visuals, strict=True)]
+        if _is_shaded(link) and any(each.collisions for each in model.links):
+            found = shaded_quads([visual.shape.mesh() for visual in link.visuals])
+            quads[link.name] = [own if v.shape.data else [] for own, v in zip(found, link.visuals, strict=True)]
+    count = sum(
+        len(s.mesh.faces) for link in model.links for s, v in zip(skins[link.name], link.visuals, strict=True) if v.shape.data
+    )
+
+    def more(cell: float) -> int:
+        return sum(added(s.mesh, q, cell) for name, own in quads.items() for s, q in zip(skins[name], own, strict=True))
+
+    sizes = [np.ptp(s.mesh.vertices, axis=0).max() for own in skins.values() for s in own]
+    most = max(TRIANGLES, min(count + FURNITURE[0], FURNITURE[1])) if max(sizes, default=0.0) >= LARGE else TRIANGLES
+    cell = next((cell for cell in CELLS if count + more(cell) <= most), None)
+    for link in model.links:
+        own = skins[link.name]
+        if cell is not None and link.name in quads:
+            own = [_Skin(*cut(s.mesh, s.normals, q, cell)) for s, q in zip(own, quads[link.name], strict=True)]
+        skins[link.name] = _with_shades(link, own) if _is_shaded(link) else own
+    return skins
+
+
+def _with_shades(link: Link, skins: Sequence[_Skin]) -> list[_Skin]:
+    placed = [skin.mesh.moved(v.shape.xyz, v.shape.rpy) for skin, v in zip(skins, link.visuals, strict=True)]
+    normals = [skin.normals @ rotation(v.shape.rpy).T for skin, v in zip(skins, link.visuals, strict=True)]
+    solid = [v.shape.mesh() for v in link.visuals if v.finish.opacity == 1.0]
+    shades = shades_of(placed, normals, solid)
+    return [replace(skin, shades=own) for skin, own in zip(skins, shades, strict=True)]
 
 
 def write_model(model: Model, assets: Path) -> None:
     """Write the URDF and the meshes of a model below `assets`."""
     folder = assets / model.folder
     write_text(folder / f"{model.name}.urdf", urdf_text(model))
+    skins = _skins(model)
     for link in model.links:
-        for visual, own in zip(link.visuals, _shades(link), strict=True):
+        for visual, skin in zip(link.visuals, skins[link.name], strict=True):
             if visual.shape.data is not None:
-                text = obj_text(visual.shape.data, crease=visual.crease, texture=visual.texture, shades=own)
+                text = obj_text(skin.mesh, crease=visual.crease, texture=visual.texture, normals=skin.normals, shades=skin.shades)
                 write_text(folder / f"{visual.shape.name}.obj", text)
             if visual.texture is not None:
                 write_text(folder / f"{visual.texture}.mtl", mtl_text(visual.texture))

@@ -30,8 +30,9 @@ def _pedestal() -> tuple[Mesh, tuple[tuple[tuple[float, float, float], tuple[flo
         ((WELL, rim, HEIGHT - FLOOR), (0.0, -shift, z)),
     )
     inner, outer = GUARD_RADIUS - GUARD_WALL, GUARD_RADIUS
-    ring = lathe([(inner, HEIGHT), (outer + 0.002, HEIGHT), (outer, GUARD_TOP), (inner, GUARD_TOP), (inner, HEIGHT)], 24)
-    return merge([*(box(size, center) for size, center in boxes), ring]), boxes
+    ring = lathe([(inner, HEIGHT), (outer + 0.002, HEIGHT), (outer, GUARD_TOP), (inner, GUARD_TOP), (inner, HEIGHT)], 32)
+    flange = lathe([(0.0395, HEIGHT), (0.0389, HEIGHT + 0.0008), (outer, HEIGHT + 0.0008)], 32)  # over the corners of the well
+    return merge([*(box(size, center) for size, center in boxes), ring, flange]), boxes
 
 
 def _cap() -> Mesh:

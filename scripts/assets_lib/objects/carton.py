@@ -14,9 +14,9 @@ GAP = 0.001
 """Between the walls and the shut lid [m]."""
 HINGE = (DEPTH / 2.0, 0.0, HEIGHT)
 CARDBOARD, INSIDE, LID_COLOR, TAPE, INK = (
-    patterned((0.70, 0.51, 0.31), "cardboard"),
-    patterned((0.55, 0.39, 0.23), "cardboard"),
-    patterned((0.82, 0.64, 0.42), "cardboard"),
+    patterned((0.80, 0.65, 0.47), "cardboard"),
+    patterned((0.68, 0.52, 0.36), "cardboard"),
+    patterned((0.86, 0.72, 0.54), "cardboard"),
     (0.93, 0.87, 0.66),
     (0.30, 0.16, 0.09),
 )

@@ -19,7 +19,7 @@ TOP = 0.018
 """Height of the part that the fingers hold [m]."""
 COLUMN = 0.009
 """Half the width of what collides above the foot [m]."""
-COLORS: dict[str, Vec3] = {"white": (0.95, 0.93, 0.86), "black": (0.17, 0.14, 0.13)}
+COLORS: dict[str, Vec3] = {"white": (0.95, 0.93, 0.86), "black": (0.26, 0.18, 0.13)}
 ACCENTS: dict[str, Vec3] = {
     "rook": (0.20, 0.45, 0.75),
     "knight": (0.25, 0.60, 0.25),

@@ -88,14 +88,14 @@ def _bells() -> Mesh:
     for side in (-1, 1):
         turn = -side * 0.55
         place = (0.0, side * float(np.sin(0.55)) * (RADIUS + 0.006), AXLE_Z + float(np.cos(0.55)) * (RADIUS + 0.006))
-        parts.append(lathe(half, 12).moved(place, (turn, 0.0, 0.0)))
+        parts.append(lathe(half, 24).moved(place, (turn, 0.0, 0.0)))
         parts.append(cylinder(0.005, 0.02, 6).moved(place, (turn, 0.0, 0.0)))
     return merge(parts)
 
 
 def _short_hand() -> Mesh:
-    """Return the hand of the hours at twelve: short, broad, with a point."""
-    outline = [(-0.011, -0.016), (0.011, -0.016), (0.011, 0.036), (-0.011, 0.036), (0.0, 0.052)]
+    """Return the hand of the hours at twelve: short, with a broad point."""
+    outline = [(-0.005, -0.016), (0.005, -0.016), (0.0085, 0.040), (-0.0085, 0.040), (0.0, 0.060)]
     return hull_of(np.array([(FACE - 0.0012 - t, y, z + AXLE_Z) for y, z in outline for t in (0.0, 0.0015)]))
 
 

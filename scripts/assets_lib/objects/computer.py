@@ -23,12 +23,12 @@ STAND = (0.03, 0.016, 0.04)
 STAND_FOOT = (0.06, 0.06, 0.006)
 CASE, BEZEL, DARK, SILVER, LIGHT = (
     patterned(metal((0.46, 0.48, 0.51)), "brushed"),
-    plastic((0.22, 0.23, 0.25)),
+    plastic((0.46, 0.48, 0.51)),
     (0.03, 0.03, 0.035),
     metal((0.80, 0.81, 0.83)),
-    (0.80, 0.83, 0.86),
+    (0.93, 0.94, 0.95),
 )
-STICK, CAP = plastic((0.10, 0.38, 0.42)), plastic((0.92, 0.92, 0.90))
+STICK, CAP = plastic((0.15, 0.62, 0.66)), plastic((0.92, 0.92, 0.90))
 HALF_PI = float(np.pi) / 2.0
 
 Span = tuple[tuple[float, float], tuple[float, float]]

@@ -15,7 +15,7 @@ FLOOR, NESTING_FLOOR = 0.004, 0.026
 """Height of the floor of a cup; of one that nests, which rests on the floor of the one below, so that walls do not wedge [m]."""
 THINNER = 0.0006
 """How much thinner the collision parts of a cup that nests are, whose inner faces then touch the seen wall from inside [m]."""
-RIM, INSIDE = (0.93, 0.91, 0.86), (0.16, 0.15, 0.15)
+RIM = (0.93, 0.91, 0.86)
 
 
 def leaning_walls(
@@ -66,13 +66,13 @@ def _cup(name: str, bottom: float, top: float, height: float, wall: float, *, ne
     holder = Joint("lining_holder", "fixed", "cup", "lining", (0.0, 0.0, 0.0))
     notes = (
         f"hollow, open above; outer radius {bottom} below and {top} at the rim (z = {height}), wall {wall}, floor at z = {floor}",
-        "recolour the link `cup`; the link `lining` is its pale rim and the dark lower half of its inside",
+        "recolour the link `cup`; the link `lining` is its pale rim",
     )
     return Model(name, f"objects/{name}", "bottom centre", links, (holder,), notes)
 
 
 def _lining(inner: list[tuple[float, float]], top: float, height: float, wall: float) -> Link:
-    """Return the pale rim and the dark lower half of the inside, which keep their colours when a task colours the cup."""
+    """Return the pale rim, which keeps its colour when a task colours the cup; a lining of the inside has a part of the mass."""
     t, (high, upper), (low, floor) = 0.0006, inner[0], inner[1]
     middle = 0.55 * height
     half = low + (high - low) * (middle - floor) / (upper - floor)
@@ -80,11 +80,9 @@ def _lining(inner: list[tuple[float, float]], top: float, height: float, wall: f
     angles = np.linspace(-0.25 * np.pi, 1.75 * np.pi, 5)
     tube = wall / 2.0 + 0.0012
     rim = [(top - wall / 2.0 + tube * float(np.cos(a)), height - wall / 2.0 + tube * float(np.sin(a))) for a in angles]
-    visuals = (
-        Visual(mesh_shape("liner", lathe(inside, 14)), INSIDE),
-        Visual(mesh_shape("rim", lathe(rim, 24)), plastic(RIM), crease=1.2),
-    )
-    return Link("lining", 0.001, visuals, center=(0.0, 0.0, 0.4 * height))
+    ring = mesh_shape("rim", lathe(rim, 24))
+    visuals = (Visual(ring, plastic(RIM), crease=1.2),)
+    return Link("lining", 0.001, visuals, center=(0.0, 0.0, 0.4 * height), weighs=(mesh_shape("", lathe(inside, 14)), ring))
 
 
 def _drop() -> Model:

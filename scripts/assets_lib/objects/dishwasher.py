@@ -172,7 +172,10 @@ def _plate() -> Model:
     """Return a plate that lies in the plane z = 0; its upper side faces z."""
     h, r = PLATE_HEIGHT / 2.0, PLATE_RADIUS
     outline = [(0.0, -h), (0.045, -h), (r, h - 0.004), (r, h), (r - 0.003, h), (0.045, -h + 0.006), (0.0, -h + 0.006)]
-    ring = lathe([(0.060, 0.0022), (0.0601, 0.0016), (0.066, 0.0036), (0.0658, 0.0044), (0.060, 0.0022)], 32)
+    slope = (r - 0.003 - 0.045, 2.0 * h - 0.006)
+    outer, inner = ((b, -h + 0.0066 + (b - 0.045) * slope[1] / slope[0]) for b in (0.068, 0.058))
+    below = [(b, z - 0.001) for b, z in (outer, inner)]
+    ring = lathe([below[0], outer, inner, below[1], below[0]], 32)
     visuals = (
         Visual(mesh_shape("china", lathe(outline, 32)), (0.96, 0.96, 0.94)),
         Visual(mesh_shape("ring", ring), (0.80, 0.15, 0.15)),

@@ -27,7 +27,7 @@ PEG_TOP = -0.048
 SLOT, PLATE = 0.0135, (0.006, 0.09, 0.055)
 """Width of the slot of the stand, and size of the plates on its sides [m]."""
 BASE = (0.10, 0.15, 0.016)
-STEEL, WOOD, DARK = metal((0.74, 0.75, 0.78)), (0.62, 0.40, 0.22), (0.20, 0.20, 0.22)
+STEEL, WOOD, DARK = metal((0.74, 0.75, 0.78)), (0.36, 0.19, 0.10), (0.20, 0.20, 0.22)
 
 
 def _hook_points() -> list[Vec3]:
@@ -73,7 +73,7 @@ def _hanger() -> Model:
         Visual(
             mesh_shape("shoulders", merge([*(shape.mesh() for shape in shoulders), *tips])), patterned(WOOD, "wood"), crease=0.5
         ),
-        Visual(mesh_shape("pegs", rounded), patterned((0.48, 0.29, 0.15), "wood"), crease=0.1),
+        Visual(mesh_shape("pegs", rounded), patterned(WOOD, "wood"), crease=0.1),
         Visual(
             mesh_shape("bar", merge([*(_tube(list(side), radius) for side in sides), flat.mesh()])),
             patterned(WOOD, "wood"),
@@ -123,7 +123,7 @@ def _stand() -> Model:
     lids = merge([bevelled_box(BASE, 0.003), *(bevelled_box(PLATE, 0.002).moved((s * x, 0.0, z)) for s in (-1.0, 1.0))])
     edge = merge(box((BASE[0] + 0.001, 0.006, 0.004), (0.0, s * 0.06, 0.006)) for s in (-1.0, 1.0))
     visuals = (
-        Visual(mesh_shape("stand", lids), patterned((0.80, 0.70, 0.54), "wood"), crease=0.1),
+        Visual(mesh_shape("stand", lids), (0.62, 0.68, 0.70), crease=0.1),
         Visual(mesh_shape("edge", edge), DARK, crease=0.1),
     )
     bottom = -(BAR[0] - BAR[2])

@@ -137,7 +137,10 @@ def _hood_link() -> Link:
     """Return the hood; its origin is on the hinge."""
     plates = _plates()
     bar, posts, shapes = _handle()
-    gauge = cylinder(0.024, 0.008, 14).moved((-0.25, 0.0, 0.077), (0.0, -0.86, 0.0))
+    gauge = cylinder(0.024, 0.008, 24).moved((-0.25, 0.0, 0.077), (0.0, -0.86, 0.0))
+    scale = [box((0.005, 0.002, 0.0006), (0.019, 0.0, 0.0043)).moved(rpy=(0.0, 0.0, k * np.pi / 4.0)) for k in range(-3, 4)]
+    needle = box((0.022, 0.0026, 0.0006), (0.006, 0.0, 0.0043)).moved(rpy=(0.0, 0.0, -1.2))
+    dial = merge([*scale, needle]).moved((-0.25, 0.0, 0.077), (0.0, -0.86, 0.0))
     vent = cylinder(0.02, 0.012, 12).moved((-0.14, 0.11, 0.114))
     visuals = (
         Visual(mesh_shape("hood", merge(plates)), RED),
@@ -145,6 +148,7 @@ def _hood_link() -> Link:
         Visual(mesh_shape("bar", bar), WOOD),
         Visual(mesh_shape("posts", posts), STEEL),
         Visual(mesh_shape("gauge", gauge), (0.95, 0.95, 0.92)),
+        Visual(mesh_shape("dial", dial), IRON),
         Visual(mesh_shape("vent", vent), STEEL),
     )
     hulls = tuple(mesh_shape(f"plate{i}", plate) for i, plate in enumerate(plates))

@@ -64,8 +64,8 @@ def _bars() -> tuple[Mesh, tuple[Shape, ...]]:
 
 def _cubes() -> Mesh:
     """Return the sign of the dispenser over the niche: three ice cubes."""
-    places = ((-0.012, 0.478), (0.012, 0.478), (0.0, 0.500))
-    return merge(bevelled_box((0.003, 0.018, 0.018), (FRONT - 0.0035, MIDDLE + y, z), 0.001) for y, z in places)
+    places = ((-0.0265, 0.4785), (0.0, 0.4785), (0.0265, 0.4785), (-0.01325, 0.5035), (0.01325, 0.5035))
+    return merge(bevelled_box((0.003, 0.023, 0.021), (FRONT - 0.0035, MIDDLE + y, z), 0.0014) for y, z in places)
 
 
 def _fridge() -> Link:

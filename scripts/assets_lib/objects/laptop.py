@@ -13,7 +13,7 @@ GAP = 0.002
 """Between the base and the shut screen [m]."""
 HINGE = (BASE[0] / 2.0 - 0.006, 0.0, TOP + GAP + SCREEN[2] / 2.0)
 CASE, STAND_COLOR, KEYS, BEZEL, PICTURE, LOGO = (
-    (0.30, 0.33, 0.38),
+    (0.62, 0.64, 0.67),
     (0.80, 0.36, 0.16),
     (0.08, 0.08, 0.09),
     (0.05, 0.05, 0.06),
@@ -45,6 +45,15 @@ def _windows() -> Mesh:
     return merge(box(size, center) for size, center in boxes)
 
 
+def _lines() -> Mesh:
+    """Return the titles of the windows and what is written in them, as bars."""
+    z = -SCREEN[2] / 2.0 - 0.0018
+    boxes: list[Box] = [((0.009, 0.10, 0.0006), (-0.1305, 0.045, z)), ((0.009, 0.07, 0.0006), (-0.098, -0.065, z))]
+    boxes += [((0.004, 0.08 - 0.012 * (i % 3), 0.0006), (-0.115 + 0.010 * i, 0.049 + 0.006 * (i % 3), z)) for i in range(5)]
+    boxes += [((0.004, 0.05 - 0.014 * (i % 2), 0.0006), (-0.086 + 0.010 * i, -0.065 + 0.007 * (i % 2), z)) for i in range(3)]
+    return merge(box(size, center) for size, center in boxes)
+
+
 def _screen() -> Link:
     x, half = -SCREEN[0] / 2.0, SCREEN[2] / 2.0
     pins = merge(rod((0.0, y - 0.02, 0.0), (0.0, y + 0.02, 0.0), 0.0052, 10) for y in (-0.085, 0.085))
@@ -53,6 +62,7 @@ def _screen() -> Link:
         Visual(mesh_shape("bezel", box((0.162, 0.252, 0.0006), (x, 0.0, -half - 0.0003))), BEZEL),
         Visual(mesh_shape("picture", box((0.142, 0.236, 0.0006), (x, 0.0, -half - 0.0007))), PICTURE),
         Visual(mesh_shape("windows", _windows()), LOGO),
+        Visual(mesh_shape("lines", _lines()), (0.36, 0.46, 0.56)),
         Visual(
             mesh_shape(
                 "logo",

@@ -94,7 +94,7 @@ def _lining() -> Mesh:
 
 def _plates() -> Mesh:
     """Return the four cooking plates."""
-    return merge(lathe([(r, 0.0), (r, 0.006), (0.0, 0.006)], 12).moved((x, y, HEIGHT)) for x, y, r in PLATES)
+    return merge(lathe([(r, 0.0), (r, 0.006), (0.0, 0.006)], 24).moved((x, y, HEIGHT)) for x, y, r in PLATES)
 
 
 def _knob_discs(places: tuple[float, ...], x: float, z: float) -> Mesh:
@@ -142,20 +142,24 @@ def _glow_link() -> Link:
     t, w, h = DOOR
     window = box((0.0008, w - 0.11, h - 0.13), (HINGE[0] - t - 0.0024, 0.0, HINGE[2] + h / 2.0 - 0.015))
     x, y, radius = PLATES[0]
-    rings = [
-        lathe([(r, 0.0), (r - 0.008, 0.0)], 12).moved((x, y, HEIGHT + 0.0068))
-        for r in (radius - 0.006, radius - 0.026, radius - 0.046)
-    ]
-    lamp = cylinder(0.006, 0.004, 6).moved((-DEPTH / 2.0 - 0.004, PILOT_Y, KNOB_Z), (0.0, HALF_PI, 0.0))
-    seen = Visual(mesh_shape("glow", merge([window, lamp, *rings])), Paint(GLOW, opacity=0.0, emission=GLOW, reach=0.0))
-    return Link("glow", 0.001, (seen,), ())
+
+    def lights(sides: int, round_: int) -> Mesh:
+        rings = [
+            lathe([(r, 0.0), (r - 0.008, 0.0)], sides).moved((x, y, HEIGHT + 0.0068))
+            for r in (radius - 0.006, radius - 0.026, radius - 0.046)
+        ]
+        lamp = cylinder(0.006, 0.004, round_).moved((-DEPTH / 2.0 - 0.004, PILOT_Y, KNOB_Z), (0.0, HALF_PI, 0.0))
+        return merge([window, lamp, *rings])
+
+    seen = Visual(mesh_shape("glow", lights(24, 12)), Paint(GLOW, opacity=0.0, emission=GLOW, reach=0.0))
+    return Link("glow", 0.001, (seen,), weighs=(mesh_shape("", lights(12, 6)),))
 
 
 def _body_link() -> Link:
     front = -DEPTH / 2.0
     panel = box((0.002, WIDTH, HEIGHT - 0.356), (front - 0.001, 0.0, (HEIGHT + 0.356) / 2.0))
     places = _knob_places()
-    pilot = cylinder(0.0075, 0.002, 8).moved((front - 0.003, PILOT_Y, KNOB_Z), (0.0, HALF_PI, 0.0))
+    pilot = cylinder(0.0075, 0.002, 14).moved((front - 0.003, PILOT_Y, KNOB_Z), (0.0, HALF_PI, 0.0))
     visuals = (
         Visual(mesh_shape("shell", _shell()), STEEL),
         Visual(mesh_shape("lining", _lining()), (0.20, 0.19, 0.19)),

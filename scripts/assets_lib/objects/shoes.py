@@ -163,12 +163,17 @@ def _lining() -> Mesh:
     return merge([box((2 * x, 2 * y, t), (0.0, 0.0, WALL + t / 2.0)), *sides])
 
 
-def _sign() -> Mesh:
-    """Return the side view of a shoe, flat, with its sole towards -x and its toes towards -y; its middle is the origin."""
-    heel = ((-0.024, 0.034), (-0.024, 0.0), (0.02, 0.002), (0.024, 0.032))
-    toes = ((-0.024, 0.0), (-0.024, -0.042), (-0.01, -0.044), (0.0, -0.03), (0.018, 0.0))
-    sole = ((-0.029, 0.036), (-0.029, -0.046), (-0.0255, -0.046), (-0.0255, 0.036))
-    return merge(hull_prism(np.array(part), 0.0, 0.0008) for part in (heel, toes, sole))
+def _sign() -> tuple[Mesh, Mesh]:
+    """Return the side view of a shoe, flat, with its sole towards -x and its toes towards -y; and its sole with three laces."""
+    heel = ((-0.021, 0.034), (0.024, 0.036), (0.021, 0.006), (-0.021, 0.004))
+    toes = ((-0.021, 0.006), (0.021, 0.006), (0.006, -0.018), (-0.002, -0.040), (-0.012, -0.046), (-0.021, -0.046))
+    sole = ((-0.030, 0.037), (-0.030, -0.048), (-0.023, -0.050), (-0.023, 0.037))
+    upper = merge(hull_prism(np.array(part), 0.0, 0.0008) for part in (heel, toes))
+    slope = np.array([(0.0135, -0.0035), (0.0085, -0.0125), (0.0045, -0.0215)])
+    laces = [
+        hull_prism(np.array([(x + a, y + b) for a in (-0.010, 0.002) for b in (-0.0012, 0.0012)]), 0.0, 0.0014) for x, y in slope
+    ]
+    return upper, merge([hull_prism(np.array(sole), 0.0, 0.0008), *laces])
 
 
 def _box_model() -> Model:
@@ -192,13 +197,14 @@ def _box_model() -> Model:
         tuple(box_shape(size, center) for size, center in _walls()),
     )
     x, z = -LID[0] / 2.0, GAP + LID[2] / 2.0
-    sign = _sign().moved((x, 0.0, GAP + LID[2]))
+    sign, dark = (part.moved((x, 0.0, GAP + LID[2])) for part in _sign())
     lid = Link(
         "lid",
         0.06,
         (
             Visual(mesh_shape("lid", bevelled_box(LID, (x, 0.0, z), 0.002)), CARD_LID, crease=0.3),
             Visual(mesh_shape("sign", sign), PAPER),
+            Visual(mesh_shape("sign_sole", dark), INK),
             Visual(mesh_shape("lid_inside", box((LID[0] - 0.01, width - 0.012, 0.0006), (x, 0.0, GAP - 0.0003))), CARD_INSIDE),
         ),
         (box_shape(LID, (x, 0.0, z)),),

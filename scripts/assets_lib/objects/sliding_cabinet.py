@@ -66,10 +66,12 @@ def door_x(number: int) -> float:
 
 
 def _carcass() -> Link:
+    half = WIDTH / 2.0 - 0.008
+    skirting = _between((FRONT + 0.012, BACK - 0.008), (-half, half), (0.0, PLINTH))  # seen around the plinth
     visuals = (
         Visual(mesh_shape("boards", bevelled(_boards())), WALNUT),
         Visual(mesh_shape("back", bevelled((_back(),))), PAPER),
-        Visual(mesh_shape("plinth", bevelled((_plinth(),))), DARK),
+        Visual(mesh_shape("plinth", bevelled((skirting,))), DARK),
         Visual(mesh_shape("rails", _rails()), STEEL),
     )
     return Link("cabinet", 10.0, visuals, tuple(box_shape(*part) for part in (*_boards(), _back(), _plinth())))

@@ -46,7 +46,7 @@ CLEAR, WOOD, CORK, LINEN = (
     pane((0.62, 0.80, 0.86), 0.55),
     patterned(plastic((0.60, 0.43, 0.28)), "wood"),
     (0.72, 0.55, 0.36),
-    (0.62, 0.66, 0.60),
+    (0.30, 0.37, 0.42),
 )
 Section = tuple[float, float, float, float]
 """Of a rod along x: x, half width, lower and upper z [m]."""
@@ -230,8 +230,8 @@ def _mat() -> Model:
     seam = [((x - 0.02, 0.003, 0.0008), (0.0, s * (y / 2.0 - 0.014), 0.0004)) for s in (-1.0, 1.0)]
     seam += [((0.003, y - 0.02, 0.0008), (s * (x / 2.0 - 0.014), 0.0, 0.0004)) for s in (-1.0, 1.0)]
     visuals = (
-        Visual(mesh_shape("linen", bevelled([((x, y, 0.0006), (0.0, 0.0, 0.0003))], 0.0002)), patterned(LINEN, "cloth")),
-        Visual(mesh_shape("seam", bevelled(seam, 0.0001)), (0.45, 0.50, 0.45)),
+        Visual(mesh_shape("linen", bevelled([((x, y, 0.0006), (0.0, 0.0, 0.0003))], 0.0002)), LINEN),
+        Visual(mesh_shape("seam", bevelled(seam, 0.0001)), (0.62, 0.67, 0.70)),
     )
     link = Link("mat", 0.1, visuals, ())
     notes = (f"only seen: {x} deep along x, {y} wide along y, 0.0008 thick",)

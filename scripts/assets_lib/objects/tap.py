@@ -124,8 +124,12 @@ def _stream_link() -> Link:
         (0.008, MOUTH[1] - 0.006),
         (0.0, MOUTH[1] - 0.006),
     ]
-    water = lathe(outline, 14).moved((x, 0.0, 0.0))
-    return Link("stream", 0.001, (Visual(mesh_shape("stream", water), pane(WATER, 0.0)),), center=(x, 0.0, FLOOR))
+    solid = lathe(outline, 14).moved((x, 0.0, 0.0))
+    top = MOUTH[1] - 0.006
+    rings = [(0.060, low), (0.058, low + 0.004), (0.033, low + 0.0048), (0.009, low + 0.004), (0.007, top)]
+    water = lathe(rings, 24).moved((x, 0.0, 0.0))
+    seen = Visual(mesh_shape("stream", water), pane(WATER, 0.0))
+    return Link("stream", 0.001, (seen,), center=(x, 0.0, FLOOR), weighs=(mesh_shape("", solid),))
 
 
 def _cross() -> Mesh:
@@ -135,7 +139,8 @@ def _cross() -> Mesh:
 
 
 def _handle_link(side: str, color: Vec3) -> Link:
-    button = cylinder(0.009, 0.004, 10).moved((0.0, 0.0, THICK / 2.0 + 0.003))
+    stripe = box((SPAN / 2.0 - 0.011, 0.006, 0.001), (SPAN / 4.0 + 0.0035, 0.0, THICK / 2.0 + 0.0004))
+    button = merge([cylinder(0.009, 0.004, 10).moved((0.0, 0.0, THICK / 2.0 + 0.003)), stripe])
     visuals = (Visual(mesh_shape(f"cross_{side}", _cross()), color), Visual(mesh_shape(f"button_{side}", button), WHITE))
     hub = cylinder_shape(STEM_RADIUS, THICK)
     return Link(

@@ -6,7 +6,7 @@ import numpy as np
 
 from assets_lib.cabinets import bevelled, bevelled_box
 from assets_lib.mesh import FloatArray, Mesh, box, cylinder, hull_of, merge
-from assets_lib.prisms import regular_polygon
+from assets_lib.prisms import mark, regular_polygon
 from assets_lib.urdf import Joint, Link, Model, Visual, box_shape, cylinder_shape, mesh_shape, plastic
 
 PANEL, BOTTOM = (0.03, 0.40, 0.25), 0.045
@@ -41,6 +41,12 @@ DIGIT, STROKE = 0.026, 0.008
 """Width of a digit and of its strokes [m]."""
 
 
+def _flat(points: FloatArray, layer: int) -> Mesh:
+    """Return a convex part of the image without edges, so that one in the colour of the screen is not seen; see `_sheet`."""
+    height = PANEL[0] / 2.0 + 0.0004 + SHEET + 0.0003 * layer
+    return mark(points + np.array([0.0, MIDDLE]), height, "x").moved(rpy=(0.0, 0.0, np.pi))
+
+
 def _sheet(points: FloatArray, layer: int) -> Mesh:
     """Return a flat convex part of the image; points (n, 2) are right and up for a viewer, from the middle of the screen."""
     x = -PANEL[0] / 2.0 - 0.0004 - SHEET * layer
@@ -51,22 +57,22 @@ def _rectangle(right: float, up: float, width: float, height: float) -> FloatArr
     return np.array([(right + a * width / 2.0, up + b * height / 2.0) for a in (-1.0, 1.0) for b in (-1.0, 1.0)])
 
 
-def _hills() -> Mesh:
+def _hills() -> list[FloatArray]:
     """Return the lower part of the image: a plain and two hills."""
     half, low = SCREEN[0] / 2.0, -SCREEN[1] / 2.0
     plain = _rectangle(0.0, low + 0.025, SCREEN[0], 0.05)
     left = np.array([(-half, low), (-half, 0.01), (-0.12, 0.035), (-0.05, low + 0.05), (-0.03, low)])
     right = np.array([(-0.07, low), (-0.02, low + 0.05), (0.06, -0.01), (half, low + 0.055), (half, low)])
-    return merge(_sheet(points, 1) for points in (plain, left, right))
+    return [plain, left, right]
 
 
-def _digit(place: int, strokes: str) -> Mesh:
-    """Return a digit in a row that begins in the upper left corner of the screen."""
-    x, y, sheets = -SCREEN[0] / 2.0 + 0.032 + 2.0 * DIGIT * place, SCREEN[1] / 2.0 - 0.042, []
+def _digit(place: int, strokes: str) -> list[FloatArray]:
+    """Return the strokes of a digit in a row that begins in the upper left corner of the screen."""
+    x, y, found = -SCREEN[0] / 2.0 + 0.032 + 2.0 * DIGIT * place, SCREEN[1] / 2.0 - 0.042, []
     for across, up, upright in (STROKES[stroke] for stroke in strokes):
         size = (STROKE, DIGIT + STROKE) if upright else (DIGIT + STROKE, STROKE)
-        sheets.append(_sheet(_rectangle(x + across * DIGIT, y + up * DIGIT, *size), 2))
-    return merge(sheets)
+        found.append(_rectangle(x + across * DIGIT, y + up * DIGIT, *size))
+    return found
 
 
 def _television() -> Model:
@@ -85,12 +91,15 @@ def _television() -> Model:
     links = [Link("television", 4.0, visuals, tuple(box_shape(*part) for part in (panel, neck, foot)))]
     sun = regular_polygon(0.024, 20) + (0.095, 0.052)
     image = {
-        "screen": (_sheet(_rectangle(0.0, 0.004, *SCREEN), 0), (0.55, 0.80, 1.0)),
-        "hills": (_hills(), (0.20, 0.55, 0.18)),
-        "sun": (_sheet(sun, 1), (1.0, 0.85, 0.20)),
-        **{name: (_digit(i, strokes), (1.0, 1.0, 1.0)) for i, (name, strokes) in enumerate(SEGMENTS.items())},
+        "screen": ([_rectangle(0.0, 0.004, *SCREEN)], 0, (0.55, 0.80, 1.0)),
+        "hills": (_hills(), 1, (0.20, 0.55, 0.18)),
+        "sun": ([sun], 1, (1.0, 0.85, 0.20)),
+        **{name: (_digit(i, strokes), 2, (1.0, 1.0, 1.0)) for i, (name, strokes) in enumerate(SEGMENTS.items())},
     }
-    links += [Link(name, 0.001, (Visual(mesh_shape(name, mesh), paint, crease=0.1),)) for name, (mesh, paint) in image.items()]
+    for name, (parts, layer, paint) in image.items():
+        solid = merge(_sheet(points, layer) for points in parts)
+        seen = solid if layer == 0 else merge(_flat(points, layer) for points in parts)
+        links.append(Link(name, 0.001, (Visual(mesh_shape(name, seen), paint, crease=0.1),), weighs=(mesh_shape("", solid),)))
     joints = tuple(Joint(f"{name}_mount", "fixed", "television", name, (0.0, 0.0, 0.0)) for name in image)
     notes = (
         f"screen faces -x; panel {x} x {y} x {z}, its lower edge at z = {BOTTOM}; foot {FOOT}",

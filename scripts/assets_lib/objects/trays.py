@@ -22,11 +22,12 @@ def _walls(size: Vec3) -> tuple[Shape, ...]:
 
 
 def _rim(size: Vec3) -> Mesh:
-    """Return the thicker edge around the opening."""
+    """Return the thicker edge around the opening; it covers the upper edges of the walls."""
     x, y, z = size
-    bar = 0.008
-    long_sides = [box((x + 2 * RIM, WALL + RIM, bar), (0.0, s * (y + RIM - WALL) / 2.0, z - bar / 2.0)) for s in (-1.0, 1.0)]
-    short_sides = [box((WALL + RIM, y, bar), (s * (x + RIM - WALL) / 2.0, 0.0, z - bar / 2.0)) for s in (-1.0, 1.0)]
+    bar, over = 0.008, 0.0006
+    wide, up = WALL + RIM + over, z + over - bar / 2.0
+    long_sides = [box((x + 2 * RIM, wide, bar), (0.0, s * (y + RIM - WALL - over) / 2.0, up)) for s in (-1.0, 1.0)]
+    short_sides = [box((wide, y - 2 * WALL, bar), (s * (x + RIM - WALL - over) / 2.0, 0.0, up)) for s in (-1.0, 1.0)]
     return merge([*long_sides, *short_sides])
 
 

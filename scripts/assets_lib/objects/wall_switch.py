@@ -62,12 +62,20 @@ def _back() -> tuple[Visual, ...]:
 
 def _lamp() -> Link:
     """Return the lamps on the back and beside the switch, which a task paints dark or bright as the switch asks for."""
-    bulb = mark(regular_polygon(0.026, 16) + (-0.055, 0.095), THICKNESS + 0.0012, "x")
-    dome = lathe([(0.019, 0.0), (0.016, 0.006), (0.0, 0.009)], 14).moved(rpy=(0.0, -np.pi / 2.0, 0.0))
-    domes = [dome.moved((0.0, side * 0.08, SWITCH_HEIGHT)) for side in (-1.0, 1.0)]
-    return Link(
-        "lamp", 0.001, (Visual(mesh_shape("lamps", merge([bulb, *domes])), shining(YELLOW, emission=(1.0, 0.85, 0.2))),), ()
-    )
+
+    def lamps(round_: int, sides: int) -> Mesh:
+        bulb = mark(regular_polygon(0.026, round_) + (-0.055, 0.095), THICKNESS + 0.0012, "x")
+        dome = lathe([(0.019, 0.0), (0.016, 0.006), (0.0, 0.009)], sides).moved(rpy=(0.0, -np.pi / 2.0, 0.0))
+        return merge([bulb, *(dome.moved((0.0, side * 0.08, SWITCH_HEIGHT)) for side in (-1.0, 1.0))])
+
+    seen = Visual(mesh_shape("lamps", lamps(32, 32)), shining(YELLOW, emission=(1.0, 0.85, 0.2)))
+    return Link("lamp", 0.001, (seen,), weighs=(mesh_shape("", lamps(16, 14)),))
+
+
+def _lamp_rims() -> Mesh:
+    """Return the rings around the lamps beside the switch."""
+    ring = lathe([(0.023, 0.0), (0.0225, 0.0025), (0.0185, 0.0025)], 32).moved(rpy=(0.0, -np.pi / 2.0, 0.0))
+    return merge(ring.moved((0.0, side * 0.08, SWITCH_HEIGHT)) for side in (-1.0, 1.0))
 
 
 def _half(sign: float) -> FloatArray:
@@ -108,6 +116,7 @@ def _panel() -> Link:
         Visual(mesh_shape("trim", merge([foot.mesh(), skirting])), TRIM),
         Visual(mesh_shape("plate", _seen(plate)), WHITE),
         Visual(mesh_shape("rim", _seen(rim)), BLACK),
+        Visual(mesh_shape("lamp_rims", _lamp_rims()), WHITE),
         *_back(),
     )
     return Link("switch_panel", 3.0, visuals, (*wall, back, foot, *plate), friction=0.6)

@@ -88,16 +88,17 @@ def _drum() -> tuple[Box, ...]:
 
 def _rim() -> Mesh:
     """Return the ring of chrome on the front that hides the corners of the hole; its axis is x."""
-    profile = [(0.088, -0.001), (0.138, -0.001), (0.138, 0.001), (0.088, 0.001), (0.088, -0.001)]
-    return lathe(profile, 16).moved((FRONT - 0.0005, 0.0, MIDDLE), (0.0, HALF_PI, 0.0))
+    profile = [(0.138, -0.001), (0.138, 0.001), (0.088, 0.001)]
+    return lathe(profile, 32).moved((FRONT - 0.0005, 0.0, MIDDLE), (0.0, -HALF_PI, 0.0))
 
 
-def _laundry() -> Mesh:
-    """Return the crumpled clothes at the bottom of the drum."""
+def _laundry() -> tuple[Mesh, ...]:
+    """Return the crumpled clothes at the bottom of the drum, three of them."""
     rng = np.random.default_rng(3)
     lumps = [icosphere(0.034, 0).scaled(1.0 + 0.3 * rng.random(3)) for _ in range(5)]
     places = [(-0.06 + 0.03 * (i % 2), -0.05 + 0.025 * i, MIDDLE - HOLE + 0.036) for i in range(5)]
-    return merge(lump.moved(place) for lump, place in zip(lumps, places, strict=True))
+    placed = [lump.moved(place) for lump, place in zip(lumps, places, strict=True)]
+    return merge(placed[0:4:3]), merge(placed[1:5:3]), placed[2]
 
 
 def _merged(boxes: tuple[Box, ...]) -> Mesh:
@@ -115,12 +116,17 @@ def _body_link() -> Link:
     keys = merge(box((0.006, 0.016, 0.016), (FRONT - 0.003, -0.06 + 0.026 * i, 0.385)) for i in range(4))
     top = _between((-0.15, 0.15), (-0.17, 0.17), (HEIGHT, HEIGHT + 0.002))
     back = [box((0.002, 0.26, 0.30), (DEPTH / 2.0 + 0.001, 0.0, 0.24))]
-    hoses = [rod((DEPTH / 2.0 + 0.008, y, 0.06), (DEPTH / 2.0 + 0.008, y, 0.42), 0.008, 8) for y in (-0.15, 0.15)]
+    hoses = [rod((DEPTH / 2.0 + 0.008, y, 0.06), (DEPTH / 2.0 + 0.008, y, 0.42), 0.008, 6) for y in (-0.15, 0.15)]
     visuals = (
         Visual(mesh_shape("shell", _merged(_shell())), WHITE),
         Visual(mesh_shape("drum", _merged(_drum())), (0.55, 0.57, 0.60)),
         Visual(mesh_shape("rim", _rim()), CHROME),
-        Visual(mesh_shape("laundry", _laundry()), patterned((0.86, 0.22, 0.30), "cloth")),
+        *(
+            Visual(mesh_shape(f"laundry{i}", cloth), patterned(color, "cloth"), crease=1.0)
+            for i, (cloth, color) in enumerate(
+                zip(_laundry(), ((0.86, 0.22, 0.30), (0.95, 0.93, 0.88), (0.98, 0.76, 0.20)), strict=True)
+            )
+        ),
         Visual(mesh_shape("panel", panel), (0.20, 0.32, 0.58)),
         Visual(mesh_shape("soap_drawer", soap), WHITE),
         Visual(mesh_shape("dial", _dial()), CHROME),
@@ -150,14 +156,14 @@ def _grip() -> tuple[Mesh, tuple[Shape, ...]]:
 def _door_link() -> Link:
     """Return the door; its origin is on the hinge at the height of its middle."""
     profile = [(0.086, -THICK / 2.0), (RADIUS, -THICK / 2.0), (RADIUS, THICK / 2.0 - 0.006), (RADIUS - 0.006, THICK / 2.0)]
-    ring = lathe([*profile, (0.086, THICK / 2.0), (0.086, -THICK / 2.0)], 20)
+    ring = lathe([*profile, (0.086, THICK / 2.0), (0.086, -THICK / 2.0)], 32)
     bowl = [(0.0, -0.030), (0.05, -0.022), (0.087, -0.004), (0.087, 0.004), (0.0, 0.004)]
     place, turn = (-THICK / 2.0, CENTER, 0.0), (0.0, -HALF_PI, 0.0)
     grip, shapes = _grip()
     hinges = merge(box((0.018, 0.016, 0.03), (-0.009, -0.004, z)) for z in (-0.035, 0.035))
     visuals = (
         Visual(mesh_shape("ring", ring.moved(place, turn)), CHROME),
-        Visual(mesh_shape("glass", lathe(bowl, 16).moved(place, turn)), GLASS),
+        Visual(mesh_shape("glass", lathe(bowl, 28).moved(place, turn)), GLASS),
         Visual(mesh_shape("grip", grip), DARK),
         Visual(mesh_shape("hinges", hinges), DARK),
     )

@@ -24,7 +24,13 @@ def _bottle() -> Mesh:
 
 def _band(radius: float, low: float, high: float) -> Mesh:
     """Return a closed ring around the bottle."""
-    return lathe([(0.0, low), (radius, low), (radius, high), (0.0, high)], 28)
+    return lathe([(0.0, low), (radius, low), (radius, high), (0.0, high)], 24)
+
+
+def _mouth() -> tuple[Mesh, Mesh]:
+    """Return the lip around the mouth, which the cap covers, and the dark opening."""
+    lip = lathe([(NECK, RIM - 0.010), (NECK + 0.0014, RIM - 0.009), (NECK + 0.0014, RIM - 0.003), (NECK, RIM - 0.002)], 12)
+    return lip, lathe([(NECK - 0.0035, RIM + 0.0003), (0.0, RIM + 0.0003)], 20)
 
 
 def _emblem() -> Mesh:
@@ -40,8 +46,11 @@ def _emblem() -> Mesh:
 
 
 def _bottle_link() -> Link:
+    lip, mouth = _mouth()
     visuals = (
         Visual(mesh_shape("glass", _bottle()), GREEN),
+        Visual(mesh_shape("lip", lip), (0.08, 0.24, 0.12)),
+        Visual(mesh_shape("mouth", mouth), (0.01, 0.02, 0.01)),
         Visual(mesh_shape("label", _band(RADIUS + 0.0005, 0.045, 0.115)), PAPER),
         Visual(mesh_shape("stripe", merge([_band(RADIUS + 0.0008, 0.047, 0.052), _band(RADIUS + 0.0008, 0.108, 0.113)])), GOLD),
         Visual(mesh_shape("emblem", _emblem()), RED),
