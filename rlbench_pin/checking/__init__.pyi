@@ -18,4 +18,5 @@ from .report import summarise as summarise
 from .run import CheckProgress as CheckProgress
 from .run import TrialJournal as TrialJournal
 from .run import run_trials as run_trials
+from .run import task_marks as task_marks
 from .validate import NoopEpisode as NoopEpisode

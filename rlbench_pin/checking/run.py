@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass, replace
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 from rlbench_pin.assets import ASSETS
 from rlbench_pin.checking.plan import Item, Part
@@ -21,6 +22,7 @@ from rlbench_pin.environment.demos import SegmentReport, library_versions
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.processes import GivenUp, Journal, ProcessEngine, SerialEngine, WorkerDeath, run_jobs
 from rlbench_pin.tasks import LIBRARY, find_task
+from rlbench_pin.urdf import read_urdf
 from rlbench_pin.values import as_function, as_names, as_path, as_record, as_several, as_whole
 
 MAX_WORKERS = 1024
@@ -127,7 +129,7 @@ class TrialJournal:
     def __init__(self, path: Path | None, tasks: Sequence[str]) -> None:
         path = None if path is None else as_path(path, "path")
         self._journal = None if path is None else Journal(path)
-        self._marks = {} if path is None else _marks(as_names(tasks, "tasks"))
+        self._marks = {} if path is None else task_marks(as_names(tasks, "tasks"))
         self._done: dict[str, list[Trial]] = {}
         for line in self._journal.lines if self._journal else ():
             try:
@@ -183,8 +185,8 @@ def _as_tuple(value: Any) -> Any:
     return tuple(map(_as_tuple, value)) if isinstance(value, list) else value
 
 
-def _marks(tasks: Sequence[str]) -> dict[str, str]:
-    """Return task -> a checksum of all files and settings that its trials depend on."""
+def task_marks(tasks: Sequence[str]) -> dict[str, str]:
+    """Return task -> a checksum of all files and versions of libraries that its trials depend on."""
     shared = sha256(json.dumps(library_versions()).encode())
     for file in sorted(_PACKAGE.rglob("*")):
         if file.is_file() and file.suffix not in (".pyc", ".md") and not {LIBRARY, _OBJECTS} & {*file.parents} and _decides(file):
@@ -206,11 +208,19 @@ def _decides(file: Path) -> bool:
 
 
 def _named_objects(files: Sequence[Path]) -> list[Path]:
-    """Return the files of the objects in the package whose folder a text names."""
-    text = "".join(file.read_text() for file in files)
-    return [
-        file for folder in sorted(_OBJECTS.iterdir()) if f"objects/{folder.name}/" in text for file in sorted(folder.iterdir())
-    ]
+    """Return the files of the objects in the package whose folder a text names; of visual meshes those of markers alone."""
+    text, found = "".join(file.read_text() for file in files), []
+    for folder in sorted(_OBJECTS.iterdir()):
+        if f"objects/{folder.name}/" in text:
+            urdf = folder / f"{folder.name}.urdf"
+            meshes = {shape.mesh for link in read_urdf(urdf).links for shape in link.collisions if shape.mesh is not None}
+            found += [urdf, *sorted(meshes)] if _is_solid(urdf) else sorted(folder.iterdir())
+    return found
+
+
+def _is_solid(urdf: Path) -> bool:
+    """Whether a model has collision shapes; without them its visual shapes count (`robot.geometry.solid_geometry`)."""
+    return any(link.collisions for link in read_urdf(urdf).links)
 
 
 def _own_assets(scene: Path) -> list[Path]:
@@ -225,10 +235,16 @@ def _add(mark: Any, file: Path) -> None:
 
 
 def _content(file: Path) -> bytes:
-    """Return what a file does: code without comments and docstrings, scenes without comments and deviations, else all bytes."""
+    """Return what a file does: code without comments and docstrings, scenes without deviations, solid models without visuals."""
     if file.suffix == ".toml":
         scene = tomllib.loads(file.read_text(encoding="utf-8"))
         return json.dumps({table: value for table, value in scene.items() if table != "deviation"}).encode()
+    if file.suffix == ".urdf" and _is_solid(file):
+        root = ElementTree.parse(file).getroot()
+        for link in root.iterfind("link"):
+            for visual in link.findall("visual"):
+                link.remove(visual)
+        return ElementTree.tostring(root)
     if file.suffix not in (".py", ".pyi"):
         return file.read_bytes()
     tree = ast.parse(file.read_text(encoding="utf-8"))

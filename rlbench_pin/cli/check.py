@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
@@ -24,7 +25,7 @@ from rlbench_pin.cli.options import (
     write_json,
     write_whole,
 )
-from rlbench_pin.errors import TaskEnvironmentError
+from rlbench_pin.errors import ResultsFileError, TaskEnvironmentError
 
 if TYPE_CHECKING:
     from rlbench_pin.checking import TaskReport, Trial, TrialJournal
@@ -47,6 +48,9 @@ class Check(CheckPlan):
     (`out/explain` without it)."""
     json: MaybePath = None
     """File to write the whole report to."""
+    update: MaybePath = None
+    """Report as JSON to add to. Tasks that it has with the same numbers of trials are not checked again, unless they, the
+    package or its libraries changed since; those leave the report."""
     out: MaybePath = None
     """Folder for the whole report: report.md with its images, report.json, and trials.jsonl, with which the same command
     continues where it was stopped."""
@@ -60,8 +64,10 @@ class Check(CheckPlan):
         from rlbench_pin.cli.progress import CheckBar
 
         wanted = self._wanted()
-        if self.json is not None:
-            check_file(self.json)
+        for file in filter(None, (self.json, self.update)):
+            check_file(file)
+        known = {} if self.update is None else self._known(self.update)
+        wanted = {name: task for name, task in wanted.items() if name not in known}
         if self.out is not None:
             check_folder(self.out)
         with closing(CheckBar()) as bar:
@@ -74,12 +80,16 @@ class Check(CheckPlan):
             print_failures(report)
             if self.explain:
                 self._explain(report, wanted[report.task])
-        content = self._content(reports)
+        content = self._content(reports, wanted)
         if self.json is not None:
             write_json(self.json, content)
+        if self.update is not None:
+            content["tasks"] = dict(sorted((known | content["tasks"]).items()))
+            write_json(self.update, content)
+            print(f"{self.update}: {len(content['tasks'])} tasks, {len(known)} of them as they were.")
         if self.out is not None:
             self._write(self.out, content, wanted, of_task)
-        return 1 if any(report.faults for report in reports) else 0
+        return 0 if all(task["passed"] for task in content["tasks"].values()) else 1
 
     def _wanted(self) -> dict[str, str]:
         """Return task name -> name or file, in the order of the report."""
@@ -109,20 +119,36 @@ class Check(CheckPlan):
 
         return TrialJournal(None if self.out is None else self.out / "trials.jsonl", list(wanted.values()))
 
-    def _content(self, reports: Sequence[TaskReport]) -> dict[str, Any]:
-        from rlbench_pin.environment.demos import library_versions
+    def _known(self, file: Path) -> dict[str, Any]:
+        """Return the tasks of a report that need no new check: name -> their part of it."""
+        from rlbench_pin.checking import task_marks
+        from rlbench_pin.tasks import library_names
 
+        if not file.is_file():
+            return {}
+        try:
+            content = json.loads(file.read_text(encoding="utf-8"))
+            if any(content[name] != value for name, value in self._settings().items()):
+                return {}
+            marks = task_marks([name for name in content["tasks"] if name in library_names()])
+            return {name: task for name, task in content["tasks"].items() if task.get("mark") == marks.get(name, "changed")}
+        except (ValueError, KeyError, TypeError, AttributeError) as error:
+            raise ResultsFileError(file, "it is no report of `rlbench-pin check`", "Name another file with --update.") from error
+
+    def _settings(self) -> dict[str, int]:
         settings = (
             "episodes", "replays", "seed", "unseen", "unseen_seed", "key_frames", "friction_only", "max_attempts",
             "contract_seeds", "placements",
         )  # fmt: skip
-        return {
-            "format": FORMAT,
-            **{name: getattr(self, name) for name in settings},
-            "max_variations": self.variations,
-            "versions": library_versions(),
-            "tasks": {report.task: report.as_dict() for report in reports},
-        }
+        return {"format": FORMAT, **{name: getattr(self, name) for name in settings}, "max_variations": self.variations}
+
+    def _content(self, reports: Sequence[TaskReport], wanted: Mapping[str, str]) -> dict[str, Any]:
+        from rlbench_pin.checking import task_marks
+        from rlbench_pin.environment.demos import library_versions
+
+        marks = task_marks(list(wanted.values()))
+        tasks = {report.task: {"mark": marks[wanted[report.task]], **report.as_dict()} for report in reports}
+        return {**self._settings(), "versions": library_versions(), "tasks": tasks}
 
     def _write(self, out: Path, content: dict[str, Any], wanted: Mapping[str, str], trials: Mapping[str, list[Trial]]) -> None:
         from rlbench_pin.checking.images import draw_images

@@ -53,6 +53,37 @@ def test_a_report_folder_holds_page_data_and_images(tmp_path: Path, capsys: Capt
             assert image.width > 400
 
 
+def test_a_report_is_added_to(tmp_path: Path, capsys: Capture) -> None:
+    """Tasks that did not change stay as they are, those that changed or were checked with other numbers are checked again."""
+    file = tmp_path / "table.json"
+    check = ["--episodes", "1", "--no-contract", "--key-frames", "0", "--update", str(file)]
+    assert main(["check", "push_button", *check]) == 0
+    capsys.readouterr()
+    table = json.loads(file.read_text())
+    table["tasks"]["push_button"]["median_frames"] = -1
+    table["tasks"]["close_door"] = table["tasks"]["push_button"] | {"mark": "of an earlier version"}
+    file.write_text(json.dumps(table))
+    assert main(["check", "reach_target", "push_button", *check]) == 0
+    assert "2 tasks, 1 of them as they were" in capsys.readouterr().out
+    tasks = json.loads(file.read_text())["tasks"]
+    assert list(tasks) == ["push_button", "reach_target"]
+    assert tasks["push_button"]["median_frames"] == -1
+    assert main(["check", "push_button", *check, "--seed", "3"]) == 0
+    tasks = json.loads(file.read_text())["tasks"]
+    assert list(tasks) == ["push_button"]
+    assert tasks["push_button"]["median_frames"] > 0
+
+
+@pytest.mark.parametrize("text", ["[]", "{", '{"format": 3}', '{"tasks": 1}'])
+def test_what_is_no_report_is_not_added_to(tmp_path: Path, capsys: Capture, text: str) -> None:
+    """It is refused before the work begins, and stays as it is."""
+    file = tmp_path / "table.json"
+    file.write_text(text)
+    assert main(["check", "push_button", "--update", str(file)]) == 1
+    assert "it is no report of `rlbench-pin check`. Name another file" in capsys.readouterr().err
+    assert file.read_text() == text
+
+
 def test_a_stopped_check_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What was finished is not done again, half a line is, and the report is that of a check that was not stopped."""
     arguments = ["check", "reach_target", "--episodes", "12", "--no-contract", "--key-frames", "0", "--no-images"]
@@ -105,6 +136,21 @@ def test_trials_outlive_changes_that_play_no_part(tmp_path: Path) -> None:
     code.write_text("def f():\n    return 2\n", encoding="utf-8")
     assert run._content(scene) != before[0]
     assert run._content(code) != before[1]
+
+
+def test_trials_outlive_another_look(tmp_path: Path) -> None:
+    """Visuals of a solid model change no trial; its collision shapes do, and so do the visuals of a marker, which has none."""
+    urdf = tmp_path / "thing.urdf"
+    look = '<visual><geometry><sphere radius="{}"/></geometry></visual>'
+    solid = '<collision><geometry><box size="1 1 {}"/></geometry></collision>'
+
+    def content(*shapes: str) -> bytes:
+        urdf.write_text(f'<robot name="thing"><link name="thing">{"".join(shapes)}</link></robot>', encoding="utf-8")
+        return run._content(urdf)
+
+    assert content(look.format(1), solid.format(1)) == content(solid.format(1), look.format(2), look.format(3))
+    assert content(solid.format(1)) != content(solid.format(2))
+    assert content(look.format(1)) != content(look.format(2))
 
 
 def test_failures_survive_the_journal(tmp_path: Path) -> None:

@@ -89,6 +89,8 @@ class Lighting:
 _CENTER = np.array([0.15, 0.0, TABLE_HEIGHT + 0.1])
 _SIZE, _TEXEL = 512, 0.003
 """Side of the image that the key light takes [px], and of one of its texels at the table [m]."""
+_BLOCKS = _SIZE // 4
+"""Side of the same in blocks of four by four texels."""
 _DISTANCE = 30.0  # far away, so that its rays are almost parallel [m]
 _FAR = np.float32(np.inf)
 _BORDER, _MARGIN = 4, 24
@@ -149,13 +151,17 @@ class TableShade:
     """How much of the key light the table misses: `soft` plus `sharpness` times `sharp` / 255."""
 
     sharp: NDArray[np.uint8]
-    """Texels that are blocked, smoothed by 5 x 5, (h, w)."""
+    """Texels that are blocked, smoothed by 5 x 5, (n, n)."""
     sharpness: NDArray[np.float32]
-    """How sharp the shadow is, of every four by four texels, 0..1, (h / 4, w / 4)."""
+    """How sharp the shadow is, of every four by four texels, 0..1, (n / 4, n / 4)."""
     soft: NDArray[np.float32]
-    """Soft part of the shadow, and the darkening at the feet of objects, of every four by four texels (h / 4, w / 4)."""
-    reached: NDArray[np.bool_]
-    """Of every four by four texels of the whole image, whether any shadow may be there, flat."""
+    """Soft part of the shadow, and the darkening at the feet of objects, of every four by four texels (n / 4, n / 4)."""
+    dark: NDArray[np.bool_]
+    """Of every four by four texels, whether any shadow is there, (n / 4, n / 4)."""
+
+    def copy(self) -> TableShade:
+        """Return a copy."""
+        return TableShade(self.sharp.copy(), self.sharpness.copy(), self.soft.copy(), self.dark.copy())
 
 
 class ShadowMap:
@@ -165,6 +171,7 @@ class ShadowMap:
         view: Camera of the light.
         height: z of the table top [m].
         blocked: Where moving objects stand in the light.
+        under: The shadows of what stands in the light elsewhere.
 
     Attributes:
         view: The same.
@@ -172,19 +179,29 @@ class ShadowMap:
         is_empty: Whether nothing stands in the light.
     """
 
-    def __init__(self, view: CameraView, height: float, blocked: Blocked) -> None:
+    def __init__(self, view: CameraView, height: float, blocked: Blocked, under: ShadowMap | None = None) -> None:
         self.view, self.height = view, height
+        self._under = None if under is None or under.is_empty else under
         rows, columns = (
             slice(max(first, _BORDER), min(first + count, _SIZE - _BORDER))
             for first, count in zip((blocked.row, blocked.column), blocked.depth.shape, strict=True)
         )
-        self.is_empty = rows.start >= rows.stop or columns.start >= columns.stop
-        if self.is_empty:
+        self._is_same = rows.start >= rows.stop or columns.start >= columns.stop
+        self.is_empty: bool = self._is_same and self._under is None
+        if self._is_same:
             return
-        self._rows, self._columns = _span(rows), _span(columns)
-        self._image = np.full((self._rows.stop - self._rows.start, self._columns.stop - self._columns.start), _FAR, np.float32)
-        part = blocked.depth[_moved(rows, blocked.row), _moved(columns, blocked.column)]
-        self._image[_moved(rows, self._rows.start), _moved(columns, self._columns.start)] = part
+        self._window = _span(rows), _span(columns)
+        # what is not filled is not looked up
+        self._image = np.empty((_SIZE, _SIZE), dtype=np.float32)
+        self._rows = self._window[0]
+        if self._under is None:
+            self._image[self._rows] = _FAR
+        else:
+            others = self._under._rows
+            self._rows = slice(min(self._rows.start, others.start), max(self._rows.stop, others.stop))
+            self._image[self._rows.start : others.start], self._image[others.stop : self._rows.stop] = _FAR, _FAR
+            self._image[others] = self._under._image[others]
+        self._image[rows, columns] = blocked.depth[_moved(rows, blocked.row), _moved(columns, blocked.column)]
 
     def lit(self, spots: LightSpots, bias: NDArray[np.float32]) -> NDArray[np.float32]:
         """Share (n,) of the key light that reaches points of moving objects, 0..1: how many of 13 texels around it passes.
@@ -192,44 +209,47 @@ class ShadowMap:
         Most points lie beyond all of 5 x 5 texels or before them all, which two look-ups show.
 
         Args:
-            spots: The points, from `spots_of`.
+            spots: The points.
             bias: By how much an object must be nearer to the light to shade a point (n,) [m].
         """
-        height, width = self._image.shape
-        column, row = spots.right - np.float32(self._columns.start), spots.down - np.float32(self._rows.start)
-        for values, side in ((column, width), (row, height)):
-            np.maximum(values, np.float32(2.0), out=values)
-            np.minimum(values, np.float32(side - 3), out=values)
-        down, right = row.astype(np.int64), column.astype(np.int64)
-        block = down >> 2
-        block *= width >> 2
-        block += right >> 2
+        if self._is_same and self._under is not None:
+            return self._under.lit(spots, bias)
+        column, row = (
+            np.minimum(np.maximum(values, np.float32(2.0)), np.float32(_SIZE - 3)).astype(np.int64)
+            for values in (spots.right, spots.down)
+        )
+        block = row >> 2
+        block *= _BLOCKS
+        block += column >> 2
         limit = spots.depth - bias
         least, greatest = self._extremes
         is_free = least.take(block) >= limit
         share = is_free.astype(np.float32)
         reached = (~is_free).nonzero()[0]
         edge = reached.take((greatest.take(block.take(reached)) >= limit.take(reached)).nonzero()[0])
-        share[edge] = self._share(down.take(edge) * width + right.take(edge), limit.take(edge))
+        share[edge] = self._share(row.take(edge) * _SIZE + column.take(edge), limit.take(edge))
         return share
 
     def _share(self, texel: NDArray[np.int64], limit: NDArray[np.float32]) -> NDArray[np.float32]:
-        depth, width = self._image.ravel(), self._image.shape[1]
+        depth, first = self._image.ravel(), texel - (2 * _SIZE + 2)
         free = np.zeros(len(texel), dtype=np.uint8)
         for row, column in _TAPS:
-            free += depth.take(texel + (row * width + column)) >= limit
+            free += depth[(row + 2) * _SIZE + column + 2 :].take(first) >= limit
         return free * np.float32(1.0 / len(_TAPS))
 
     @cached_property
     def _extremes(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Of every four by four texels of the window, flat, the least and the greatest of these and those around them."""
+        """Of every four by four texels, flat, the least and the greatest of these and those around them."""
+        rows, columns = (slice(part.start // 4 + 1, part.stop // 4 - 1) for part in self._window)
+        image = self._image[self._window]
         found = []
-        for function in (np.minimum, np.maximum):
-            blocks = function(function(self._image[0::4], self._image[1::4]), function(self._image[2::4], self._image[3::4]))
+        for number, function in enumerate((np.minimum, np.maximum)):
+            blocks = function(function(image[0::4], image[1::4]), function(image[2::4], image[3::4]))
             blocks = function(function(blocks[:, 0::4], blocks[:, 1::4]), function(blocks[:, 2::4], blocks[:, 3::4]))
-            full = np.full_like(blocks, _FAR)
+            full = np.full((_BLOCKS, _BLOCKS), _FAR) if self._under is None else self._under._extremes[number].copy()
+            full = full.reshape(_BLOCKS, _BLOCKS)
             across = function(function(blocks[:, :-2], blocks[:, 2:]), blocks[:, 1:-1])
-            function(function(across[:-2], across[2:]), across[1:-1], out=full[1:-1, 1:-1])
+            function(function(across[:-2], across[2:]), across[1:-1], out=full[rows, columns])
             found.append(full.ravel())
         return found[0], found[1]
 
@@ -238,9 +258,11 @@ class ShadowMap:
         """Two filters: one of 5 x 5 texels for what is low above the table, one four times as wide for what is high; between them
         by the mean height of what casts the shadow.
         """
-        limit = table_distance(self.view, self.height)[self._rows, self._columns]
-        blocked = (self._image < limit).view(np.uint8)
-        above = limit[0::2, 0::2] - self._image[0::2, 0::2]
+        if self._under is not None and self._is_same:
+            return self._under._shade
+        limit, image = table_distance(self.view, self.height)[self._window], self._image[self._window]
+        blocked = (image < limit).view(np.uint8)
+        above = limit[0::2, 0::2] - image[0::2, 0::2]
         np.maximum(above, np.float32(0.0), out=above)
         count = _by_two(_by_two(blocked))
         fields = np.empty((3, *count.shape), dtype=np.float32)
@@ -257,41 +279,69 @@ class ShadowMap:
         soft *= np.float32(1.0 / (16.0 * 256.0))
         contact *= np.float32(0.5 / 256.0) * _DARKENING
         soft += contact
-        reached = soft > np.float32(0.003)
-        reached |= count[2:-2, 2:-2] > 0
-        reached[:-1] |= reached[1:]
-        reached[1:] |= reached[:-1]
-        reached[:, :-1] |= reached[:, 1:]
-        reached[:, 1:] |= reached[:, :-1]
-        everywhere = np.zeros((_SIZE // 4, _SIZE // 4), dtype=np.bool_)
-        first, left = self._rows.start // 4 + 3, self._columns.start // 4 + 3
-        inner = reached[1:-1, 1:-1]
-        everywhere[first : first + inner.shape[0], left : left + inner.shape[1]] = inner
-        return TableShade(_smooth_bytes(blocked), np.float32(1.0) - softness, soft, everywhere.ravel())
+        dark = soft > np.float32(0.003)
+        dark |= count[2:-2, 2:-2] > 0
+        shade = _no_shade() if self._under is None else self._under._shade.copy()
+        texels = tuple(slice(part.start + 2, part.stop - 2) for part in self._window)
+        blocks = tuple(slice(part.start // 4 + 2, part.stop // 4 - 2) for part in self._window)
+        shade.sharp[texels] = _smooth_bytes(blocked)
+        np.subtract(np.float32(1.0), softness, out=shade.sharpness[blocks])
+        shade.soft[blocks], shade.dark[blocks] = soft, dark
+        return shade
 
-    def at(self, spots: Sequence[TableSpots]) -> tuple[list[NDArray[np.int64]], NDArray[np.float32]]:
-        """Return which points of the table may be darker, of each camera, and how much of the key light these miss (k,)."""
+    def at(
+        self, spots: Sequence[TableSpots], again: Sequence[NDArray[np.bool_] | None]
+    ) -> tuple[list[NDArray[np.int64]], NDArray[np.float32]]:
+        """Return which pixels that see the table may be darker, of each camera, and how much of the key light these miss (k,).
+
+        Args:
+            spots: The table as each camera sees it.
+            again: Of every block whether to look there, flat, for each camera; at all that may be darker when None. Blocks that
+                may be darker without what moves count too.
+        """
         shade = self._shade
-        chosen = [shade.reached.take(each.block).nonzero()[0] for each in spots]
-        right = np.concatenate([each.right.take(points) for each, points in zip(spots, chosen, strict=True)])
-        down = np.concatenate([each.down.take(points) for each, points in zip(spots, chosen, strict=True)])
-        # the filters take two texels, and two blocks, at the borders
-        right -= np.float32(self._columns.start + 2)
-        down -= np.float32(self._rows.start + 2)
+        reached = spread(shade.dark).ravel()
+        there = reached if self._under is None else reached | spread(self._under._shade.dark).ravel()
+        chosen = [
+            (reached if wanted is None else there & wanted).take(each.block).nonzero()[0]
+            for each, wanted in zip(spots, again, strict=True)
+        ]
+        right, down, block = (
+            np.concatenate([getattr(each, name).take(points) for each, points in zip(spots, chosen, strict=True)])
+            for name in ("right", "down", "block")
+        )
         if any(each.is_fine for each in spots):
             (sharp,) = _between([shade.sharp], right - np.float32(0.5), down - np.float32(0.5))
         else:
-            place = down.astype(np.int64) * shade.sharp.shape[1]
+            place = down.astype(np.int64) * _SIZE
             place += right.astype(np.int64)
             sharp = shade.sharp.take(place).astype(np.float32)
         for values in (right, down):
-            values *= np.float32(0.25)
             values -= np.float32(2.0)
+            values *= np.float32(0.25)
         sharpness, missing = _between([shade.sharpness, shade.soft], right, down)
         sharp *= sharpness
         sharp *= np.float32(1.0 / 255.0)
         missing += sharp
-        return chosen, missing
+        if there is not reached:
+            missing *= reached.take(block)
+        return [each.pixels.take(points) for each, points in zip(spots, chosen, strict=True)], missing
+
+
+def _no_shade() -> TableShade:
+    fields = np.zeros((2, _BLOCKS, _BLOCKS), dtype=np.float32)
+    return TableShade(np.zeros((_SIZE, _SIZE), np.uint8), fields[0], fields[1], np.zeros((_BLOCKS, _BLOCKS), dtype=np.bool_))
+
+
+def spread(blocks: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """These blocks (n, m) and those around them."""
+    rows = blocks.copy()
+    rows[1:] |= blocks[:-1]
+    rows[:-1] |= blocks[1:]
+    result = rows.copy()
+    result[:, 1:] |= rows[:, :-1]
+    result[:, :-1] |= rows[:, 1:]
+    return result
 
 
 def _between(fields: Sequence[NDArray], x: NDArray[np.float32], y: NDArray[np.float32]) -> list[NDArray[np.float32]]:
@@ -374,34 +424,11 @@ def _moved(own: slice, start: int) -> slice:
     return slice(own.start - start, own.stop - start)
 
 
-def spots_of(
-    light: CameraView, view: CameraView, column: NDArray[np.float32], row: NDArray[np.float32], depth: NDArray[np.float32]
-) -> LightSpots:
-    """Find what a camera sees in the image that `light` takes.
-
-    Args:
-        light: Camera of the light.
-        view: The camera.
-        column: Columns of pixels (n,).
-        row: Their rows (n,).
-        depth: What they see (n,) [m].
-    """
-    to_light = light.to_image[:, :3] @ view.from_image
-    to_light[:, 3] += light.to_image[:, 3]
-    points = np.empty((4, len(depth)), dtype=np.float32)
-    np.multiply(column, depth, out=points[0])
-    np.multiply(row, depth, out=points[1])
-    points[2], points[3] = depth, 1.0
-    right, down, along = to_light.astype(np.float32) @ points
-    for values in (right, down):
-        values /= along
-        values += np.float32(0.5)
-    return LightSpots(right, down, along)
-
-
-def joined_spots(spots: Sequence[LightSpots]) -> LightSpots:
-    """Return some spots after each other."""
-    return LightSpots(*(np.concatenate([getattr(s, name) for s in spots]) for name in ("right", "down", "depth")))
+def to_light(light: CameraView, view: CameraView) -> NDArray[np.float32]:
+    """Matrix (3, 4) from u z, v z, z and 1 in the image of a camera to the same in that of a light."""
+    result = light.to_image[:, :3] @ view.from_image
+    result[:, 3] += light.to_image[:, 3]
+    return result.astype(np.float32)
 
 
 def table_spots(light: CameraView, view: CameraView, height: float, pixels: NDArray[np.int64]) -> TableSpots:

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import accumulate
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,23 +18,20 @@ from rlbench_pin.sim.client import PhysicsClient, bullet
 from rlbench_pin.sim.render.backdrop import Painter
 from rlbench_pin.sim.render.camera import CameraView, Images
 from rlbench_pin.sim.render.lighting import Light, Lighting, ShadowMap, light_view
-from rlbench_pin.sim.render.masks import bodies_of, rows_of
 from rlbench_pin.sim.render.raster.drawing import Sight
-from rlbench_pin.sim.render.raster.stage import Appearance
+from rlbench_pin.sim.render.raster.stage import Appearance, Lamp
+from rlbench_pin.sim.render.resting_links import RestingLinks, resting_links
 from rlbench_pin.sim.render.shading import (
     KeptBackdrop,
     LinkTexture,
+    Sheet,
+    bytes_of,
     colors_in_light,
     halved,
-    put_pools,
-    put_shot,
+    normals_of_depth,
     put_textures,
-    shade_tables,
-    smoothed,
-    surfaces_of,
-    toned_pixels,
 )
-from rlbench_pin.sim.render.shots import BulletRasterizer, NumpyRasterizer, Shooting, Shot
+from rlbench_pin.sim.render.shots import BulletRasterizer, NumpyRasterizer, NumpyShooting, Shooting, Shot
 from rlbench_pin.sim.room import RoomBody
 from rlbench_pin.values import as_flag, as_record
 
@@ -103,6 +99,9 @@ class Renderer:
         self.lighting = Lighting()
         self._light_view: tuple[Light, CameraView] | None = None
         self._link_textures: dict[tuple[int, int], LinkTexture] = {}
+        self._rest_layout: tuple[object, ...] = ()
+        self._rest_key: tuple[object, ...] = ()
+        self._rest: RestingLinks | None = None
         self._painter: tuple[tuple[object, ...], Painter] | None = None
         self._backdrops: OrderedDict[tuple[object, ...], KeptBackdrop | None] = OrderedDict()
 
@@ -127,9 +126,7 @@ class Renderer:
     def shadow_map(self) -> ShadowMap:
         """Look from the key light, for cameras that look at the present instant."""
         view, height = self._view_of_light(), self._present_painter().table_height
-        blocked = self._rasterizer.shoot([], self.lighting, view).blocked
-        assert blocked is not None
-        return ShadowMap(view, height, blocked)
+        return ShadowMap(view, height, self._rasterizer.shoot([], self.lighting, view).blocked())
 
     def render(
         self, view: CameraView, *, rgb: bool, depth: bool, mask: bool, shadows: bool | ShadowMap, antialiasing: bool = False
@@ -174,18 +171,35 @@ class Renderer:
         if not requests:
             return []
         painter = self._present_painter()
-        backdrops = [self._backdrop(painter, request.view) for request in requests]
-        sights = [self._sight(request, backdrop) for request, backdrop in zip(requests, backdrops, strict=True)]
+        kinds = [(request.rgb, request.is_shaded) for request in requests]
+        groups = [[n for n, own in enumerate(kinds) if own == kind] for kind in sorted(set(kinds))]
+        wanted = [[requests[n] for n in group] for group in groups]
+        rooms = [[self._backdrop(painter, request.view) for request in group] for group in wanted]
+        sights = [self._sight(group) for group in wanted]
         makes_map = shadows is None and any(request.is_shaded for request in requests)
-        view = self._view_of_light()
-        shooting = self._rasterizer.shoot(sights, self.lighting, view if makes_map else None)
-        if shooting.blocked is not None:
-            shadows = ShadowMap(view, painter.table_height, shooting.blocked)
-        images = self._images(requests, painter, backdrops, shooting, shadows)
-        return [
-            self._put_together(request, backdrop, shot, image)
-            for request, backdrop, shot, image in zip(requests, backdrops, shooting.shots, images, strict=True)
-        ]
+        light = self._view_of_light()
+        shooting = self._rasterizer.shoot(sights, self.lighting, light if makes_map else None)
+        taken: dict[int, Images] = {}
+        for number, (group, own, room) in enumerate(zip(groups, wanted, rooms, strict=True)):
+            near, first = None, own[0]
+            resting = self._resting(shooting, number, room, painter) if first.is_shaded else None
+            sheet = Sheet(room if resting is None else resting.before(room), first.rgb, any(request.mask for request in own))
+            if resting is not None and isinstance(shooting, NumpyShooting):
+                shot, shadows, near = resting.moving(shooting, number, sheet.depth)
+            else:
+                shot = shooting.shot(number, sheet.depth)
+                if first.is_shaded and makes_map:
+                    shadows = ShadowMap(light, painter.table_height, shooting.blocked())
+            sheet.put_rest(shot, self._ids())
+            if first.rgb:
+                if first.shadows and shadows is not None:
+                    sheet.shade_tables(shadows, painter.table_key, near)
+                    if shooting.lamps:
+                        sheet.put_pools(shadows, shooting.lamps)
+                self._color(sheet, shot, shadows if first.shadows else None, shooting.lamps)
+                sheet.smooth([n for n, request in enumerate(own) if request.antialiasing])
+            taken.update(zip(group, _images(own, sheet), strict=True))
+        return [taken[n] for n in range(len(requests))]
 
     # Moving objects ---------------------------------------------------------------------------------------------------
 
@@ -194,81 +208,32 @@ class Renderer:
             self._light_view = self.lighting.key, light_view(self.lighting.key)
         return self._light_view[1]
 
-    def _sight(self, request: Request, backdrop: KeptBackdrop) -> Sight:
-        lighting = self.lighting
-        ambient = lighting.ambient if request.shadows else lighting.ambient + lighting.mean_fill
-        return Sight(request.view, backdrop.image.depth.ravel(), request.rgb, ambient)
+    def _sight(self, requests: Sequence[Request]) -> Sight:
+        lighting, first = self.lighting, requests[0]
+        ambient = lighting.ambient if first.is_shaded else lighting.ambient + lighting.mean_fill
+        return Sight([request.view for request in requests], first.rgb, ambient)
 
-    def _put_together(self, request: Request, backdrop: KeptBackdrop, shot: Shot, image: NDArray[np.uint8] | None) -> Images:
-        """Put depth and ids of what moves before those of the room, as far as they are asked for."""
-        distance = ids = None
-        if request.depth:
-            distance = backdrop.image.depth.copy()
-            distance.ravel()[shot.pixels] = shot.depth
-        if request.mask:
-            ids = backdrop.image.mask.copy()
-            of_segments = self._ids()[bodies_of(shot.segments), rows_of(shot.segments)]
-            ids.ravel()[shot.pixels] = of_segments.take(shot.segment)
-        return Images(image, distance, ids)
+    def _resting(self, shooting: Shooting, number: int, backdrops: Sequence[KeptBackdrop], room: Painter) -> RestingLinks | None:
+        """Links at rest before the room, from the second time on that nothing of it changed."""
+        if not isinstance(shooting, NumpyShooting) or shooting.state is None or shooting.lamps or self._link_textures:
+            return None
+        ids = self._ids()
+        layout = (number, *(backdrop.view.size for backdrop in backdrops))
+        key = (room, ids, *shooting.state)
+        is_same = layout == self._rest_layout and len(key) == len(self._rest_key)
+        if not is_same or any(now is not before for now, before in zip(key, self._rest_key)):
+            self._rest_layout, self._rest_key, self._rest = layout, key, None
+        elif self._rest is None:
+            self._rest = resting_links(shooting, number, backdrops, room, self.lighting, self._view_of_light(), ids)
+        return self._rest
 
-    def _images(
-        self,
-        requests: Sequence[Request],
-        room: Painter,
-        backdrops: Sequence[KeptBackdrop],
-        shooting: Shooting,
-        shadows: ShadowMap | None,
-    ) -> list[NDArray[np.uint8] | None]:
-        """Colours of what moves before those of the room, with shadows, fill lights and textures; None where none are wanted."""
-        images = [
-            backdrop.image.rgb.copy() if request.rgb else None for request, backdrop in zip(requests, backdrops, strict=True)
-        ]
-        for is_shaded in (False, True):
-            chosen = [n for n, request in enumerate(requests) if request.rgb and request.shadows == is_shaded]
-            if not chosen:
-                continue
-            views, shots = [backdrops[n] for n in chosen], [shooting.shots[n] for n in chosen]
-            chosen_images = [image for n in chosen if (image := images[n]) is not None]
-            if is_shaded and shadows is not None:
-                shade_tables(chosen_images, views, shadows, room.table_key)
-                if shooting.lamps:
-                    for image, view in zip(chosen_images, views, strict=True):
-                        put_pools(image, view, view.table(shadows), shooting.lamps)
-            # what is seen through glass first
-            layers = [(n, shot.behind) for n, shot in enumerate(shots) if shot.behind is not None] + list(enumerate(shots))
-            surfaces = [surfaces_of(views[n], shot) for n, shot in layers]
-            colors = colors_in_light(surfaces, self.lighting, shadows if is_shaded else None, shooting.lamps)
-            ends = list(accumulate((len(shot.pixels) for _, shot in layers), initial=0))
-            if self._link_textures:
-                for seen, begin, end in zip(surfaces, ends, ends[1:]):
-                    put_textures(colors[:, begin:end], seen, self._link_textures, self._frame)
-            pixels = toned_pixels(colors)
-            for (n, shot), begin, end in zip(layers, ends, ends[1:]):
-                put_shot(chosen_images[n], shot, pixels[begin:end])
-        self._smooth(requests, backdrops, shooting.shots, images)
-        return images
-
-    def _smooth(
-        self,
-        requests: Sequence[Request],
-        backdrops: Sequence[KeptBackdrop],
-        shots: Sequence[Shot],
-        images: list[NDArray[np.uint8] | None],
-    ) -> None:
-        """Smooth the edges of the images that ask for it, those of one size together."""
-        sizes: dict[tuple[int, int], list[int]] = {}
-        for n, request in enumerate(requests):
-            if request.rgb and request.antialiasing:
-                sizes.setdefault(request.view.size, []).append(n)
-        for (width, height), chosen in sizes.items():
-            together = np.stack([image for n in chosen if (image := images[n]) is not None])
-            surfaces = np.empty((len(chosen), height, width), dtype=np.uint8)
-            for own, n in zip(surfaces, chosen, strict=True):
-                own[:] = backdrops[n].surfaces
-                own.ravel()[shots[n].pixels] = shots[n].surface
-            smoothed(together, surfaces)
-            for image, n in zip(together, chosen, strict=True):
-                images[n] = image if len(chosen) == 1 else image.copy()
+    def _color(self, sheet: Sheet, shot: Shot, shadows: ShadowMap | None, lamps: Sequence[Lamp]) -> None:
+        """Put colours of what moves before those of the room, with shadows, fill lights and textures."""
+        normals = normals_of_depth(sheet.backdrops, shot) if shot.normals is None else shot.normals
+        colors = colors_in_light(shot, normals, self.lighting, shadows, lamps)
+        if self._link_textures:
+            put_textures(colors, shot, normals, self._link_textures, self._frame)
+        sheet.put_colors(shot, bytes_of(colors))
 
     def _frame(self, body: int, link: int) -> NDArray[np.float32]:
         identifier = self._client.id
@@ -305,6 +270,18 @@ class Renderer:
         while len(self._backdrops) > _KEPT:
             self._backdrops.popitem(last=False)
         return made
+
+
+def _images(requests: Sequence[Request], sheet: Sheet) -> list[Images]:
+    """Return what is asked for of the images of some cameras."""
+    return [
+        Images(
+            sheet.part(sheet.bytes, n) if request.rgb else None,
+            sheet.part(sheet.depth, n) if request.depth else None,
+            sheet.part(sheet.ids, n) if request.mask else None,
+        )
+        for n, request in enumerate(requests)
+    ]
 
 
 def _joined(request: Request, parts: Sequence[Images]) -> Images:

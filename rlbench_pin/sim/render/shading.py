@@ -6,8 +6,8 @@ Textures on moving objects are projected along the main axes of each link, whate
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,11 +21,10 @@ from rlbench_pin.sim.render.lighting import (
     LightSpots,
     ShadowMap,
     TableSpots,
-    joined_spots,
-    spots_of,
     table_spots,
+    to_light,
 )
-from rlbench_pin.sim.render.masks import segment_of
+from rlbench_pin.sim.render.masks import bodies_of, rows_of, segment_of
 from rlbench_pin.sim.render.raster.stage import Lamp
 from rlbench_pin.sim.render.shots import Shot
 from rlbench_pin.sim.render.texture import Texture
@@ -40,11 +39,40 @@ class KeptBackdrop:
     Args:
         view: The camera.
         image: What it sees of the room.
+        bare: Colours (h, w, 3) without shadows if those of the image have some.
+
+    Attributes:
+        view: The same.
+        image: The same.
+        bare: Colours without shadows.
+        is_shaded: Whether those of the image have shadows.
     """
 
-    def __init__(self, view: CameraView, image: Backdrop) -> None:
+    def __init__(self, view: CameraView, image: Backdrop, bare: NDArray[np.uint8] | None = None) -> None:
         self.view, self.image = view, image
+        self.is_shaded = bare is not None
+        self.bare = image.rgb if bare is None else bare
         self._spots: tuple[CameraView, TableSpots] | None = None
+
+    def with_resting(self, sheet: Sheet, number: int, covered: NDArray[np.bool_], shadows: ShadowMap) -> KeptBackdrop:
+        """Return the room with links at rest before it.
+
+        Args:
+            sheet: Images of both.
+            number: Number of this camera in them.
+            covered: Which of all pixels see the links (n,).
+            shadows: The shadows of the links.
+        """
+        rgb, depth, mask, surfaces = (
+            sheet.part(values, number).copy() for values in (sheet.bytes, sheet.depth, sheet.ids, sheet.surfaces)
+        )
+        result = KeptBackdrop(self.view, replace(self.image, rgb=rgb, depth=depth, mask=mask), self.image.rgb)
+        result.surfaces = surfaces
+        table = self.table(shadows)
+        free = (~sheet.part(covered, number).ravel().take(table.pixels)).nonzero()[0]
+        names = ("pixels", "right", "down", "block")
+        result._spots = shadows.view, replace(table, **{name: getattr(table, name).take(free) for name in names})
+        return result
 
     @cached_property
     def inverse(self) -> NDArray[np.float32]:
@@ -67,75 +95,118 @@ class KeptBackdrop:
         return self._spots[1]
 
 
-def shade_tables(
-    images: Sequence[NDArray[np.uint8]],
-    backdrops: Sequence[KeptBackdrop],
-    shadows: ShadowMap,
-    key: NDArray[np.float32],
-) -> None:
-    """Darken the table in images (h, w, 3) where moving objects stand in the key light.
+class Sheet:
+    """The images of some cameras in one row of pixels, of the room at first.
 
     Args:
-        images: The images, of all cameras.
         backdrops: The room as these cameras see it.
-        shadows: The shadows.
-        key: Share (3,) of its colour that the key light gives.
+        has_colors: Whether there are colours.
+        has_ids: Whether there are ids.
+
+    Attributes:
+        backdrops: The same.
+        depth: Depth (n,) [m].
+        colors: Colours (n,) of type `PIXEL`; none where there are no colours.
+        surfaces: Which surface each pixel shows (n,); none where there are no colours.
+        ids: Mask ids (n,); none where there are no ids.
     """
-    if shadows.is_empty:
-        return
-    tables = [backdrop.table(shadows) for backdrop in backdrops]
-    darker, missing = shadows.at(tables)
-    pixels = [spots.pixels.take(chosen) for spots, chosen in zip(tables, darker, strict=True)]
-    own = np.concatenate([image.reshape(-1).view(PIXEL).take(each) for image, each in zip(images, pixels, strict=True)])
-    shaded = own.view(np.uint8).reshape(-1, 3)
-    left: dict[float, NDArray[np.float32]] = {}
-    for channel, part in enumerate(key.tolist()):
-        if part not in left:
-            values = missing * np.float32(-part)
-            values += np.float32(1.0)
-            left[part] = np.maximum(values, np.float32(0.0), out=values)
-        values = left[part] * shaded[:, channel]
-        values += np.float32(0.5)
-        shaded[:, channel] = values
-    ends = np.cumsum([0, *(len(each) for each in pixels)])
-    for image, each, a, b in zip(images, pixels, ends, ends[1:]):
-        put_pixels(image, each, shaded[a:b])
 
+    def __init__(self, backdrops: Sequence[KeptBackdrop], has_colors: bool, has_ids: bool) -> None:
+        self.backdrops, self._has_ids = backdrops, has_ids
+        images = [backdrop.image for backdrop in backdrops]
+        self.starts = np.cumsum([0, *(image.depth.size for image in images)])
+        self.depth = np.concatenate([image.depth.ravel() for image in images])
+        self.colors, self.surfaces, self.ids = np.zeros(0, PIXEL), np.zeros(0, np.uint8), np.zeros(0, np.int32)
+        if has_colors:
+            self.colors = np.concatenate([image.rgb.reshape(-1).view(PIXEL) for image in images])
+            self.surfaces = np.concatenate([backdrop.surfaces.ravel() for backdrop in backdrops])
+        if has_ids:
+            self.ids = np.concatenate([image.mask.ravel() for image in images])
 
-def put_pixels(image: NDArray[np.uint8], pixels: NDArray[np.int64], colors: NDArray[np.uint8]) -> None:
-    """Write colours (n, 3) to some pixels, by flat index, of an image (h, w, 3)."""
-    image.reshape(-1).view(PIXEL)[pixels] = np.ascontiguousarray(colors).reshape(-1).view(PIXEL)
+    @property
+    def bytes(self) -> NDArray[np.uint8]:
+        """Its colours (n, 3)."""
+        return self.colors.view(np.uint8).reshape(-1, 3)
 
+    def part(self, values: NDArray, number: int) -> NDArray:
+        """Return the image (h, w, ...) of one camera from values of all pixels (n, ...)."""
+        part: NDArray = values[self.starts[number] : self.starts[number + 1]]
+        return part.reshape(*self.backdrops[number].image.depth.shape, *part.shape[1:])
 
-def toned_pixels(colors: NDArray[np.float32]) -> NDArray[np.uint8]:
-    """Colours (n, 3) of those in 0..255 and above, (3, n), along the tone curve; overwrites them."""
-    return np.ascontiguousarray(toned(colors).T)
+    def put(self, pixels: NDArray[np.int64], colors: NDArray[np.uint8]) -> None:
+        """Write colours (k, 3) to some pixels."""
+        self.colors[pixels] = np.ascontiguousarray(colors).reshape(-1).view(PIXEL)
 
+    def shade_tables(self, shadows: ShadowMap, key: NDArray[np.float32], near: NDArray[np.bool_] | None = None) -> None:
+        """Darken the table where moving objects stand in the key light.
 
-def put_shot(image: NDArray[np.uint8], shot: Shot, colors: NDArray[np.uint8]) -> None:
-    """Write the colours (n, 3) of what a camera sees to its image (h, w, 3): over what is there, which glass lets through."""
-    if len(shot.glass):
-        under = image.reshape(-1, 3).take(shot.pixels.take(shot.glass), axis=0).astype(np.float32)
-        own = colors.take(shot.glass, axis=0)
-        under += (own - under) * shot.opacity[:, None]
-        colors[shot.glass] = np.rint(under).astype(np.uint8)
-    put_pixels(image, shot.pixels, colors)
+        Args:
+            shadows: The shadows.
+            key: Share (3,) of its colour that the key light gives.
+            near: Blocks of texels (n, n) in which shadows have changed, for images that are shaded.
+        """
+        if shadows.is_empty:
+            return
+        again = [near.ravel() if near is not None and backdrop.is_shaded else None for backdrop in self.backdrops]
+        each, missing = shadows.at([backdrop.table(shadows) for backdrop in self.backdrops], again)
+        bare = [backdrop.bare.reshape(-1).view(PIXEL).take(own) for backdrop, own in zip(self.backdrops, each, strict=True)]
+        shaded = np.concatenate(bare).view(np.uint8).reshape(-1, 3)
+        pixels = np.concatenate(each)
+        pixels += np.repeat(self.starts[:-1], [len(own) for own in each])
+        left: dict[float, NDArray[np.float32]] = {}
+        for channel, part in enumerate(key.tolist()):
+            if part not in left:
+                values = missing * np.float32(-part)
+                values += np.float32(1.0)
+                left[part] = np.maximum(values, np.float32(0.0), out=values)
+            values = left[part] * shaded[:, channel]
+            values += np.float32(0.5)
+            shaded[:, channel] = values
+        self.put(pixels, shaded)
 
+    def put_pools(self, shadows: ShadowMap, lamps: Sequence[Lamp]) -> None:
+        """Brighten the table around lamps that shine."""
+        for start, backdrop in zip(self.starts, self.backdrops):
+            view, table = backdrop.view, backdrop.table(shadows).pixels
+            depth = backdrop.image.depth.ravel().take(table)[:, None]
+            points = view.rays.take(table, axis=0) * depth + view.pose[:3].astype(np.float32)
+            for lamp in lamps:
+                apart = points - np.array(lamp.position, dtype=np.float32)
+                share = _pool((apart * apart).sum(axis=1), lamp)
+                chosen = (share > np.float32(0.01)).nonzero()[0]
+                pixels = table.take(chosen) + start
+                colors = self.bytes.take(pixels, axis=0).astype(np.float32)
+                light = share.take(chosen)[:, None] * (np.array(lamp.color, dtype=np.float32) * _WARM)
+                colors += (np.float32(255.0) - colors) * light
+                self.put(pixels, colors.astype(np.uint8))
 
-def put_pools(image: NDArray[np.uint8], backdrop: KeptBackdrop, table: TableSpots, lamps: Sequence[Lamp]) -> None:
-    """Brighten the table in an image (h, w, 3) around lamps that shine."""
-    view = backdrop.view
-    depth = backdrop.image.depth.ravel().take(table.pixels)[:, None]
-    points = view.rays.take(table.pixels, axis=0) * depth + view.pose[:3].astype(np.float32)
-    for lamp in lamps:
-        apart = points - np.array(lamp.position, dtype=np.float32)
-        share = _pool((apart * apart).sum(axis=1), lamp)
-        chosen = (share > np.float32(0.01)).nonzero()[0]
-        pixels = table.pixels.take(chosen)
-        colors = image.reshape(-1, 3).take(pixels, axis=0).astype(np.float32)
-        light = share.take(chosen)[:, None] * (np.array(lamp.color, dtype=np.float32) * _WARM)
-        colors += (np.float32(255.0) - colors) * light
-        put_pixels(image, pixels, colors.astype(np.uint8))
+    def put_colors(self, shot: Shot, colors: NDArray[np.uint8]) -> None:
+        """Write the colours (n, 3) of what the cameras see; those of glass over others."""
+        pixels, solid = shot.pixels, len(shot.pixels) - len(shot.opacity)
+        self.put(pixels[:solid], colors[:solid])
+        if len(shot.opacity):
+            under = self.bytes.take(pixels[solid:], axis=0).astype(np.float32)
+            under += (colors[solid:] - under) * shot.opacity[:, None]
+            self.put(pixels[solid:], np.rint(under).astype(np.uint8))
+
+    def put_rest(self, shot: Shot, ids: NDArray[np.int32]) -> None:
+        """Write all but the colours of what the cameras see; `ids` are the mask ids of body b and link l at `[b, l + 1]`."""
+        self.depth[shot.pixels] = shot.depth
+        if len(self.surfaces):
+            self.surfaces[shot.pixels] = shot.surface
+        if self._has_ids:
+            of_segments = ids[bodies_of(shot.segments), rows_of(shot.segments)]
+            self.ids[shot.pixels] = of_segments.take(shot.segment)
+
+    def smooth(self, chosen: Sequence[int]) -> None:
+        """Smooth the edges in some images."""
+        shapes = {backdrop.image.depth.shape for backdrop in self.backdrops}
+        if len(shapes) == 1 and len(chosen) == len(self.backdrops):
+            height, width = shapes.pop()
+            smoothed(self.bytes.reshape(-1, height, width, 3), self.surfaces.reshape(-1, height, width))
+        else:
+            for number in chosen:
+                smoothed(self.part(self.bytes, number)[None], self.part(self.surfaces, number)[None])
 
 
 def _pool(squared: NDArray[np.float32], lamp: Lamp) -> NDArray[np.float32]:
@@ -149,8 +220,9 @@ def smoothed(images: NDArray[np.uint8], surfaces: NDArray[np.uint8]) -> None:
     Of a row of pixels along such an edge, one line goes from where it steps to one side to where it steps to the next; each pixel
     takes from the other side what lies there of it. A. Reshetov, Morphological Antialiasing, 2009.
     """
-    flat = images.reshape(-1, 3)
-    for first, second, share in _crossings_both_ways(surfaces):
+    flat, own_pixels = images.reshape(-1, 3), images.reshape(-1).view(PIXEL)
+    for first, step, share in _crossings_both_ways(surfaces):
+        second = first + step
         for own, other, sign in ((first, second, 1.0), (second, first, -1.0)):
             chosen = (share * np.float32(sign) > np.float32(0.02)).nonzero()[0]
             weight = np.abs(share.take(chosen))[:, None]
@@ -158,33 +230,33 @@ def smoothed(images: NDArray[np.uint8], surfaces: NDArray[np.uint8]) -> None:
             colors = flat.take(pixels, axis=0).astype(np.float32)
             colors += (flat.take(other.take(chosen), axis=0) - colors) * weight
             colors += np.float32(0.5)
-            put_pixels(images, pixels, colors.astype(np.uint8))
+            own_pixels[pixels] = colors.astype(np.uint8).reshape(-1).view(PIXEL)
 
 
-def _crossings_both_ways(surfaces: NDArray[np.uint8]) -> list[tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float32]]]:
-    """Crossings as in `_crossings`, of pixels with those below them and of pixels with those to their right."""
-    count, height, width = surfaces.shape
+def _crossings_both_ways(surfaces: NDArray[np.uint8]) -> list[tuple[NDArray[np.int64], int, NDArray[np.float32]]]:
+    """Crossings as in `_crossings` of pixels with those below them and of pixels with those to their right: pixels (n,), steps to
+    the others, and shares (n,).
+    """
+    _, height, width = surfaces.shape
     turned = surfaces.transpose(0, 2, 1)
     if height != width:
-        upright, (first, second, share) = _crossings(surfaces), _crossings(np.ascontiguousarray(turned))
+        (upper, share), (beside, across) = _crossings(surfaces), _crossings(np.ascontiguousarray(turned))
     else:
-        upper, lower, every = _crossings(np.concatenate([surfaces, turned]))
-        end = int(np.searchsorted(upper, surfaces.size))
-        upright = upper[:end], lower[:end], every[:end]
-        first, second, share = upper[end:] - surfaces.size, lower[end:] - surfaces.size, every[end:]
-    return [upright, (_turned_back(first, height, width), _turned_back(second, height, width), share)]
+        every, shares = _crossings(np.concatenate([surfaces, turned]))
+        end = int(np.searchsorted(every, surfaces.size))
+        upper, share, beside, across = every[:end], shares[:end], every[end:] - surfaces.size, shares[end:]
+    return [(upper, width, share), (_turned_back(surfaces.shape).take(beside), 1, across)]
 
 
-def _turned_back(pixels: NDArray[np.int64], height: int, width: int) -> NDArray[np.int64]:
-    """Flat indices (n,) in images (c, h, w) of those in images (c, w, h)."""
-    column = pixels // height
-    image = column // width
-    return image * (height * width) + (pixels - column * height) * width + (column - image * width)
+@lru_cache(maxsize=8)
+def _turned_back(shape: tuple[int, ...]) -> NDArray[np.int64]:
+    """Flat indices (n,) in images (c, h, w) of all pixels of images (c, w, h)."""
+    return np.arange(np.prod(shape)).reshape(shape).transpose(0, 2, 1).ravel()
 
 
-def _crossings(surfaces: NDArray[np.uint8]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float32]]:
-    """Pixels (n,) of images (c, h, w) that see another surface than those below them, these, and how far the edge lies above
-    their border as a share of a pixel (n,), negative where it lies below.
+def _crossings(surfaces: NDArray[np.uint8]) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+    """Pixels (n,) of images (c, h, w) that see another surface than those below them, and how far the edge lies above their
+    border as a share of a pixel (n,), negative where it lies below.
     """
     width = surfaces.shape[2]
     flat = surfaces.ravel()
@@ -197,8 +269,7 @@ def _crossings(surfaces: NDArray[np.uint8]) -> tuple[NDArray[np.int64], NDArray[
     goes_on[:-width] &= goes_on[width:]
     goes_on[1:] &= differs.ravel()[:-1]
     upper = differs.ravel().nonzero()[0]
-    lower = upper + width
-    above, below = flat.take(upper), flat.take(lower)
+    above, below = flat.take(upper), flat.take(upper + width)
     begins = np.ones(len(upper) + 1, dtype=np.bool_)
     np.logical_not(goes_on.take(upper), out=begins[:-1])
     ends = begins.nonzero()[0]
@@ -222,7 +293,7 @@ def _crossings(surfaces: NDArray[np.uint8]) -> tuple[NDArray[np.int64], NDArray[
     left *= np.maximum(way, np.float32(0.0))
     right *= np.minimum(way, np.float32(0.0))
     left -= right
-    return upper, lower, left
+    return upper, left
 
 
 def halved(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
@@ -264,99 +335,100 @@ class LinkTexture:
     """How often the texture repeats along one metre."""
 
 
-@dataclass(frozen=True, eq=False)
-class Surfaces:
-    """Moving objects as one camera sees them."""
-
-    backdrop: KeptBackdrop
-    """The camera."""
-    shot: Shot
-    """What it sees."""
-    normals: NDArray[np.float32]
-    """Unit normals (3, n) in the world."""
-
-    def _rays(self, chosen: NDArray[np.int64] | slice) -> NDArray[np.float32]:
-        """Directions of depth 1 in the frame of the camera in which some of them are seen (3, k)."""
-        k = self.backdrop.view.intrinsics().astype(np.float32)
-        row, column = _places(self.shot.pixels[chosen], self.backdrop.view.size[0])
-        rays = np.ones((3, len(row)), dtype=np.float32)
-        np.multiply(column - k[0, 2], np.float32(1.0) / k[0, 0], out=rays[0])
-        np.multiply(row - k[1, 2], np.float32(1.0) / k[1, 1], out=rays[1])
-        return rays
-
-    @cached_property
-    def points(self) -> NDArray[np.float32]:
-        """Where they are (3, n), in the frame of the camera [m]."""
-        return self._rays(slice(None)) * self.shot.depth
-
-    def in_world(self) -> NDArray[np.float32]:
-        """Where they are (3, n), in the world [m]."""
-        pose = self.backdrop.view.extrinsics().astype(np.float32)
-        return pose[:3, :3] @ self.points + pose[:3, 3:]
-
-    def rays(self) -> NDArray[np.float32]:
-        """Unit directions (3, k) in the world in which the camera sees what is glossy."""
-        rays = self._rays(self.shot.glossy)
-        rays /= np.sqrt((rays * rays).sum(axis=0))
-        return self.backdrop.view.extrinsics()[:3, :3].astype(np.float32) @ rays
-
-    def spots(self, shadows: ShadowMap, chosen: NDArray[np.int64]) -> LightSpots:
-        """Where some of them lie in the image that the key light takes."""
-        view = self.backdrop.view
-        row, column = _places(self.shot.pixels.take(chosen), view.size[0])
-        return spots_of(shadows.view, view, column, row, self.shot.depth.take(chosen))
+def _rays(shot: Shot, chosen: NDArray[np.int64]) -> NDArray[np.float32]:
+    """Unit directions (3, k) in the world in which some pixels are seen."""
+    rays = np.ones((3, len(chosen)), dtype=np.float32)
+    rays[0], rays[1] = shot.column.take(chosen), shot.row.take(chosen)
+    for _, view, part in shot.parts(chosen):
+        k = view.intrinsics().astype(np.float32)
+        for axis in (0, 1):
+            rays[axis, part] -= k[axis, 2]
+            rays[axis, part] *= np.float32(1.0) / k[axis, axis]
+    rays /= np.sqrt((rays * rays).sum(axis=0))
+    for _, view, part in shot.parts(chosen):
+        rays[:, part] = view.extrinsics()[:3, :3].astype(np.float32) @ rays[:, part]
+    return rays
 
 
-def surfaces_of(backdrop: KeptBackdrop, shot: Shot) -> Surfaces:
-    """Moving objects as one camera sees them; where nothing else tells their normals, they follow from the depth."""
-    return Surfaces(backdrop, shot, _normals_of_depth(backdrop, shot) if shot.normals is None else shot.normals)
+def _points(view: CameraView, shot: Shot, part: slice) -> NDArray[np.float32]:
+    """Where the pixels of one camera are (3, k), in its frame [m]."""
+    k = view.intrinsics().astype(np.float32)
+    x, y = shot.column[part] - k[0, 2], shot.row[part] - k[1, 2]
+    return np.stack([x * (np.float32(1.0) / k[0, 0]), y * (np.float32(1.0) / k[1, 1]), np.ones_like(x)]) * shot.depth[part]
+
+
+def _in_world(shot: Shot) -> NDArray[np.float32]:
+    """Where the pixels are (3, n), in the world [m]."""
+    points = np.empty((3, len(shot.pixels)), dtype=np.float32)
+    for _, view, part in shot.parts():
+        pose = view.extrinsics().astype(np.float32)
+        points[:, part] = pose[:3, :3] @ _points(view, shot, part) + pose[:3, 3:]
+    return points
+
+
+def _spots(shot: Shot, light: CameraView, chosen: NDArray[np.int64]) -> LightSpots:
+    """Where some pixels lie in the image that the key light takes."""
+    depth = shot.depth.take(chosen)
+    points, found = np.empty((4, len(chosen)), dtype=np.float32), np.empty((3, len(chosen)), dtype=np.float32)
+    np.multiply(shot.column.take(chosen), depth, out=points[0])
+    np.multiply(shot.row.take(chosen), depth, out=points[1])
+    points[2], points[3] = depth, 1.0
+    for _, view, part in shot.parts(chosen):
+        np.matmul(to_light(light, view), points[:, part], out=found[:, part])
+    right, down, along = found
+    for values in (right, down):
+        values /= along
+        values += np.float32(0.5)
+    return LightSpots(right, down, along)
+
+
+def light_blocks(shot: Shot, light: CameraView) -> NDArray[np.int64]:
+    """Where what cameras see lies in the image of a light, as the numbers of blocks of four by four of its pixels (n,)."""
+    spots = _spots(shot, light, np.arange(len(shot.pixels)))
+    width, height = light.size
+    column, row = (
+        np.clip(values, 0.0, side - 1.0).astype(np.int64) >> 2 for values, side in ((spots.right, width), (spots.down, height))
+    )
+    return row * (width // 4) + column
+
+
+def bytes_of(colors: NDArray[np.float32]) -> NDArray[np.uint8]:
+    """Colours (n, 3) of those in 0..255 and above, (3, n), along the tone curve; overwrites them."""
+    return np.ascontiguousarray(toned(colors).T)
 
 
 def colors_in_light(
-    surfaces: Sequence[Surfaces], lighting: Lighting, shadows: ShadowMap | None, lamps: Sequence[Lamp]
+    shot: Shot, normals: NDArray[np.float32], lighting: Lighting, shadows: ShadowMap | None, lamps: Sequence[Lamp]
 ) -> NDArray[np.float32]:
-    """Return the colours (3, n) in 0..255 of what some cameras see, one after the other.
+    """Return the colours (3, n) in 0..255 of what some cameras see.
 
     Args:
-        surfaces: What they see; all from the same renderer.
+        shot: What they see.
+        normals: Unit normals (3, n) in the world.
         lighting: The lights.
         shadows: The shadows. Without them fills are part of the ambient light.
         lamps: Lamps that shine; without shadows they light nothing.
     """
-    colors = np.concatenate([each.shot.colors for each in surfaces], axis=1)
-    normals = np.concatenate([each.normals for each in surfaces], axis=1)
-    share = None
-    ends = np.cumsum([0, *(len(each.shot.pixels) for each in surfaces)])
-
-    def joined(name: str) -> NDArray[np.int64]:
-        return np.concatenate([getattr(each.shot, name) + end for each, end in zip(surfaces, ends)])
-
-    is_lit = any(each.shot.normals is None for each in surfaces)
+    colors, share, is_lit = shot.colors, None, shot.normals is None
     if not is_lit or shadows is not None:
         cosine = _on(normals, lighting.key)
         if shadows is not None and not shadows.is_empty:
             # what faces away from the light has none in any case
             facing = cosine.nonzero()[0]
-            each = np.split(facing, np.searchsorted(facing, ends[1:-1]))
-            spots = [own.spots(shadows, chosen - end) for own, chosen, end in zip(surfaces, each, ends)]
             share = np.zeros_like(cosine)
-            share[facing] = shadows.lit(joined_spots(spots), _bias(cosine.take(facing)))
-        has_shades = any(each.shot.shades is not None for each in surfaces)
-        shades = np.concatenate([_shades(each.shot) for each in surfaces]) if has_shades else None
-        light = _light(normals, cosine, share, shades, lighting, shadows is not None)
+            share[facing] = shadows.lit(_spots(shot, shadows.view, facing), _bias(cosine.take(facing)))
+        light = _light(normals, cosine, share, shot.shades, lighting, shadows is not None)
         if is_lit:
             light /= np.float32(lighting.ambient) + cosine * np.float32(lighting.key.intensity)
         if shadows is not None and lamps:
-            light = light + _lamp_light(np.concatenate([each.in_world() for each in surfaces], axis=1), normals, lamps)
-        light[..., joined("shining")] = _BRIGHT
+            light = light + _lamp_light(_in_world(shot), normals, lamps)
+        light[..., shot.shining] = _BRIGHT
         colors *= light
-    glossy = joined("glossy")
+    glossy = shot.glossy
     if shadows is not None and len(glossy):
         lit = np.float32(1.0) if share is None else share.take(glossy)
-        rays = np.concatenate([each.rays() for each in surfaces], axis=1)
-        gloss = np.concatenate([each.shot.gloss for each in surfaces], axis=1)
         own = colors.take(glossy, axis=1)
-        colors[:, glossy] = _mirrored(own, gloss, rays, normals.take(glossy, axis=1), lit, lighting)
+        colors[:, glossy] = _mirrored(own, shot.gloss, _rays(shot, glossy), normals.take(glossy, axis=1), lit, lighting)
     return colors
 
 
@@ -460,10 +532,6 @@ def _light(
     return mixed
 
 
-def _shades(shot: Shot) -> NDArray[np.float32]:
-    return np.ones(len(shot.pixels), dtype=np.float32) if shot.shades is None else shot.shades
-
-
 def _on(normals: NDArray[np.float32], light: Light) -> NDArray[np.float32]:
     """Cosines (n,) between normals (3, n) and the direction to a light, 0 where they point away from each other."""
     x, y, z = light.unit.astype(np.float32)
@@ -482,25 +550,31 @@ def _bias(cosine: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 def put_textures(
-    colors: NDArray[np.float32], surfaces: Surfaces, textures: Mapping[tuple[int, int], LinkTexture], frame: LinkFrame
+    colors: NDArray[np.float32],
+    shot: Shot,
+    normals: NDArray[np.float32],
+    textures: Mapping[tuple[int, int], LinkTexture],
+    frame: LinkFrame,
 ) -> None:
     """Multiply colours (3, n) by textures of links.
 
     Args:
         colors: Colours of the points.
-        surfaces: The points.
+        shot: The points.
+        normals: Unit normals (3, n) in the world.
         textures: Textures by body and link.
         frame: Says where a link is.
     """
-    shot, focal = surfaces.shot, np.float32(-surfaces.backdrop.view.intrinsics()[0, 0])
-    pose, local = surfaces.backdrop.view.extrinsics().astype(np.float32), surfaces.points
-    segments = shot.segments.take(shot.segment)
-    for (body, link), texture in textures.items():
-        chosen = np.flatnonzero(segments == segment_of(body, link))
-        if len(chosen):
-            points = local[:, chosen].T @ pose[:3, :3].T + pose[:3, 3]
-            normals = np.ascontiguousarray(surfaces.normals[:, chosen].T)
-            colors[:, chosen] *= _texture_colors(texture, frame(body, link), points, normals, shot.depth[chosen] / focal).T
+    for _, view, part in shot.parts():
+        pose, local = view.extrinsics().astype(np.float32), _points(view, shot, part)
+        segments = shot.segments.take(shot.segment[part])
+        widths = shot.depth[part] / np.float32(-view.intrinsics()[0, 0])
+        for (body, link), texture in textures.items():
+            chosen = np.flatnonzero(segments == segment_of(body, link))
+            if len(chosen):
+                points = local[:, chosen].T @ pose[:3, :3].T + pose[:3, 3]
+                own = np.ascontiguousarray(normals[:, part.start + chosen].T)
+                colors[:, part.start + chosen] *= _texture_colors(texture, frame(body, link), points, own, widths[chosen]).T
 
 
 def _texture_colors(
@@ -527,31 +601,26 @@ def _texture_colors(
     return texture.texels[texture.indices(plane[:, 0], plane[:, 1], metres_per_pixel * density)]
 
 
-def _places(pixels: NDArray[np.int64], width: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Rows and columns (n,) of pixels."""
-    row = pixels // width
-    return row.astype(np.float32), (pixels - row * width).astype(np.float32)
-
-
-def _normals_of_depth(backdrop: KeptBackdrop, shot: Shot) -> NDArray[np.float32]:
-    """Unit normals (3, n) in the world of what a camera sees, from its depth.
+def normals_of_depth(backdrops: Sequence[KeptBackdrop], shot: Shot) -> NDArray[np.float32]:
+    """Unit normals (3, n) in the world of what some cameras see, from its depth.
 
     On a plane m . P = 1 the inverse depth is m . ray, affine over the image; its slopes therefore give m. At edges the smaller
     of the two one-sided slopes is that of the surface itself.
     """
-    view = backdrop.view
-    width = view.size[0]
-    row, column = _places(shot.pixels, width)
-    place = shot.pixels + 2 * (shot.pixels // width)
-    place += width + 3
-    inverse = backdrop.inverse.copy()
-    inverse[place] = here = shot.inverse
-    along = _smaller(inverse.take(place + 1) - here, here - inverse.take(place - 1))
-    down = _smaller(inverse.take(place + (width + 2)) - here, here - inverse.take(place - (width + 2)))
-    k = view.intrinsics().astype(np.float32)
-    normals = np.stack([along * -k[0, 0], down * -k[1, 1], along * (column - k[0, 2]) + down * (row - k[1, 2]) - here])
-    normals /= np.maximum(np.sqrt((normals * normals).sum(axis=0)), np.float32(1e-12))
-    return view.extrinsics()[:3, :3].astype(np.float32) @ normals
+    result = np.empty((3, len(shot.pixels)), dtype=np.float32)
+    for number, view, part in shot.parts():
+        width = view.size[0]
+        row, column, here = shot.row[part], shot.column[part], shot.inverse[part]
+        place = (row.astype(np.int64) + 1) * (width + 2) + column.astype(np.int64) + 1
+        inverse = backdrops[number].inverse.copy()
+        inverse[place] = here
+        along = _smaller(inverse.take(place + 1) - here, here - inverse.take(place - 1))
+        down = _smaller(inverse.take(place + (width + 2)) - here, here - inverse.take(place - (width + 2)))
+        k = view.intrinsics().astype(np.float32)
+        normals = np.stack([along * -k[0, 0], down * -k[1, 1], along * (column - k[0, 2]) + down * (row - k[1, 2]) - here])
+        normals /= np.maximum(np.sqrt((normals * normals).sum(axis=0)), np.float32(1e-12))
+        result[:, part] = view.extrinsics()[:3, :3].astype(np.float32) @ normals
+    return result
 
 
 def _smaller(a: NDArray[np.float32], b: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +15,8 @@ from rlbench_pin.sim.output import captured_output
 from rlbench_pin.sim.render.camera import CameraView, projection_matrix
 from rlbench_pin.sim.render.lighting import SPECULAR, Lighting
 from rlbench_pin.sim.render.masks import bodies_of
-from rlbench_pin.sim.render.raster.drawing import TOUCHING, Blocked, Drawn, Sight, draw
-from rlbench_pin.sim.render.raster.stage import Appearance, Lamp, Materials, Parts, Stage
+from rlbench_pin.sim.render.raster.drawing import TOUCHING, Blocked, Drawing, Drawn, Sight
+from rlbench_pin.sim.render.raster.stage import Appearance, Lamp, Materials, Parts, Placed, Stage
 
 _HARDWARE_NEAR = 0.03  # its depth has so few bits that a nearer plane would cost millimetres [m]
 
@@ -26,10 +27,18 @@ _DULL: NDArray[np.float32] = np.zeros((3, 0), dtype=np.float32)
 
 @dataclass(frozen=True, eq=False)
 class Shot:
-    """The pixels of one image that see moving objects, ascending."""
+    """The pixels of some images that see moving objects, image by image; then those that see glass, which hides the others."""
 
+    views: Sequence[CameraView]
+    """Camera of each image (c,)."""
+    ends: NDArray[np.int64]
+    """Which pixels are the first of each image (c + 1,), or (2 c + 1,) where glass is seen."""
     pixels: NDArray[np.int64]
-    """Flat indices (n,)."""
+    """Flat indices (n,), image after image; those of an image ascend."""
+    row: NDArray[np.float32]
+    """Rows of the pixels in their images (n,)."""
+    column: NDArray[np.float32]
+    """Their columns (n,)."""
     inverse: NDArray[np.float32]
     """Inverse depth (n,) [1/m]."""
     depth: NDArray[np.float32]
@@ -51,26 +60,87 @@ class Shot:
     """Share of red, green, blue that it throws back like a mirror (3, k)."""
     shining: NDArray[np.int64] = field(default_factory=lambda: _NONE)
     """Which of the pixels see something that shines (s,)."""
-    glass: NDArray[np.int64] = field(default_factory=lambda: _NONE)
-    """Which of the pixels see glass (g,)."""
     opacity: NDArray[np.float32] = field(default_factory=lambda: _DULL[0])
-    """How much of what is behind it the glass hides (g,), 0..1."""
+    """How much of what is behind it the glass hides (g,), 0..1, for the last g pixels."""
     shades: NDArray[np.float32] | None = None
     """How much of the ambient light reaches the points (n,), 0..1; all of it when None."""
-    behind: Shot | None = None
-    """Surfaces behind the glass, where it is no part of the room."""
+
+    def parts(self, chosen: NDArray[np.int64] | None = None) -> Iterator[tuple[int, CameraView, slice]]:
+        """Yield each image that sees some, by number, with its camera and its part of the pixels, or of those `chosen`."""
+        ends = (self.ends if chosen is None else np.searchsorted(chosen, self.ends)).tolist()
+        for n, (begin, end) in enumerate(zip(ends, ends[1:])):
+            if end > begin:
+                yield n % len(self.views), self.views[n % len(self.views)], slice(begin, end)
 
 
-@dataclass(frozen=True, eq=False)
-class Shooting:
-    """Moving objects as the cameras of one instant see them."""
+class Shooting(Protocol):
+    """Moving objects as the cameras of one instant see them.
 
-    shots: list[Shot]
-    """One for each camera."""
-    blocked: Blocked | None
-    """Surfaces in the light; None where that was not asked for."""
-    lamps: list[Lamp]
-    """Lamps that shine."""
+    Attributes:
+        lamps: Lamps that shine.
+    """
+
+    lamps: Sequence[Lamp]
+
+    def shot(self, number: int, limit: NDArray[np.float32] | None) -> Shot:
+        """Return what a group of cameras sees.
+
+        Args:
+            number: Number of the group.
+            limit: Depth of all their pixels (n,), image after image, from which on nothing is seen [m]; nothing hides anything
+                when None.
+        """
+
+    def blocked(self) -> Blocked:
+        """Return what stands in the light that looks."""
+
+
+class NumpyShooting:
+    """Drawn by numpy.
+
+    Args:
+        stage: The objects.
+        placed: Their triangles.
+        sights: The groups of cameras.
+        light: Camera of a light, if one looks.
+
+    Attributes:
+        lamps: Lamps that shine.
+        state: What is equal as long as the same links rest before the same cameras and look the same; None where nothing does.
+    """
+
+    def __init__(self, stage: Stage, placed: Placed, sights: Sequence[Sight], light: CameraView | None) -> None:
+        self._parts, self._materials, self._sights = placed.parts, stage.materials, sights
+        self._firsts = np.cumsum([0, *(len(sight.views) for sight in sights)]).tolist()
+        opacity = stage.materials.opacity.take(placed.parts.shape)
+        views = [view for sight in sights for view in sight.views]
+        self._drawing = Drawing(placed, stage.layers, opacity, views, light)
+        self.lamps: Sequence[Lamp] = stage.lamps()
+        states = self._drawing.states()
+        self.state = (stage.materials, *states) if light is not None and states[-1] is not None else None
+
+    def shot(self, number: int, limit: NDArray[np.float32] | None, again: NDArray[np.int64] | None = None) -> Shot:
+        """Return what a group of cameras sees; with `again` without links at rest before cameras at rest but in these pixels."""
+        return self._shot(self._drawing.seen(self._sights[number], self._firsts[number], limit, again), number)
+
+    def blocked(self) -> Blocked:
+        """Return what stands in the light."""
+        return self._drawing.all_blocked()
+
+    def resting(self, number: int, limit: NDArray[np.float32]) -> tuple[Shot, Blocked, list[bool]]:
+        """Return what cameras at rest of a group see of links at rest, what the light sees of them, and which cameras rest."""
+        sight, first = self._sights[number], self._firsts[number]
+        is_kept = [state is not None for state in self._drawing.states()[first : first + len(sight.views)]]
+        return self._shot(self._drawing.resting(sight, first, limit), number), self._drawing.all_blocked(resting=True), is_kept
+
+    def moving(self) -> tuple[Blocked, NDArray[np.bool_]]:
+        """Return what stands in the light where more than links at rest is, and of blocks of four by four pixels, (n, n),
+        whether it is there.
+        """
+        return self._drawing.blocked(), self._drawing.changed()
+
+    def _shot(self, drawn: Drawn, number: int) -> Shot:
+        return _shot(drawn, self._parts, self._materials, self._sights[number])
 
 
 class NumpyRasterizer:
@@ -90,69 +160,51 @@ class NumpyRasterizer:
         placed = self._stage.update()
         if placed is None:
             return self._other.shoot(sights, lighting, light)
-        materials = self._stage.materials
-        drawn, blocked = draw(placed, self._stage.layers, materials.opacity.take(placed.parts.shape), sights, light)
-        patterns = _patterns(drawn, placed.parts, materials, sights)
-        each = zip(drawn, sights, patterns, strict=True)
-        shots = [_shot(image, placed.parts, materials, sight, pattern) for image, sight, pattern in each]
-        return Shooting(shots, blocked, self._stage.lamps())
+        return NumpyShooting(self._stage, placed, sights, light)
 
 
-def _shot(drawn: Drawn, parts: Parts, materials: Materials, sight: Sight, pattern: NDArray[np.float32] | None) -> Shot:
-    """The pixels of one camera; the colours are multiplied by a pattern (3, n)."""
+def _shot(drawn: Drawn, parts: Parts, materials: Materials, sight: Sight) -> Shot:
+    """The pixels of some cameras."""
     triangles = drawn.triangles
     shape = parts.shape.take(triangles)
-    own = (drawn.pixels, drawn.inverse, drawn.depth, parts.segments, parts.link.take(triangles))
+    places = (sight.views, drawn.ends, drawn.pixels, drawn.row, drawn.column, drawn.inverse, drawn.depth)
+    segments = (parts.segments, parts.link.take(triangles))
     if not sight.is_lit:
-        return Shot(*own, _DULL, drawn.normals, shape)
+        return Shot(*places, *segments, _DULL, None, shape)
     glossy = materials.is_glossy.take(shape).nonzero()[0] if materials.is_glossy.any() else _NONE
-    has_glass = materials.opacity.min() < 1.0
-    glass = (materials.opacity.take(shape) < 1.0).nonzero()[0] if has_glass else _NONE
     colors, gloss = materials.colors.take(shape, axis=1), materials.gloss.take(shape.take(glossy), axis=1)
-    if pattern is not None:
-        colors *= pattern
-        gloss *= pattern.take(glossy, axis=1)
-    behind = None
-    if drawn.behind is not None:
-        behind = _shot(drawn.behind, parts, materials, sight, _patterns([drawn.behind], parts, materials, [sight])[0])
+    if materials.patterns:
+        factors = _patterns(drawn, materials.pattern.take(shape), materials, sight)
+        colors *= factors
+        gloss *= factors.take(glossy, axis=1)
     return Shot(
-        *own,
+        *places,
+        *segments,
         colors,
-        drawn.normals,
+        drawn.normals(),
         shape,
         glossy=glossy,
         gloss=gloss,
         shining=materials.shines.take(shape).nonzero()[0] if materials.shines.any() else _NONE,
-        glass=glass,
-        opacity=materials.opacity.take(shape.take(glass)),
-        shades=drawn.surface[0] if len(drawn.surface) else None,
-        behind=behind,
+        opacity=materials.opacity.take(shape[drawn.ends[len(sight.views)] :]),
+        shades=drawn.surface([0], slice(None))[0] if parts.surface.shape[1] else None,
     )
 
 
-def _patterns(
-    drawn: Sequence[Drawn], parts: Parts, materials: Materials, sights: Sequence[Sight]
-) -> Sequence[NDArray[np.float32] | None]:
-    """Factors (3, n) of the colours that each camera sees, with mean 1; None where there is no pattern."""
-    lit = [n for n, sight in enumerate(sights) if sight.is_lit]
-    found: list[NDArray[np.float32] | None] = [None] * len(drawn)
-    if not materials.patterns or not lit:
-        return found
-    pattern = materials.pattern.take(parts.shape.take(np.concatenate([drawn[n].triangles for n in lit])))
+def _patterns(drawn: Drawn, pattern: NDArray[np.int64], materials: Materials, sight: Sight) -> NDArray[np.float32]:
+    """Factors (3, n) of the colours of pixels that see some patterns (n,), with mean 1."""
     factors = np.ones((3, len(pattern)), dtype=np.float32)
     patterned = (pattern >= 0).nonzero()[0]
-    places = np.concatenate([drawn[n].surface[1:] for n in lit], axis=1).take(patterned, axis=1)
-    widths = np.concatenate([drawn[n].depth * np.float32(-1.4 / sights[n].view.intrinsics()[0, 0]) for n in lit]).take(patterned)
     pattern = pattern.take(patterned)
+    scales = np.array([-1.4 / view.intrinsics()[0, 0] for view in sight.views], dtype=np.float32)
+    camera = np.repeat(np.arange(len(drawn.ends) - 1) % len(scales), np.diff(np.searchsorted(patterned, drawn.ends)))
+    places, widths = drawn.surface([1, 2], patterned), drawn.depth.take(patterned) * scales.take(camera)
     for number, (texture, size) in enumerate(materials.patterns):
         own = (pattern == number).nonzero()[0] if len(materials.patterns) > 1 else slice(None)
         u, v = places[:, own] * np.float32(1.0 / size)
         texels = texture.indices(u, v, widths[own] * np.float32(texture.size / size))
         factors[:, patterned[own]] = texture.relative.take(texels, axis=1)
-    ends = np.cumsum([0, *(len(drawn[n].pixels) for n in lit)])
-    for n, begin, end in zip(lit, ends, ends[1:]):
-        found[n] = factors[:, begin:end]
-    return found
+    return factors
 
 
 class BulletRasterizer:
@@ -169,17 +221,25 @@ class BulletRasterizer:
 
     def shoot(self, sights: Sequence[Sight], lighting: Lighting, light: CameraView | None) -> Shooting:
         """Look through some cameras, and through `light`, the camera of a light."""
-        shots = [self._shot(sight, lighting) for sight in sights]
-        return Shooting(shots, None if light is None else self._blocked(light, lighting), [])
+        return BulletShooting(self, sights, lighting, light)
 
-    def _blocked(self, light: CameraView, lighting: Lighting) -> Blocked:
-        shot = self._shot(Sight(light, None), lighting)
-        depth = np.full(light.size[0] * light.size[1], np.inf, dtype=np.float32)
-        depth[shot.pixels] = shot.depth
-        return Blocked(0, 0, depth.reshape(light.size[::-1]))
+    def shot(self, sight: Sight, limit: NDArray[np.float32] | None, lighting: Lighting) -> Shot:
+        """Return what some cameras see before a depth (n,) [m]."""
+        ends = np.cumsum([0, *(view.size[0] * view.size[1] for view in sight.views)])
+        limits = [None if limit is None else limit[a:b] for a, b in zip(ends, ends[1:])]
+        each = [self._pixels(view, own, sight, lighting) for view, own in zip(sight.views, limits, strict=True)]
+        pixels, inverse, depth, segments, colors = (np.concatenate(values, axis=-1) for values in zip(*each, strict=True))
+        counts = [len(own[0]) for own in each]
+        widths = np.repeat([view.size[0] for view in sight.views], counts)
+        row, column = pixels // widths, pixels % widths
+        pixels += np.repeat(ends[:-1], counts)
+        places = (np.cumsum([0, *counts]), pixels, row.astype(np.float32), column.astype(np.float32), inverse, depth)
+        return Shot(sight.views, *places, segments, np.arange(len(pixels)), colors, None, segments.astype(np.int64))
 
-    def _shot(self, sight: Sight, lighting: Lighting) -> Shot:
-        view = sight.view
+    def _pixels(
+        self, view: CameraView, limit: NDArray[np.float32] | None, sight: Sight, lighting: Lighting
+    ) -> tuple[NDArray, ...]:
+        """Pixels, inverse depths, depths, segments and colours (3, n) of what one camera sees."""
         if self._hardware and view.near < _HARDWARE_NEAR < view.far:
             view = replace(view, near=_HARDWARE_NEAR)
         colors, buffer, segments = self._camera_image(view, sight, lighting)
@@ -191,11 +251,10 @@ class BulletRasterizer:
         near, far = view.near, view.far
         precise = (far - (far - near) * np.reshape(buffer, -1)[pixels].astype(np.float64)) / (near * far)
         depth = (1.0 / precise).astype(np.float32)
-        seen = depth < (view.far if sight.limit is None else sight.limit[pixels] + TOUCHING)
+        seen = depth < (view.far if limit is None else limit[pixels] + TOUCHING)
         pixels, inverse, depth = pixels[seen], precise[seen].astype(np.float32), depth[seen]
         rgb = np.reshape(colors, (-1, 4))[pixels, :3].T.astype(np.float32)
-        segments = segments[pixels]
-        return Shot(pixels, inverse, depth, segments, np.arange(len(pixels)), rgb, None, segments.astype(np.int64))
+        return pixels, inverse, depth, segments[pixels], rgb
 
     def _camera_image(self, view: CameraView, sight: Sight, lighting: Lighting) -> tuple[NDArray, NDArray, NDArray]:
         """Colours, depth buffer and segments; OpenGL prints a line at every change of size."""
@@ -215,3 +274,33 @@ class BulletRasterizer:
                 flags=bullet.ER_SEGMENTATION_MASK_OBJECT_AND_LINKINDEX,
                 physicsClientId=self._client.id,
             )[2:]
+
+
+class BulletShooting:
+    """Drawn by PyBullet.
+
+    Args:
+        rasterizer: The renderer.
+        sights: The groups of cameras.
+        lighting: The lights.
+        light: Camera of a light, if one looks.
+    """
+
+    def __init__(
+        self, rasterizer: BulletRasterizer, sights: Sequence[Sight], lighting: Lighting, light: CameraView | None
+    ) -> None:
+        self._rasterizer, self._sights, self._lighting, self._light = rasterizer, sights, lighting, light
+        self.lamps: Sequence[Lamp] = ()
+
+    def shot(self, number: int, limit: NDArray[np.float32] | None) -> Shot:
+        """Return what a group of cameras sees."""
+        return self._rasterizer.shot(self._sights[number], limit, self._lighting)
+
+    def blocked(self) -> Blocked:
+        """Return what stands in the light."""
+        assert self._light is not None
+        shot = self._rasterizer.shot(Sight([self._light]), None, self._lighting)
+        width, height = self._light.size
+        depth = np.full(width * height, np.inf, dtype=np.float32)
+        depth[shot.pixels] = shot.depth
+        return Blocked(0, 0, depth.reshape(height, width))

@@ -11,6 +11,7 @@ from rlbench_pin.errors import InvalidValue
 from rlbench_pin.scene.spec import BodySpec, SceneSpec
 from rlbench_pin.sim import CameraView, Request, look_at
 from rlbench_pin.sim.render.backdrop import Canvas
+from rlbench_pin.sim.render.renderer import Renderer
 from rlbench_pin.sim.render.shading import smoothed
 from rlbench_pin.spatial import TABLE_HEIGHT
 from tests.sim.support import build, cube, cube_scene
@@ -241,6 +242,51 @@ def test_a_still_scene_does_not_flicker(world):
     for antialiasing in (False, True):
         taken = [world.renderer.render_all([Request(SIDE, shadows=True, antialiasing=antialiasing)])[0].rgb for _ in range(6)]
         assert all(picture.tobytes() == taken[0].tobytes() for picture in taken)
+
+
+def test_what_rests_is_drawn_once_and_nothing_changes_by_that():
+    """The arm moves, cubes move, are painted and rest, links hide: images with shadows are those of a renderer without a past."""
+    above = CameraView(pose=look_at((0.2, -0.5, 1.6), (0.3, 0.0, 0.8)), fov=0.8, size=(64, 64), near=0.05, far=6.0)
+    requests = [Request(view, shadows=True, antialiasing=True) for view in (SIDE, above)]
+    with build(cube_scene(cube("a", 0.3, 0.1, fixed=True), cube("b", 0.35, -0.1, 0.9, fixed=True))) as world:
+        old, angles = world.renderer, world.robot.joint_positions.copy()
+        kept = []
+
+        def wait():
+            angles[0] += 0.02
+            world.robot.reset_configuration(angles)
+
+        changes = [
+            *[wait] * 8,
+            lambda: world.body("b").set_pose((0.3, 0.0, 0.95, 0.0, 0.0, 0.0, 1.0)),
+            *[wait] * 8,
+            lambda: world.body("a").set_color((1.0, 0.0, 0.0)),
+            *[wait] * 4,
+            lambda: world.texture_overrides.show_robot_link(3, False),
+            *[wait] * 4,
+            lambda: world.body("table").set_color((0.2, 0.3, 0.9)),
+            *[wait] * 4,
+        ]
+        for change in changes:
+            change()
+            appearance = old._rasterizer._stage._appearance
+            fresh = Renderer(old._client, old._room, old._room_ids, old._ids, appearance).render_all(requests)
+            for ours, expected in zip(old.render_all(requests), fresh, strict=True):
+                for name in ("rgb", "depth", "mask"):
+                    assert getattr(ours, name).tobytes() == getattr(expected, name).tobytes()
+            kept.append(old._rest is not None)
+        assert sum(kept) > 12 and not kept[8]
+
+
+def test_what_rests_is_kept_for_one_set_of_cameras(world):
+    """With a first camera that moves, of one size or another, with or without colours, a camera at rest sees the same."""
+    expected = world.renderer.render_all([Request(SIDE, shadows=True)])[0].rgb.tobytes()
+    for k in range(24):
+        size = (64, 48) if k < 8 else (40, 40)
+        eye = (0.9, 0.5 + 0.01 * k, 1.3)
+        moving = CameraView(pose=look_at(eye, (0.3, 0.0, 0.8)), fov=0.6, size=size, near=0.05, far=6.0)
+        requests = [Request(moving, rgb=k < 16, shadows=True), Request(SIDE, shadows=True)]
+        assert world.renderer.render_all(requests)[1].rgb.tobytes() == expected
 
 
 def test_a_rectangle_that_fills_the_picture_is_drawn_as_among_others(world, monkeypatch):

@@ -9,14 +9,15 @@ right. What rests before a camera at rest is drawn once: keys of pixels, which m
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rlbench_pin.sim.render.camera import CameraView
 from rlbench_pin.sim.render.raster.spans import Projection, Spans, inverses_of_keys, outlines_of, parts_of_keys
-from rlbench_pin.sim.render.raster.stage import Layers, Placed
+from rlbench_pin.sim.render.raster.stage import Layer, Layers, Placed
 
 TOUCHING = np.float32(1e-5)
 """So far behind the room objects are still seen [m]."""
@@ -28,11 +29,10 @@ _SOLID = np.float32(0.999)
 
 @dataclass(frozen=True, eq=False)
 class Sight:
-    """A camera, and what hides moving objects from it."""
+    """Cameras that want the same."""
 
-    view: CameraView
-    limit: NDArray[np.float32] | None
-    """Depth (h * w,) from which on nothing is seen [m]; nothing hides anything when None."""
+    views: Sequence[CameraView]
+    """The cameras."""
     is_lit: bool = False
     """Whether colours are wanted."""
     ambient: float = 1.0
@@ -41,22 +41,49 @@ class Sight:
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """The pixels of one camera that see a triangle, ascending."""
+    """The pixels of some cameras that see a triangle, camera by camera; then those that see glass, which hides the others."""
 
+    ends: NDArray[np.int64]
+    """Which pixels are the first of each camera (c + 1,), or (2 c + 1,) where there is glass."""
     pixels: NDArray[np.int64]
-    """Flat indices (n,)."""
+    """Flat indices (n,), image after image; those of a camera ascend."""
     triangles: NDArray[np.int64]
     """What they see (n,)."""
     inverse: NDArray[np.float32]
     """Inverse depth (n,) [1/m]."""
     depth: NDArray[np.float32]
     """(n,) [m]."""
-    normals: NDArray[np.float32]
-    """Unit normals (3, n) in the world, between those of the corners; none where no colours are wanted."""
-    surface: NDArray[np.float32]
-    """Values of `Parts.surface`, between those of the corners, (c, n); none where no colours are wanted."""
-    behind: Drawn | None = None
-    """Surfaces behind glass; None where there is none, or no colours are wanted."""
+    row: NDArray[np.float32]
+    """Rows of the pixels in their images (n,)."""
+    column: NDArray[np.float32]
+    """Their columns (n,)."""
+    place: NDArray[np.int64]
+    """Which of the forms each pixel has (n,); none where no colours are wanted."""
+    forms: NDArray[np.float32]
+    """Factors (k, 3 c) of column, row and 1, c each, that give normals and values of `Parts.surface`, over the depth."""
+
+    def normals(self) -> NDArray[np.float32]:
+        """Return unit normals (3, n) in the world, between those of the corners."""
+        vectors = self._between(range(3), slice(None))
+        x, y, z = vectors
+        vectors /= np.maximum(np.sqrt(x * x + y * y + z * z), np.float32(1e-12))
+        return vectors
+
+    def surface(self, numbers: Sequence[int], chosen: NDArray[np.int64] | slice) -> NDArray[np.float32]:
+        """Return some values (c, k) of `Parts.surface` of some pixels, between those of the corners."""
+        values = self._between([3 + number for number in numbers], chosen)
+        values /= self.inverse[chosen]
+        return values
+
+    def _between(self, numbers: Sequence[int], chosen: NDArray[np.int64] | slice) -> NDArray[np.float32]:
+        u, v, forms = self.column[chosen], self.row[chosen], self.forms.take(self.place[chosen], axis=0)
+        count = forms.shape[1] // 3
+        result = np.empty((len(numbers), len(u)), dtype=np.float32)
+        for i, values in zip(numbers, result, strict=True):
+            np.multiply(forms[:, i], u, out=values)
+            values += forms[:, count + i] * v
+            values += forms[:, 2 * count + i]
+        return result
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,148 +98,265 @@ class Blocked:
     """Distance along the light to the first object, infinite where there is none, (h, w) [m]."""
 
 
-def draw(
-    placed: Placed, layers: Layers, opacity: NDArray[np.float32], sights: Sequence[Sight], light: CameraView | None
-) -> tuple[list[Drawn], Blocked | None]:
-    """Draw all triangles as some cameras see them; an image is the same whatever other cameras look, and was drawn before.
+class Targets:
+    """The keys of the pixels of all cameras, in one row.
+
+    Args:
+        projection: What the cameras see.
+        moving: Which links (l,) move in the image of the last camera if that is the camera of a light; only where these are it
+            is drawn.
+
+    Attributes:
+        keys: The keys (n,).
+        starts: Where those of each camera begin (c + 1,).
+    """
+
+    def __init__(self, projection: Projection, moving: NDArray[np.bool_] | None) -> None:
+        self.sizes = np.array([view.size for view in projection.views])
+        self.windows = [(slice(0, height), slice(0, width)) for width, height in self.sizes.tolist()]
+        if moving is not None:
+            (left, top), (right, bottom) = projection.bounds(len(self.windows) - 1, moving)
+            # whole blocks of four by four
+            self.windows[-1] = slice(top & ~3, (bottom + 4) & ~3), slice(left & ~3, (right + 4) & ~3)
+        shapes = [(rows.stop - rows.start, columns.stop - columns.start) for rows, columns in self.windows]
+        self._widths = np.array([width for _, width in shapes])
+        self.starts = np.cumsum([0, *(height * width for height, width in shapes)])
+        corners = [(rows.start, columns.start) for rows, columns in self.windows]
+        self._origins = self.starts[:-1] - [row * width + column for (row, column), (_, width) in zip(corners, shapes)]
+        self.keys = np.empty(int(self.starts[-1]), dtype=np.int64)
+        self.images = [self.keys[a:b].reshape(shape) for a, b, shape in zip(self.starts, self.starts[1:], shapes)]
+
+    def draw(self, keys: NDArray[np.int64], projection: Projection, wanted: NDArray[np.bool_]) -> None:
+        """Draw the triangles that each camera wants (c, m) into keys (n,)."""
+        outlines = outlines_of(projection, wanted)
+        camera = outlines.camera
+        widths, heights = self.sizes.T
+        spans = Spans(outlines, widths.take(camera), heights.take(camera))
+        planes = _inverse_depths(projection.corners(camera, outlines.triangle))
+        spans.draw_into(keys, planes, self._origins.take(camera), self._widths.take(camera))
+
+
+class Drawing:
+    """All triangles as some cameras see them; an image is the same whatever other cameras look, and was drawn before.
 
     Args:
         placed: The triangles.
         layers: What was drawn before.
         opacity: Of each (m,): 0 is not seen, 1 hides all, what lies between is glass, which casts no shadow.
-        sights: The cameras.
-        light: Camera of a light.
-
-    Returns:
-        What each camera sees, and what stands in the light; None where that is not asked for.
+        views: The cameras.
+        light: Camera of a light, if one is to be drawn.
     """
-    views = [*(sight.view for sight in sights), *([] if light is None else [light])]
-    projection = Projection(placed, views)
-    starts = np.cumsum([0, *(view.size[0] * view.size[1] for view in views)])
-    used = [slice(0, view.size[0] * view.size[1]) for view in views]
-    if light is not None:
-        # most of its image is empty
-        (_, begin), (_, end) = projection.bounds(len(sights))
-        used[-1] = slice(begin * light.size[0], (end + 1) * light.size[0])
-    solid, glass = opacity >= _SOLID, (opacity > 0.0) & (opacity < _SOLID)
-    nearest = np.empty(int(starts[-1]), dtype=np.int64)
-    _draw_into(nearest, starts, projection, solid & _from_layers(nearest, starts, used, projection, placed, layers, solid))
-    blocked = None if light is None else _blocked(nearest[starts[len(sights)] :], projection)
-    keys = nearest[: starts[len(sights)]]
-    if not glass.any():
-        return _with_normals(_seen(keys, sights, starts), sights, projection), blocked
-    front = keys.copy()
-    is_camera = np.arange(len(views)) < len(sights)
-    _draw_into(front, starts, projection, glass & is_camera[:, None])
-    seen = _with_normals(_seen(front, sights, starts), sights, projection)
-    behind = _with_normals(_seen(np.where(front != keys, keys, 0), sights, starts), sights, projection)
-    return [replace(own, behind=far) if len(far.pixels) else own for own, far in zip(seen, behind, strict=True)], blocked
+
+    def __init__(
+        self,
+        placed: Placed,
+        layers: Layers,
+        opacity: NDArray[np.float32],
+        views: Sequence[CameraView],
+        light: CameraView | None,
+    ) -> None:
+        projection = self._projection = Projection(placed, [*views, *([] if light is None else [light])])
+        solid, glass = opacity >= _SOLID, (opacity > 0.0) & (opacity < _SOLID)
+        self._layers = layers.of(projection.views, solid, placed.still)
+        kept = self._layers[-1]
+        moving = np.ones(len(placed.still), dtype=np.bool_) if kept is None else ~kept.links
+        targets = self._targets = Targets(projection, None if light is None else moving)
+        targets.draw(targets.keys, projection, solid & _from_layers(targets, projection, placed, self._layers, solid))
+        self._front = None
+        if glass.any():
+            front = self._front = targets.keys.copy()
+            is_camera = np.arange(len(projection.views)) < len(views)
+            targets.draw(front, projection, glass & is_camera[:, None])
+            front[front == targets.keys] = 0
+
+    def states(self) -> tuple[object | None, ...]:
+        """Return of each camera, the light last, what stays the same object while the same links rest; None where it is new."""
+        return tuple(None if layer is None else layer.state for layer in self._layers)
+
+    def blocked(self) -> Blocked:
+        """Return what stands in the light where other links than those at rest are."""
+        rows, columns = self._targets.windows[-1]
+        return _blocked(rows.start, columns.start, self._targets.images[-1])
+
+    def all_blocked(self, resting: bool = False) -> Blocked:
+        """Return what stands in the light, or which links at rest do."""
+        if self._layers[-1] is None:
+            return self.blocked()
+        keys = self._kept(-1).nearest
+        if not resting:
+            keys = keys.copy()
+            keys[self._targets.windows[-1]] = self._targets.images[-1]
+        rows, columns = (_extent(np.asarray(keys.any(axis=axis))) for axis in (1, 0))
+        return _blocked(rows.start, columns.start, keys[rows, columns])
+
+    def changed(self) -> NDArray[np.bool_]:
+        """Return of every four by four pixels of the image that the light takes whether others than links at rest are there."""
+        rows, columns = self._targets.windows[-1]
+        differs = self._targets.images[-1] != self._kept(-1).nearest[rows, columns]
+        blocks = np.ascontiguousarray(differs).view(np.uint32)
+        blocks = (blocks[0::4] | blocks[1::4] | blocks[2::4] | blocks[3::4]) != 0
+        width, height = self._projection.views[-1].size
+        every = np.zeros((height // 4, width // 4), dtype=np.bool_)
+        every[rows.start // 4 : rows.stop // 4, columns.start // 4 : columns.stop // 4] = blocks
+        return every
+
+    def seen(self, sight: Sight, first: int, limit: NDArray[np.float32] | None, again: NDArray[np.int64] | None = None) -> Drawn:
+        """Return what some cameras see.
+
+        Args:
+            sight: The cameras.
+            first: Number of the first of them.
+            limit: Depth of all their pixels (n,), image after image, from which on nothing is seen [m]; nothing hides anything
+                when None.
+            again: With it links at rest are left out in the pixels of cameras with layers, but for these pixels (k,).
+        """
+        targets = self._targets
+        part = slice(targets.starts[first], targets.starts[first + len(sight.views)])
+        keys = targets.keys[part]
+        is_seen = keys > 0
+        if again is not None:
+            for number in range(first, first + len(sight.views)):
+                layer, begin = self._layers[number], targets.starts[number]
+                if layer is not None:
+                    own = slice(begin - part.start, targets.starts[number + 1] - part.start)
+                    is_seen[own] &= keys[own] != layer.nearest.ravel()
+            is_seen[again] = True
+        if self._front is None:
+            return _drawn(keys, is_seen, sight, first, limit, self._projection)
+        front = self._front[part]
+        return _drawn(np.concatenate([keys, front]), np.concatenate([is_seen, front > 0]), sight, first, limit, self._projection)
+
+    def resting(self, sight: Sight, first: int, limit: NDArray[np.float32]) -> Drawn:
+        """Return which links at rest some cameras see that have layers, before some depth of all pixels (n,) [m]."""
+        layers = self._layers[first : first + len(sight.views)]
+        each = zip(layers, sight.views, strict=True)
+        keys = np.concatenate(
+            [np.zeros(view.size[0] * view.size[1], np.int64) if own is None else own.nearest.ravel() for own, view in each]
+        )
+        return _drawn(keys, keys > 0, sight, first, limit, self._projection)
+
+    def _kept(self, number: int) -> Layer:
+        layer = self._layers[number]
+        assert layer is not None
+        return layer
 
 
-def _seen(keys: NDArray[np.int64], sights: Sequence[Sight], starts: NDArray[np.int64]) -> list[tuple[NDArray, ...]]:
-    """Of each camera pixels, triangles, inverse depths and depths (n,) of keys that are not 0, before what hides them."""
-    pixels = (keys > 0).nonzero()[0]
+def _drawn(
+    keys: NDArray[np.int64],
+    is_seen: NDArray[np.bool_],
+    sight: Sight,
+    first: int,
+    limit: NDArray[np.float32] | None,
+    projection: Projection,
+) -> Drawn:
+    """What some cameras see, before what hides it.
+
+    Args:
+        keys: Keys of their pixels (n,), and where there is glass, those of glass in front of them (2 n,).
+        is_seen: Which of these to look at.
+        sight: The cameras.
+        first: Number of the first of them.
+        limit: Depth of the pixels (n,) from which on nothing is seen [m].
+        projection: The triangles.
+    """
+    counts = [view.size[0] * view.size[1] for view in sight.views]
+    cameras = np.arange(first, first + len(counts))
+    has_glass = len(keys) > sum(counts)
+    if has_glass:
+        counts, cameras = counts * 2, np.concatenate([cameras, cameras])
+    pixels = is_seen.nonzero()[0]
     triangles, inverse = parts_of_keys(keys.take(pixels))
     depth: NDArray[np.float32] = np.float32(1.0) / inverse
-    ends = np.searchsorted(pixels, starts)
-    drawn: list[tuple[NDArray, ...]] = []
-    for number, sight in enumerate(sights):
-        part = slice(ends[number], ends[number + 1])
-        flat = pixels[part] - starts[number]
-        quantities: tuple[NDArray, ...] = (flat, triangles[part], inverse[part], depth[part])
-        if sight.limit is not None:
-            seen = quantities[3] < sight.limit.take(flat) + TOUCHING
-            if not seen.all():
-                quantities = tuple(values[seen] for values in quantities)
-        drawn.append(quantities)
-    return drawn
+    ends = np.searchsorted(pixels, np.cumsum([0, *counts]))
+    if has_glass:
+        pixels[ends[len(sight.views)] :] -= len(keys) // 2
+    if limit is not None:
+        seen = depth < limit.take(pixels) + TOUCHING
+        if not seen.all():
+            kept = seen.nonzero()[0]
+            pixels, triangles = pixels.take(kept), triangles.take(kept)
+            inverse, depth = inverse.take(kept), depth.take(kept)
+            ends = np.searchsorted(kept, ends)
+    rows, columns = _grid(tuple(view.size for view in sight.views))
+    place, forms = _no_forms() if not sight.is_lit else _forms(triangles, np.repeat(cameras, np.diff(ends)), projection)
+    return Drawn(ends, pixels, triangles, inverse, depth, rows.take(pixels), columns.take(pixels), place, forms)
 
 
-def _blocked(nearest: NDArray[np.int64], projection: Projection) -> Blocked:
-    """Surfaces in the light, which is the last camera, from the keys (n,) of its pixels."""
-    width, height = projection.views[-1].size
-    (first, begin), (last, end) = projection.bounds(len(projection.views) - 1)
-    part = nearest.reshape(height, width)[begin : end + 1, first : last + 1]
+@lru_cache(maxsize=8)
+def _grid(sizes: tuple[tuple[int, int], ...]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Row and column of every pixel (n,) of images of some sizes, image after image."""
+    each = [np.indices((height, width), dtype=np.float32).reshape(2, -1) for width, height in sizes]
+    rows, columns = np.concatenate(each, axis=1)
+    return rows, columns
+
+
+def _extent(is_used: NDArray[np.bool_]) -> slice:
+    """From the first to the last."""
+    used = is_used.nonzero()[0].tolist()
+    return slice(used[0], used[-1] + 1) if used else slice(0, 0)
+
+
+def _blocked(row: int, column: int, keys: NDArray[np.int64]) -> Blocked:
+    """Surfaces in the light, from the keys of a part of its pixels."""
     with np.errstate(divide="ignore"):
-        return Blocked(begin, first, np.float32(1.0) / inverses_of_keys(part))
+        return Blocked(row, column, np.float32(1.0) / inverses_of_keys(keys))
 
 
 def _from_layers(
-    nearest: NDArray[np.int64],
-    starts: NDArray[np.int64],
-    used: Sequence[slice],
-    projection: Projection,
-    placed: Placed,
-    layers: Layers,
-    shown: NDArray[np.bool_],
+    targets: Targets, projection: Projection, placed: Placed, kept: Sequence[Layer | None], shown: NDArray[np.bool_]
 ) -> NDArray[np.bool_]:
-    """Fill the `used` pixels of all images with what cameras at rest see of links at rest.
+    """Fill all images with what cameras at rest see of links at rest.
 
     Returns:
         What has still to be drawn, (c, m).
     """
-    keys = [nearest[start + part.start : start + part.stop] for start, part in zip(starts, used)]
-    kept = layers.of(projection.views, shown, placed.still)
     link = placed.parts.link
     missing = np.zeros((len(kept), len(placed.still)), dtype=np.bool_)
-    for number, (layer, own) in enumerate(zip(kept, keys, strict=True)):
+    for number, (layer, own) in enumerate(zip(kept, targets.images, strict=True)):
         if layer is not None:
             missing[number] = placed.still & ~layer.links
         if layer is None or missing[number].any():
             own[:] = 0
     if missing.any():
-        _draw_into(nearest, starts, projection, shown & missing.take(link, axis=1))
+        targets.draw(targets.keys, projection, shown & missing.take(link, axis=1))
     left = np.ones((len(kept), len(placed.still)), dtype=np.bool_)
-    for number, (layer, own, part) in enumerate(zip(kept, keys, used, strict=True)):
+    for number, (layer, own, window) in enumerate(zip(kept, targets.images, targets.windows, strict=True)):
         if layer is None:
             continue
-        resting = layer.nearest[part]
+        resting = layer.nearest[window]
         if missing[number].any():
             np.maximum(resting, own, out=resting)
-            layer.links[missing[number]] = True
+            layer.add(missing[number])
         own[:] = resting
         left[number] = ~layer.links
     return (left & projection.reached).take(link, axis=1)
 
 
-def _draw_into(nearest: NDArray[np.int64], starts: NDArray[np.int64], projection: Projection, wanted: NDArray[np.bool_]) -> None:
-    """Draw the triangles that each camera wants (c, m) into the keys (n,) of the pixels of all cameras."""
-    outlines = outlines_of(projection, wanted)
-    camera = outlines.camera
-    widths, heights = np.array([view.size for view in projection.views]).T
-    spans = Spans(outlines, widths.take(camera), heights.take(camera))
-    planes = _inverse_depths(projection.corners(camera, outlines.triangle))
-    spans.draw_into(nearest, planes, starts.take(camera), widths.take(camera))
+def _no_forms() -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+    return np.zeros(0, dtype=np.int64), np.zeros((0, 9), dtype=np.float32)
 
 
-def _with_normals(drawn: Sequence[tuple[NDArray, ...]], sights: Sequence[Sight], projection: Projection) -> list[Drawn]:
-    """Add what lies between the corners of the triangles that are seen, for cameras that want colours."""
+def _forms(
+    triangles: NDArray[np.int64], camera: NDArray[np.int64], projection: Projection
+) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+    """Which form each of some triangles (n,) in the image of a camera (n,) has, and the forms; see `Drawn`."""
     count = projection.corner_points.shape[1]
-    lit = [number for number, sight in enumerate(sights) if sight.is_lit]
-    used = np.zeros((len(sights), count), dtype=np.bool_)
-    for number in lit:
-        used[number, drawn[number][1]] = True
-    camera, triangle = np.nonzero(used)
-    place = np.empty((len(sights), count), dtype=np.int64)
-    place[camera, triangle] = np.arange(len(camera))
-    values = np.take(projection.normals, triangle, axis=2)
+    which = camera * count + triangles
+    used = np.zeros(len(projection.views) * count, dtype=np.bool_)
+    used[which] = True
+    pairs = used.nonzero()[0]
+    place = np.empty(len(used), dtype=np.int64)
+    place[pairs] = np.arange(len(pairs))
+    own_camera = pairs // count
+    own = pairs - own_camera * count
+    values = np.take(projection.normals, own, axis=2)
     if projection.surface.shape[1]:
-        values = np.concatenate([values, np.take(projection.surface, triangle, axis=2)], axis=1)
-    forms = _forms(_inverses(projection.corners(camera, triangle)), values)
-    between = [np.zeros((values.shape[1], 0), dtype=np.float32)] * len(drawn)
-    if lit:
-        chosen = np.concatenate([place[number].take(drawn[number][1]) for number in lit])
-        rows = [drawn[number][0] // sights[number].view.size[0] for number in lit]
-        columns = [drawn[number][0] - row * sights[number].view.size[0] for number, row in zip(lit, rows, strict=True)]
-        inverse = np.concatenate([drawn[number][2] for number in lit])
-        found = _between(forms.take(chosen, axis=0), np.concatenate(rows), np.concatenate(columns), inverse)
-        ends = np.cumsum([0, *(len(row) for row in rows)])
-        for number, begin, end in zip(lit, ends, ends[1:]):
-            between[number] = found[:, begin:end]
-    return [
-        Drawn(pixels, triangles, inverse, depth, own[:3], own[3:])
-        for (pixels, triangles, inverse, depth), own in zip(drawn, between, strict=True)
-    ]
+        values = np.concatenate([values, np.take(projection.surface, own, axis=2)], axis=1)
+    weights = _inverses(projection.corners(own_camera, own)).astype(np.float32)
+    forms = weights[0][:, None] * values[0]
+    for i in (1, 2):
+        forms += weights[i][:, None] * values[i]
+    return place.take(which), np.ascontiguousarray(forms.reshape(3 * values.shape[1], -1).T)
 
 
 def _inverse_depths(p: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -234,29 +378,3 @@ def _inverses(p: NDArray[np.float64]) -> NDArray[np.float64]:
     determinant = p[0, 0] * rows[0, 0] + p[0, 1] * rows[0, 1] + p[0, 2] * rows[0, 2]
     rows /= np.where(determinant == 0.0, 1.0, determinant)
     return rows
-
-
-def _forms(inverses: NDArray[np.float64], values: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Factors (k, 3 c) of u, v and 1, c each, that give values over the depth between those of the corners, (3 corners, c, k)."""
-    weights = inverses.astype(np.float32)
-    forms = weights[0][:, None] * values[0]
-    for i in (1, 2):
-        forms += weights[i][:, None] * values[i]
-    return np.ascontiguousarray(forms.reshape(3 * values.shape[1], -1).T)
-
-
-def _between(
-    forms: NDArray[np.float32], row: NDArray[np.int64], column: NDArray[np.int64], inverse: NDArray[np.float32]
-) -> NDArray[np.float32]:
-    """Unit vectors and further values (c, n) at pixels in rows and columns (n,), from factors (n, 3 c) and inverse depths."""
-    u, v = column.astype(np.float32), row.astype(np.float32)
-    count = forms.shape[1] // 3
-    result = np.empty((count, len(u)), dtype=np.float32)
-    for i, values in enumerate(result):
-        np.multiply(forms[:, i], u, out=values)
-        values += forms[:, count + i] * v
-        values += forms[:, 2 * count + i]
-    x, y, z = vectors = result[:3]
-    vectors /= np.maximum(np.sqrt(x * x + y * y + z * z), np.float32(1e-12))
-    result[3:] /= inverse
-    return result

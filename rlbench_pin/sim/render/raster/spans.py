@@ -48,6 +48,7 @@ class Projection:
         corner_points: Numbers (3, m) of the points at the corners of the triangles.
         facing: Whether each camera (c, m) is on the side from which a triangle is seen.
         reached: Whether something of each link (l,) may be in the image of each camera, (c, l).
+        close: Whether some points lie before the near plane of each camera (c,).
     """
 
     def __init__(self, placed: Placed, views: Sequence[CameraView]) -> None:
@@ -60,14 +61,22 @@ class Projection:
         eyes[:, 0, :3] = [view.pose[:3] for view in views]
         self.facing: NDArray[np.bool_] = np.matmul(eyes, placed.planes)[:, 0] > 0.0
         self.reached = _reached(views, placed)
-        self._count = points.shape[2]
+        self._count, self._slices = points.shape[2], placed.parts.point_slices
         self._points = points.ravel()
+        near = np.array([view.near for view in views], dtype=np.float32)
+        self.close = ~(points[:, 2].min(axis=1) >= near) if self._count else np.zeros(len(views), dtype=np.bool_)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             self._pixels = (points[:, :2] / points[:, 2:]).ravel()
 
-    def bounds(self, camera: int) -> tuple[tuple[int, int], tuple[int, int]]:
-        """First and last column, and first and last row, of the part of an image that holds all points that are in it."""
+    def bounds(self, camera: int, links: NDArray[np.bool_]) -> tuple[tuple[int, int], tuple[int, int]]:
+        """First and last column, and first and last row, of the part of an image that holds all points of some links (l,)."""
         pixels = self._pixels[2 * camera * self._count : 2 * (camera + 1) * self._count].reshape(2, -1)
+        if not links.all():
+            pixels = np.concatenate(
+                [pixels[:, :0], *(pixels[:, own] for own, is_one in zip(self._slices, links) if is_one)], axis=1
+            )
+        if not pixels.shape[1]:
+            return (0, 0), (0, 0)
         spans = []
         for low, high, side in zip(pixels.min(axis=1), pixels.max(axis=1), self.views[camera].size, strict=True):
             is_known = np.isfinite(low) and np.isfinite(high)
@@ -76,15 +85,18 @@ class Projection:
         columns, rows = spans
         return (columns[0], rows[0]), (columns[1], rows[1])
 
-    def image(self, camera: NDArray[np.int64], triangle: NDArray[np.int64]) -> tuple[NDArray[np.float32], ...]:
-        """Columns and rows [px] and depth [m] of the corners of triangles, each (3, k); infinite or nan behind a camera."""
-        points = self.corner_points.take(triangle, axis=1)
-        place = points + camera * (2 * self._count)
+    def image(self, camera: NDArray[np.int64], triangle: NDArray[np.int64]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Columns and rows (3, k) of the corners of triangles [px]; infinite or nan behind a camera."""
+        place = self.corner_points.take(triangle, axis=1)
+        place += camera * (2 * self._count)
         x = self._pixels.take(place)
         place += self._count
-        y = self._pixels.take(place)
-        points += camera * (3 * self._count) + 2 * self._count
-        return x, y, self._points.take(points)
+        return x, self._pixels.take(place)
+
+    def depth(self, camera: int, triangle: NDArray[np.int64]) -> NDArray[np.float32]:
+        """Depth (3, k) of the corners of triangles before one camera [m]."""
+        begin = (3 * camera + 2) * self._count
+        return self._points[begin : begin + self._count].take(self.corner_points.take(triangle, axis=1))
 
     def corners(self, camera: NDArray[np.int64], triangle: NDArray[np.int64]) -> NDArray[np.float64]:
         """Homogeneous image points u z, v z and z of the corners of triangles, (3 corners, 3, k)."""
@@ -109,10 +121,15 @@ def outlines_of(projection: Projection, wanted: NDArray[np.bool_]) -> Outlines:
     each = [faces.nonzero()[0] for faces in projection.facing & wanted]
     counts = [len(triangles) for triangles in each]
     triangle, camera = np.concatenate(each), np.repeat(np.arange(len(each)), counts)
-    x, y, depth = projection.image(camera, triangle)
-    near = np.repeat(np.array([view.near for view in projection.views], dtype=np.float32), counts)
-    is_before = _least(depth) >= near
-    chosen = is_before.copy()
+    x, y = projection.image(camera, triangle)
+    chosen = np.ones(len(triangle), dtype=np.bool_)
+    crossing = []
+    ends = np.cumsum([0, *counts]).tolist()
+    for number in projection.close.nonzero()[0].tolist():
+        part, near = slice(ends[number], ends[number + 1]), np.float32(projection.views[number].near)
+        depth = projection.depth(number, triangle[part])
+        chosen[part] = is_before = _least(depth) >= near
+        crossing.append((~is_before & (_greatest(depth) > near)).nonzero()[0] + part.start)
     for values, axis in ((x, 0), (y, 1)):
         last = np.repeat(np.array([view.size[axis] - 1 for view in projection.views], dtype=np.float32), counts)
         low, high = np.ceil(_least(values)), _greatest(values)
@@ -120,10 +137,10 @@ def outlines_of(projection: Projection, wanted: NDArray[np.bool_]) -> Outlines:
     chosen &= _twice_area(x, y) < -_MIN_AREA
     whole = chosen.nonzero()[0]
     outlines = Outlines(x.take(whole, axis=1), y.take(whole, axis=1), camera.take(whole), triangle.take(whole))
-    crossing = (~is_before & (_greatest(depth) > near)).nonzero()[0]
-    if not len(crossing):
+    if not sum(len(own) for own in crossing):
         return outlines
-    return _joined([outlines, *_clipped(projection, camera.take(crossing), triangle.take(crossing))])
+    cut = np.concatenate(crossing)
+    return _joined([outlines, *_clipped(projection, camera.take(cut), triangle.take(cut))])
 
 
 def _least(values: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -267,14 +284,9 @@ def inverses_of_keys(keys: NDArray[np.int64]) -> NDArray[np.float32]:
 
 def _runs(counts: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Number of the run of each of its members, and the number of the member in its run, both (sum of counts,)."""
-    ends = np.cumsum(counts)
-    total = int(ends[-1]) if len(ends) else 0
-    # sums of marks where runs begin: of short runs they are faster than `np.repeat`
-    marks = np.zeros(total + 1, dtype=np.int64)
-    np.add.at(marks, ends[:-1], 1)
-    owner = np.cumsum(marks[:total])
-    step = np.arange(total)
-    step -= (ends - counts).take(owner)
+    owner = np.repeat(np.arange(len(counts)), counts)
+    step = np.arange(len(owner))
+    step -= (np.cumsum(counts) - counts).take(owner)
     return owner, step
 
 

@@ -162,9 +162,9 @@ class Placed:
         self.parts = parts
         self.points, self.planes, self.normals = parts.points.copy(), parts.planes.copy(), parts.normals.copy()
         self.middles = np.ones((4, len(parts.links)), dtype=np.float32)
-        self._frames: list[bytes] = [b""] * len(parts.links)
-        self.still = np.zeros(len(parts.links), dtype=np.bool_)
-        self._rested, self._rests_after = [0] * len(parts.links), [_MIN_REST] * len(parts.links)
+        count = len(parts.links)
+        self._frames, self.still = np.full((count, 4, 4), np.nan), np.zeros(count, dtype=np.bool_)
+        self._rested, self._rests_after = np.zeros(count, dtype=np.int64), np.full(count, _MIN_REST)
 
     def place(self, placements: Mapping[Link, NDArray[np.float64]]) -> None:
         """Put the links where they are now; those that have not moved cost nothing.
@@ -173,22 +173,26 @@ class Placed:
             placements: Matrix (4, 4) of the frame of every link.
         """
         parts = self.parts
-        for number, link in enumerate(parts.links):
-            frame = placements[link]
-            if (now := frame.tobytes()) == self._frames[number]:
-                self._rested[number] += 1
-                self.still[number] = self._rested[number] >= self._rests_after[number]
-                continue
-            if self.still[number]:
-                self._rests_after[number] = min(2 * self._rests_after[number], _MAX_REST)
-            self._frames[number], self._rested[number], self.still[number] = now, 0, False
+        frames = np.array([placements[link] for link in parts.links]).reshape(-1, 4, 4)
+        moved = (frames != self._frames).any(axis=(1, 2))
+        self._frames = frames
+        again = moved & self.still
+        self._rests_after[again] = np.minimum(2 * self._rests_after[again], _MAX_REST)
+        self._rested += 1
+        self._rested[moved] = 0
+        self.still = self._rested >= self._rests_after
+        numbers = moved.nonzero()[0]
+        own = frames.take(numbers, axis=0)
+        rotations, shifts = own[:, :3, :3], own[:, :3, 3]
+        for_planes = np.zeros((len(own), 4, 4), dtype=np.float32)
+        for_planes[:, :3, :3], for_planes[:, 3, 3] = rotations, 1.0
+        for_planes[:, 3, :3] = -np.einsum("ij,ijk->ik", shifts, rotations)
+        self.middles[:3, numbers] = (np.einsum("ijk,ik->ij", rotations, parts.balls[numbers, :3]) + shifts).T
+        turns = own.astype(np.float32)
+        for number, turn, for_plane in zip(numbers.tolist(), turns, for_planes, strict=True):
             points, triangles = parts.point_slices[number], parts.slices[number]
-            for_planes = np.zeros((4, 4), dtype=np.float32)
-            for_planes[:3, :3], for_planes[3, :3], for_planes[3, 3] = frame[:3, :3], -(frame[:3, 3] @ frame[:3, :3]), 1.0
-            self.middles[:3, number] = frame[:3, :3] @ parts.balls[number, :3] + frame[:3, 3]
-            turn = frame.astype(np.float32)
             np.matmul(turn, parts.points[:, points], out=self.points[:, points])
-            np.matmul(for_planes, parts.planes[:, triangles], out=self.planes[:, triangles])
+            np.matmul(for_plane, parts.planes[:, triangles], out=self.planes[:, triangles])
             np.matmul(turn[:3, :3], parts.normals[:, :, triangles], out=self.normals[:, :, triangles])
 
 
@@ -196,14 +200,32 @@ _KEPT = 12
 """So many cameras are kept."""
 
 
-@dataclass(frozen=True, eq=False)
 class Layer:
-    """View of some links by one camera."""
+    """View of some links by one camera.
 
-    nearest: NDArray[np.int64]
-    """Key of the nearest triangle of each pixel (h * w,), 0 for none; see `Spans.draw_into`."""
-    links: NDArray[np.bool_]
-    """Which links are in it (l,)."""
+    Args:
+        size: Width and height of its image [px].
+        count: Number of links.
+
+    Attributes:
+        nearest: Key of the nearest triangle of each pixel (h, w), 0 for none; see `Spans.draw_into`.
+        links: Which links are in it (l,).
+        state: Another object after each change.
+    """
+
+    def __init__(self, size: tuple[int, int], count: int) -> None:
+        self.nearest = np.zeros((size[1], size[0]), dtype=np.int64)
+        self.links = np.zeros(count, dtype=np.bool_)
+        self.state = object()
+
+    def clear(self) -> None:
+        """Take all links out."""
+        self.nearest[:], self.links[:], self.state = 0, False, object()
+
+    def add(self, links: NDArray[np.bool_]) -> None:
+        """Note that some links (l,) were drawn into it."""
+        self.links |= links
+        self.state = object()
 
 
 class Layers:
@@ -229,9 +251,9 @@ class Layers:
     def _layer(self, view: CameraView, still: NDArray[np.bool_]) -> Layer | None:
         layer = self._layers.get(view.key)
         if layer is not None and (layer.links & ~still).any():
-            layer.nearest[:], layer.links[:] = 0, False
+            layer.clear()
         elif layer is None and view.key in self._layers:
-            layer = Layer(np.zeros(view.size[0] * view.size[1], dtype=np.int64), np.zeros(len(still), dtype=np.bool_))
+            layer = Layer(view.size, len(still))
         self._layers[view.key] = layer
         self._layers.move_to_end(view.key)
         while len(self._layers) > _KEPT:

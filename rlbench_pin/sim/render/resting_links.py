@@ -1,0 +1,95 @@
+"""Links at rest before cameras at rest: drawn and coloured once, with their shadows, until something of this changes.
+
+Afterwards they are a part of the room. Only what moves has to be drawn, and of what rests the pixels on which something that
+moves casts a shadow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rlbench_pin.sim.render.backdrop import Painter
+from rlbench_pin.sim.render.camera import CameraView
+from rlbench_pin.sim.render.lighting import Lighting, ShadowMap, spread
+from rlbench_pin.sim.render.shading import KeptBackdrop, Sheet, bytes_of, colors_in_light, light_blocks
+from rlbench_pin.sim.render.shots import NumpyShooting, Shot
+
+
+@dataclass(frozen=True, eq=False)
+class RestingLinks:
+    """Links at rest as the cameras of a group see them."""
+
+    backdrops: Sequence[KeptBackdrop]
+    """The room as each camera sees it; with them if the camera rests."""
+    is_kept: Sequence[bool]
+    """Which cameras rest."""
+    pixels: NDArray[np.int64]
+    """Flat indices (n,) of the pixels that see them, image after image."""
+    block: NDArray[np.int64]
+    """Where each of these lies in the image of the key light, as the number of a block of four by four of its pixels (n,)."""
+    shadows: ShadowMap
+    """Their shadows."""
+
+    def before(self, backdrops: Sequence[KeptBackdrop]) -> list[KeptBackdrop]:
+        """Return the room as the cameras see it now, with links at rest where it is kept."""
+        each = zip(self.backdrops, self.is_kept, backdrops, strict=True)
+        return [kept if is_kept else room for kept, is_kept, room in each]
+
+    def moving(
+        self, shooting: NumpyShooting, number: int, limit: NDArray[np.float32]
+    ) -> tuple[Shot, ShadowMap, NDArray[np.bool_]]:
+        """Return what a group of cameras sees of other links and of what these shade.
+
+        Args:
+            shooting: What the cameras see.
+            number: Number of the group.
+            limit: Depth of all their pixels (n,) from which on nothing is seen [m].
+
+        Returns:
+            What they see, all shadows, and in which blocks of the image of the key light the table has other shadows, (n, n).
+        """
+        blocked, changed = shooting.moving()
+        shadows = ShadowMap(self.shadows.view, self.shadows.height, blocked, self.shadows)
+        near = spread(changed)
+        again = self.pixels.compress(near.ravel().take(self.block))
+        return shooting.shot(number, limit, again), shadows, spread(spread(near))
+
+
+def resting_links(
+    shooting: NumpyShooting,
+    number: int,
+    backdrops: Sequence[KeptBackdrop],
+    room: Painter,
+    lighting: Lighting,
+    light: CameraView,
+    ids: NDArray[np.int32],
+) -> RestingLinks:
+    """Draw links at rest as the cameras of a group see them that rest.
+
+    Args:
+        shooting: What the cameras see.
+        number: Number of the group.
+        backdrops: The room as they see it.
+        room: The room.
+        lighting: The lights.
+        light: Camera of the key light.
+        ids: Mask ids of body b and link l at `[b, l + 1]`.
+    """
+    sheet = Sheet(backdrops, has_colors=True, has_ids=True)
+    shot, blocked, is_kept = shooting.resting(number, sheet.depth)
+    shadows = ShadowMap(light, room.table_height, blocked)
+    sheet.shade_tables(shadows, room.table_key)
+    assert shot.normals is not None
+    sheet.put_colors(shot, bytes_of(colors_in_light(shot, shot.normals, lighting, shadows, ())))
+    sheet.put_rest(shot, ids)
+    covered = np.zeros(len(sheet.depth), dtype=np.bool_)
+    covered[shot.pixels] = True
+    seen = [
+        backdrop if not is_one else backdrop.with_resting(sheet, n, covered, shadows)
+        for n, (backdrop, is_one) in enumerate(zip(backdrops, is_kept, strict=True))
+    ]
+    return RestingLinks(seen, is_kept, shot.pixels, light_blocks(shot, light), shadows)
