@@ -9,6 +9,7 @@ is made from the wheel of airo-models 0.0.12, installed or unpacked in the folde
 from __future__ import annotations
 
 import argparse
+import importlib
 import sys
 import tempfile
 from collections.abc import Sequence
@@ -40,10 +41,13 @@ def build_objects(out: Path) -> None:
 def build_arm(name: str, out: Path, airo: Path | None) -> None:
     """Write an arm below `out`; say so when the files that it is made from are missing."""
     from assets_lib.arms import SourceMissing
-    from assets_lib.robots import ARMS
 
+    module = importlib.import_module(f"assets_lib.{name}")
     try:
-        ARMS[name](out, airo)
+        if name == "ur5e":
+            module.build_ur5e(out, airo)
+        else:
+            getattr(module, f"build_{name}")(out)
     except SourceMissing as error:
         print(f"{name} stays as it is. {error}", file=sys.stderr)
 

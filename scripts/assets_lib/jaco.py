@@ -25,7 +25,7 @@ from assets_lib.source_meshes import example_folder
 from assets_lib.urdf import Vec3
 
 SOURCE = "j2s6s200_"
-COLORS: dict[str, Rgb] = {**GRIPPER_COLORS, "carbon": (0.21, 0.21, 0.23), "ring": (0.66, 0.67, 0.69)}
+COLORS: dict[str, Rgb] = {**GRIPPER_COLORS, "carbon": (0.24, 0.24, 0.26), "ring": (0.66, 0.67, 0.69)}
 MESHES = {
     "link_base": ("base",),
     "link_1": ("shoulder", "ring_big"),

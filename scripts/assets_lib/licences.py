@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 BSD_3 = """BSD 3-Clause License
 
 Copyright (c) {holder}
@@ -37,3 +39,8 @@ OF THIS SOFTWARE, EVEN IF ADVISED OF THE POSSIBILITY OF SUCH DAMAGE.
 def bsd_3(holder: str) -> str:
     """Return the BSD licence with three clauses of a holder, who is named with years."""
     return BSD_3.format(holder=holder)
+
+
+def mit() -> str:
+    """Return the licence of this repository."""
+    return (Path(__file__).parents[2] / "LICENSE").read_text()

@@ -98,12 +98,17 @@ MASSES: dict[str, tuple[float, Vec3, FloatArray]] = {
 COUPLING = 0.0139
 """Height of the coupling between flange and gripper [m]."""
 GRIPPER_MASS = 0.9
+"""With fingers and coupling [kg]."""
 SHUT, GRIPPER_SPEED, GRIPPER_TORQUE = 0.8, 1.4, 13.4
 """Angle of the shut gripper [rad]; its speed [rad/s]; the torque of 235 N at 57 mm [N m]."""
+SLACK = 0.02
+"""How much farther the joints may go that follow [rad]."""
 GRIPPER_DAMPING = 0.001
+"""[N m s/rad]"""
 PAD_WIDTH, PAD_LOW, PAD_HIGH, PAD_BACK = 0.022, 0.01367, 0.05117, -0.01885
 """The pad in the frame of the inner finger: size along x, least and largest z, and y of its back [m]."""
 PAD_MASS = 0.006
+"""[kg]"""
 NEARLY_SHUT, TIP_TO_END = 0.7, 0.014
 """At this angle [rad] the pads end so far beyond the tip frame [m]."""
 
@@ -269,7 +274,7 @@ def _gripper_links(root: ET.Element) -> list[ArmLink]:
 def _gripper_joints(root: ET.Element) -> list[ArmJoint]:
     """Return mount and tip, and the linkage: each outer knuckle is driven, the other joints of its side follow it."""
     mount = ArmJoint(
-        PREFIX + "hand_joint", "fixed", PREFIX + "wrist_3_link", PREFIX + "hand", (0.0, 0.0, COUPLING), (0.0, 0.0, -RIGHT)
+        PREFIX + "hand_joint", "fixed", PREFIX + "wrist_3_link", PREFIX + "hand", (0.0, 0.0, COUPLING), (0.0, 0.0, RIGHT)
     )
     joints = [mount, ArmJoint(PREFIX + "tip_joint", "fixed", PREFIX + "hand", PREFIX + "tip", _tip())]
     for side, drive in (("left", "finger_joint"), ("right", "right_outer_knuckle_joint")):
@@ -277,9 +282,9 @@ def _gripper_joints(root: ET.Element) -> list[ArmJoint]:
         for name, ratio in ((drive, 0), (f"{side}_inner_finger_joint", -1), (f"{side}_inner_knuckle_joint", 1)):
             joint = read_joint(root, name, PREFIX, names)
             changes = {
-                "xyz": PIVOT if ratio == -1 else joint.xyz,
-                "lower": SHUT * min(0, ratio) - 0.02 if ratio == -1 else 0.0,
-                "upper": 0.0 if ratio == -1 else SHUT + 0.02 * ratio,
+                "xyz": PIVOT if ratio < 0 else joint.xyz,
+                "lower": -(SHUT + SLACK) if ratio < 0 else 0.0,
+                "upper": 0.0 if ratio < 0 else SHUT + SLACK * ratio,
                 "velocity": GRIPPER_SPEED,
                 "effort": GRIPPER_TORQUE,
                 "damping": GRIPPER_DAMPING,

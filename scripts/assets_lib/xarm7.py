@@ -6,7 +6,6 @@ Kinematics, limits and inertias are those of the source, the maker's `xarm_ros2`
 
 from __future__ import annotations
 
-import math
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
@@ -47,7 +46,7 @@ def build_xarm7(assets: Path) -> None:
     read = {link.attrib["name"]: link for link in root.iterfind("link")}
     links = [ArmLink(PREFIX + part, *read_inertial(read[part]), part, collisions=(hull_shape(part),)) for part in PARTS]
     joints = [read_joint(root, f"joint{i}", PREFIX) for i in range(1, 8)]
-    hand = gripper("xarm7", f"{PREFIX}link7", rpy=(0.0, 0.0, math.pi))
+    hand = gripper("xarm7", f"{PREFIX}link7")
     write_arm(
         Arm(
             "xarm7",
