@@ -51,8 +51,8 @@ Universal Robots UR5e with a Robotiq 2F-85, its coupling 0.0139 high. Tip frame 
 finger to the right one. Drives `ur5e_finger_joint` (left, -y) and `ur5e_right_outer_knuckle_joint` (right, +y), each 0..0.8,
 0 open, 0.8 shut; on each side the inner knuckle follows as `<mimic>` says with the same angle, the inner finger with the opposite
 one, so that pads stay parallel. Pads 0.022 x 0.0375 on the inner fingers, 0.0845 apart when open. They move along z: their ends
-are at the height of the tip frame when open, 0.0091 beyond it at 0.3, 0.0126 at 0.5, 0.0140 at 0.7 and 0.0138 when shut. Hand body 0.085 (y) x 0.075 (x), the
-whole linkage 0.15 (y) when open.
+are at the height of the tip frame when open, 0.0091 beyond it at 0.3, 0.0126 at 0.5, 0.0140 at 0.7 and 0.0138 when shut.
+Hand body 0.085 (y) x 0.075 (x), the whole linkage 0.15 (y) when open.
 
 ## xarm7
 

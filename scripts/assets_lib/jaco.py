@@ -53,7 +53,7 @@ def build_jaco(assets: Path) -> None:
     looks = [*light_appearances(parts, WEIGHTS, TRIANGLES), *drawn("link_6", [(COLORS["carbon"], adapter)])]
     hulls = {part: np.concatenate([mesh.vertices for _, mesh in own]) for part, own in parts.items()}
     hulls["link_6"] = np.concatenate([hulls["link_6"], adapter.vertices])
-    hand = gripper("jaco", "jaco_link_6", (0.0, 0.0, -ADAPTER_HEIGHT), (math.pi, 0.0, 0.0))
+    hand = gripper("jaco", "jaco_link_6", (0.0, 0.0, -ADAPTER_HEIGHT), (0.0, math.pi, 0.0))
     write_arm(
         Arm(
             "jaco",
