@@ -67,8 +67,8 @@ upright with joints 2, 3 and 5 at 3.1416, the middle of their ranges.
 
 ## iiwa
 
-`robots/iiwa/iiwa.urdf` - origin: foot of the base (`iiwa_link_0`), arm upright at 0, reaching along +x as joint 2 grows; SRDF beside
-it. KUKA LBR iiwa 7 R800 with our gripper, see below: prefix `iiwa`.
+`robots/iiwa/iiwa.urdf` - origin: foot of the base (`iiwa_link_0`), arm upright at 0, reaching along +x as joint 2 grows; SRDF
+beside it. KUKA LBR iiwa 7 R800 with our gripper, see below: prefix `iiwa`.
 
 ## Our gripper
 
@@ -94,10 +94,10 @@ from formulas in `scripts/assets_lib`.
 |---|---|---|
 | robots/panda | Apache-2.0 (text in `robots/panda/LICENSE`) | franka_description, (c) Franka Emika GmbH, taken from the package \
 example-robot-data; changed by us: meshes decimated, recoloured and hulled, mimic and ROS tags removed from the URDF |
-| robots/ur5e | MIT (text in `robots/ur5e/LICENSE`) | the package airo-models 0.0.12, (c) Andreas Verleysen, UR5e and Robotiq 2F-85; \
-changed by us: meshes decimated, recoloured and hulled, links joined, ROS tags removed, masses and limits of the makers |
-| robots/xarm7 | BSD-3-Clause (text in `robots/xarm7/LICENSE`); gripper MIT | xarm_ros2, (c) UFACTORY, Inc., taken from the package \
-example-robot-data; changed by us: meshes decimated, recoloured and hulled, ROS tags removed; gripper ours |
+| robots/ur5e | MIT (text in `robots/ur5e/LICENSE`) | the package airo-models 0.0.12, (c) Andreas Verleysen, UR5e and Robotiq \
+2F-85; changed by us: meshes decimated, recoloured and hulled, links joined, ROS tags removed, masses and limits of the makers |
+| robots/xarm7 | BSD-3-Clause (text in `robots/xarm7/LICENSE`); gripper MIT | xarm_ros2, (c) UFACTORY, Inc., taken from the \
+package example-robot-data; changed by us: meshes decimated, recoloured and hulled, ROS tags removed; gripper ours |
 | robots/jaco | BSD-3-Clause (text in `robots/jaco/LICENSE`); gripper MIT | kinova-ros, (c) Kinova Robotics inc., taken from the \
 package example-robot-data; changed by us: meshes decimated, recoloured and hulled, hand removed, ROS tags removed; gripper ours |
 | robots/iiwa | MIT | ours; measures and limits of the maker's data sheet |

@@ -166,7 +166,7 @@ def test_motors_hold_the_stretched_arm(arm: str) -> None:
 def test_nothing_touches_at_home(arm: str) -> None:
     """Links that are checked against each other are apart there, whether the gripper is open or shut."""
     ignored, parts = disabled_pairs(_file(arm, "srdf")), link_geometry(_file(arm))
-    shut = {name: 0.0 for name in (f"{arm}_finger_joint1", f"{arm}_finger_joint2")} if arm in OWN_GRIPPER else _linkage(0.8)
+    shut = dict.fromkeys((f"{arm}_finger_joint1", f"{arm}_finger_joint2"), 0.0) if arm in OWN_GRIPPER else _linkage(0.8)
     wide = dict.fromkeys(shut, 0.04) if arm in OWN_GRIPPER else _linkage(0.0)
     for gripper in (shut, wide):
         places = _places(arm, _at(arm, ARMS[arm].home, gripper))
