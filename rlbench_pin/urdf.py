@@ -16,6 +16,8 @@ from rlbench_pin.errors import AssetInvalid, AssetNotFound
 
 Vector = tuple[float, float, float]
 ZERO: Vector = (0.0, 0.0, 0.0)
+CONTINUOUS = (-4.0 * math.pi, 4.0 * math.pi)
+"""Range of a `continuous` joint in models and simulation, more than any motion uses [rad]."""
 UNBOUNDED = (float("-inf"), float("inf"))
 """Limits of a joint that has none."""
 _INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
@@ -96,6 +98,17 @@ class UrdfLink:
 
 
 @dataclass(frozen=True)
+class Follows:
+    """How a joint follows another: its position is `ratio` times that of the other, plus `offset`."""
+
+    joint: str
+    """Name of the other."""
+    ratio: float = 1.0
+    offset: float = 0.0
+    """[rad] or [m]."""
+
+
+@dataclass(frozen=True)
 class UrdfJoint:
     """One connection of two links."""
 
@@ -113,6 +126,8 @@ class UrdfJoint:
     """Placement of the child at position 0 in the frame of the parent; None where the file has none."""
     axis: Vector
     """About or along which it moves, in the frame of the child."""
+    follows: Follows | None = None
+    """The joint that it follows, `<mimic>`; None for a joint that moves by itself."""
 
 
 @dataclass(frozen=True)
@@ -180,6 +195,8 @@ def disabled_pairs(srdf: Path) -> frozenset[frozenset[str]]:
 def kinematic_urdf(path: Path, fixed: Collection[str] = ()) -> str:
     """Return the text of a URDF file without visual and collision elements, with the joints named in `fixed` fixed at zero.
 
+    A `continuous` joint becomes a revolute one with the range `CONTINUOUS`, so that one number says where every joint is.
+
     Raises:
         AssetNotFound: The file does not exist.
         AssetInvalid: The file is not XML.
@@ -192,6 +209,11 @@ def kinematic_urdf(path: Path, fixed: Collection[str] = ()) -> str:
     for joint in root.iterfind("joint"):
         if joint.get("name") in fixed:
             joint.set("type", "fixed")
+        if joint.get("type") == "continuous":
+            joint.set("type", "revolute")
+            limit = joint.find("limit")
+            limit = ET.SubElement(joint, "limit") if limit is None else limit
+            limit.attrib.update(zip(("lower", "upper"), map(repr, CONTINUOUS), strict=True))
     return ET.tostring(root, encoding="unicode")
 
 
@@ -312,13 +334,20 @@ def _joint(joint: ET.Element) -> UrdfJoint:
         limits = float(limit.get("lower", "0")), float(limit.get("upper", "0"))
     parent, child = ("" if e is None else e.get("link", "") for e in (joint.find("parent"), joint.find("child")))
     along = (1.0, 0.0, 0.0) if axis is None else _vector(axis, "xyz")
-    return UrdfJoint(joint.get("name", ""), kind, parent, child, limits, _origin(joint), along)
+    mimic = joint.find("mimic")
+    follows = None
+    if mimic is not None:
+        (ratio,), (offset,) = _numbers(mimic, "multiplier", "1"), _numbers(mimic, "offset", "0")
+        follows = Follows(mimic.get("joint", ""), ratio, offset)
+    return UrdfJoint(joint.get("name", ""), kind, parent, child, limits, _origin(joint), along, follows)
 
 
 __all__ = [
+    "CONTINUOUS",
     "UNBOUNDED",
     "ZERO",
     "Finish",
+    "Follows",
     "Urdf",
     "UrdfInertial",
     "UrdfJoint",

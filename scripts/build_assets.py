@@ -1,13 +1,15 @@
 """Rebuild everything in `rlbench_pin/assets`: robots, room, objects, catalogue. The same input gives the same bytes.
 
-Usage: python scripts/build_assets.py [--out FOLDER] [--only objects|panda] [--family NAME ...]
+Usage: python scripts/build_assets.py [--out FOLDER] [--only objects|panda|ur5e|...] [--family NAME ...] [--airo FOLDER]
 `--family` rebuilds the named families alone and leaves the catalogue as it is; run without it before committing.
-It needs numpy and scipy alone; the robot takes a minute.
+Objects need numpy and scipy alone; arms need Pinocchio and example-robot-data, too, and take a minute or a few each. The UR5e
+is made from the wheel of airo-models 0.0.12, installed or unpacked in the folder of `--airo`; without it that arm stays as it is.
 """
 
 from __future__ import annotations
 
 import argparse
+import importlib
 import sys
 import tempfile
 from collections.abc import Sequence
@@ -21,6 +23,7 @@ from assets_lib.textures import ROOM, write_patterns, write_room_textures, write
 from assets_lib.urdf import write_model
 
 ASSETS = Path(__file__).parents[1] / "rlbench_pin" / "assets"
+ARM_NAMES = ("panda", "ur5e", "xarm7", "jaco", "iiwa")
 
 
 def build_objects(out: Path) -> None:
@@ -35,11 +38,18 @@ def build_objects(out: Path) -> None:
     write_licences(models, out)
 
 
-def build_robots(out: Path) -> None:
-    """Write the robots below `out`."""
-    from assets_lib.panda import build_panda
+def build_arm(name: str, out: Path, airo: Path | None) -> None:
+    """Write an arm below `out`; say so when the files that it is made from are missing."""
+    from assets_lib.arms import SourceMissing
 
-    build_panda(out)
+    module = importlib.import_module(f"assets_lib.{name}")
+    try:
+        if name == "ur5e":
+            module.build_ur5e(out, airo)
+        else:
+            getattr(module, f"build_{name}")(out)
+    except SourceMissing as error:
+        print(f"{name} stays as it is. {error}", file=sys.stderr)
 
 
 def replace_folder(new: Path, old: Path) -> None:
@@ -55,14 +65,15 @@ def replace_folder(new: Path, old: Path) -> None:
             target.write_bytes(data)
 
 
-def build(out: Path, only: str | None = None) -> None:
+def build(out: Path, only: str | None = None, airo: Path | None = None) -> None:
     """Build in a temporary folder, then replace the folders and the two texts of `out`."""
     with tempfile.TemporaryDirectory() as name:
         temporary = Path(name)
-        if only != "panda":
+        if only in (None, "objects"):
             build_objects(temporary)
-        if only != "objects":
-            build_robots(temporary)
+        for name in ARM_NAMES:
+            if only in (None, name):
+                build_arm(name, temporary, airo)
         out.mkdir(parents=True, exist_ok=True)
         for made in sorted(temporary.iterdir()):
             if made.name == "robots":  # an arm whose files no script makes stays as it is
@@ -89,13 +100,14 @@ def main() -> None:
     """Read the command line and build."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, default=ASSETS)
-    parser.add_argument("--only", choices=("objects", "panda"), default=None)
+    parser.add_argument("--only", choices=("objects", *ARM_NAMES), default=None)
     parser.add_argument("--family", nargs="+", default=(), metavar="NAME")
+    parser.add_argument("--airo", type=Path, default=None, metavar="FOLDER")
     options = parser.parse_args()
     if options.family:
         build_families(options.out, options.family)
     else:
-        build(options.out, options.only)
+        build(options.out, options.only, options.airo)
 
 
 if __name__ == "__main__":

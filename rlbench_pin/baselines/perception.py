@@ -28,10 +28,9 @@ from rlbench_pin.urdf import UrdfLink, kinematic_urdf, read_urdf
 
 def arm_surface(arm: RobotModel, q: FloatArray, fingers: FloatArray) -> FloatArray:
     """Return points (m, 3) on the surface of arm and gripper at joint positions `q` (n,) [rad] and `fingers` (2,) [m]."""
-    description = arm.description
-    names = (*description.arm_joints, *description.gripper_joints)
-    joints = dict(zip(names, [*q.tolist(), *fingers.tolist()], strict=True))
-    model = KnownModel.load(description.urdf)
+    names = (*arm.description.arm_joints, *arm.fingers.joints)
+    joints = dict(zip(names, [*q.tolist(), *arm.fingers.joint_values(fingers).tolist()], strict=True))
+    model = KnownModel.load(arm.description.urdf)
     return model.points_at(joints) @ arm.base.rotation.T + arm.base.translation
 
 

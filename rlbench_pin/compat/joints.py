@@ -152,10 +152,12 @@ class FingerMotors:
         return self._runtime.robot.fingers
 
     def velocities(self) -> FloatArray:
-        return self._runtime.robot.joint_states()[1, self._runtime.model.size :]
+        robot = self._runtime.robot
+        return robot.joint_states()[1, self._runtime.model.size :] / robot.grip.lever(robot.fingers)
 
     def forces(self) -> FloatArray:
-        return self._runtime.robot.joint_states()[2, self._runtime.model.size :]
+        robot = self._runtime.robot
+        return robot.joint_states()[2, self._runtime.model.size :] * robot.grip.lever(robot.fingers)
 
     def limits(self) -> FloatArray:
         return np.array([np.zeros(self._count), np.full(self._count, self._runtime.description.gripper_open)])
@@ -168,7 +170,8 @@ class FingerMotors:
         """Put the fingers at positions, at rest; the arm is not changed."""
         runtime = self._runtime
         states, fingers = runtime.robot.joint_states(), slice(runtime.model.size, None)
-        states[0, fingers] = np.clip(_vector(positions, self._count, "finger positions"), *self.limits())
+        opening = np.clip(_vector(positions, self._count, "finger positions"), *self.limits())
+        states[0, fingers] = runtime.robot.grip.drive_values(opening)
         states[1, fingers] = 0.0
         runtime.robot.set_joint_states(states[0], states[1])
         runtime.gripper.hold()

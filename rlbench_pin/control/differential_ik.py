@@ -63,7 +63,7 @@ class PlacoArm:
         """
         self.size = model.size
         urdf = model.description.urdf
-        text = kinematic_urdf(urdf, fixed=model.description.gripper_joints)
+        text = kinematic_urdf(urdf, fixed=model.fingers.joints)
         self.robot = placo.RobotWrapper(urdf.name, int(placo.Flags.ignore_collisions), text)
         self.solver = placo.KinematicsSolver(self.robot)
         self.solver.mask_fbase(True)

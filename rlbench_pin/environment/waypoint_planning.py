@@ -179,9 +179,8 @@ class WaypointPlanner:
 
     def __init__(self, runtime: Runtime) -> None:
         self._runtime = runtime
-        description = runtime.description
         self._robot_links = set(runtime.robot.link_poses())
-        self._arm_links = self._robot_links - {description.hand_link, *description.finger_links}
+        self._arm_links = self._robot_links - {*runtime.model.fingers.links}
         self.angle = 0.0
         self._grasp: Waypoint | None = None
 

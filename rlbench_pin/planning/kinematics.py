@@ -220,8 +220,10 @@ def _descents(
         end = descend(model, target, seed_q if k == 0 else draw_start(model, seed_q, rng, k))
         if not end.converged:
             failed.append(end)
-        elif not any(np.abs(end.q - q).max() < SAME for q in (*found, *colliding)):
-            (colliding if collision is not None and collision.goal_in_collision(end.q) else found).append(end.q)
+            continue
+        q = model.limits.nearest_turn(end.q, seed_q)
+        if not any(np.abs(q - other).max() < SAME for other in (*found, *colliding)):
+            (colliding if collision is not None and collision.goal_in_collision(q) else found).append(q)
             if len(found) >= enough:
                 break
     return found, colliding, failed
@@ -259,7 +261,7 @@ def draw_start(model: RobotModel, seed_q: FloatArray, rng: np.random.Generator, 
     limits = model.limits
     anywhere = rng.uniform(limits.lower, limits.upper)
     blend = min(1.0, 0.15 * k)
-    return seed_q + blend * (anywhere - seed_q)
+    return seed_q + blend * (limits.nearest_turn(anywhere, seed_q) - seed_q)
 
 
 POSITION_TOLERANCE, ROTATION_TOLERANCE = 1e-4, 1e-3
@@ -344,6 +346,8 @@ class PoseRegion:
 def self_motions(model: RobotModel, q: FloatArray, step: float = 0.3, count: int = 4) -> list[FloatArray]:
     """Return up to `count` configurations (n,) on each side that hold the tip of `q` (n,) where it is, by moving the elbow.
 
+    An arm of six joints has none.
+
     Raises:
         InvalidRequest: NaN, a wrong shape, or no numbers.
         OutsideJointLimits: `q` is outside the joint limits.
@@ -352,7 +356,7 @@ def self_motions(model: RobotModel, q: FloatArray, step: float = 0.3, count: int
     count = as_whole(count, "count", InvalidRequest, least=0, most=1000)
     target = model.tip_se3(q)
     found: list[FloatArray] = []
-    for sign in (1.0, -1.0):
+    for sign in (1.0, -1.0) if model.size > 6 else ():
         here, direction = q, sign * _null_direction(model, q)
         for _ in range(count):
             end = descend(model, target, here + step * direction)

@@ -134,7 +134,7 @@ class CollisionGeometry:
 
     def _add_robot(self) -> None:
         description, full = self._model.description, self._model.full
-        gripper = {description.hand_link, *description.finger_links}
+        gripper = {*self._model.fingers.links}
         for link, parts in link_geometry(description.urdf).items():
             frame_id = full.getFrameId(link)
             frame = full.frames[frame_id]

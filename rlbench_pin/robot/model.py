@@ -16,8 +16,12 @@ from numpy.typing import ArrayLike
 
 from rlbench_pin.errors import InvalidValue, RobotModelError
 from rlbench_pin.robot.description import RobotDescription
+from rlbench_pin.robot.fingers import fingers_of
 from rlbench_pin.spatial import FloatArray, PoseLike, pose_to_se3, se3_to_pose
+from rlbench_pin.urdf import kinematic_urdf
 from rlbench_pin.values import as_array, as_choice, as_finite, as_number, as_record, as_vector
+
+TURN = 2.0 * np.pi
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +70,15 @@ class JointLimits:
         """Say whether a configuration (n,) lies within the position limits."""
         q, tolerance = as_vector(q, len(self.lower), "configuration"), as_number(tolerance, "tolerance", finite=False)
         return bool(np.all(q >= self.lower - tolerance) and np.all(q <= self.upper + tolerance))
+
+    def nearest_turn(self, q: FloatArray, near: FloatArray) -> FloatArray:
+        """Return the configuration like `q` (n,) but for whole turns of joints that have the room, as near to `near` as it goes.
+
+        Joints whose range is less than a turn stay as they are.
+        """
+        turns = np.where(self.upper - self.lower > TURN, np.round((near - q) / TURN), 0.0)
+        least, most = np.ceil((self.lower - q) / TURN), np.floor((self.upper - q) / TURN)
+        return q + TURN * np.where(turns == 0.0, 0.0, np.clip(turns, np.minimum(least, 0.0), np.maximum(most, 0.0)))
 
     def margin(self, q: FloatArray) -> float:
         """Return the distance of the joint nearest to one of its position limits."""
@@ -150,7 +163,8 @@ class RobotModel:
         self.description = as_record(description, RobotDescription, "description")
         self.base = pose_to_se3(description.base_pose if base_pose is None else base_pose)
         self.full = _load(description, self.base)
-        self.full_index = _indices(self.full, (*description.arm_joints, *description.gripper_joints))
+        self.fingers = fingers_of(description)
+        self.full_index = _indices(self.full, (*description.arm_joints, *self.fingers.joints))
         self.size = len(description.arm_joints)
         self.arm = self._lock_fingers()
         self.data = self.arm.createData()
@@ -172,7 +186,7 @@ class RobotModel:
     def _lock_fingers(self) -> pin.Model:
         """Return the model of the arm joints alone, fingers fixed open, after checking the order of its joints."""
         description = self.description
-        fingers = [self.full.getJointId(name) for name in description.gripper_joints]
+        fingers = [self.full.getJointId(name) for name in self.fingers.joints]
         arm = pin.buildReducedModel(self.full, fingers, self.full_configuration(np.zeros(self.size)))
         if tuple(arm.names)[1:] != description.arm_joints:
             raise RobotModelError(
@@ -181,13 +195,12 @@ class RobotModel:
         return arm
 
     def full_configuration(self, q: ArrayLike, fingers: ArrayLike | None = None) -> FloatArray:
-        """Return arm and finger positions in the order of the full Pinocchio model; fingers default to open."""
-        values = np.full(len(self.full_index), self.description.gripper_open)
-        values[: self.size] = as_vector(q, self.size, "configuration", most=LARGEST)
-        if fingers is not None:
-            values[self.size :] = as_vector(fingers, len(values) - self.size, "finger positions", most=LARGEST)
+        """Return the configuration of the full Pinocchio model for an arm (n,) and finger positions (k,) [m]; None is open."""
+        arm, count = as_vector(q, self.size, "configuration", most=LARGEST), len(self.fingers.drives)
+        open_fingers = np.full(count, self.description.gripper_open)
+        positions = open_fingers if fingers is None else as_vector(fingers, count, "finger positions", most=LARGEST)
         result = np.empty(self.full.nq)
-        result[self.full_index] = values
+        result[self.full_index] = np.concatenate([arm, self.fingers.joint_values(positions)])
         return result
 
     def _joints(self, vector: ArrayLike, what: str = "configuration") -> FloatArray:
@@ -299,7 +312,7 @@ def _as_inertia(inertia: ArrayLike) -> FloatArray:
 
 def _load(description: RobotDescription, base: pin.SE3) -> pin.Model:
     """Read the URDF and place its base in the world."""
-    model = pin.buildModelFromUrdf(str(description.urdf))
+    model = pin.buildModelFromXML(kinematic_urdf(description.urdf))
     for joint in range(1, model.njoints):
         if model.parents[joint] == 0:
             model.jointPlacements[joint] = base * model.jointPlacements[joint]

@@ -17,6 +17,7 @@ from viser import FrameHandle, MeshHandle, SceneApi
 from rlbench_pin.assets import asset_path
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.robot import DEFAULT_ROBOT, RobotDescription, robot_description
+from rlbench_pin.robot.fingers import fingers_of
 from rlbench_pin.robot.geometry import shape_surface
 from rlbench_pin.scene import BodySpec, SceneSpec, resolve_asset
 from rlbench_pin.scene.snapshot import ROOM
@@ -335,8 +336,9 @@ class Figures:
 
     def arm(self, q: Sequence[float] | FloatArray, fingers: Sequence[float] | FloatArray) -> None:
         """Show the arm at joint positions (n,) [rad], with its fingers at (m,) [m]."""
-        names = (*self._robot.arm_joints, *self._robot.gripper_joints)
-        positions = dict(zip(names, (*map(float, q), *map(float, fingers)), strict=True))
+        grip = fingers_of(self._robot)
+        values = (*map(float, q), *grip.joint_values(np.asarray(fingers, dtype=float)).tolist())
+        positions = dict(zip((*self._robot.arm_joints, *grip.joints), values, strict=True))
         base = np.array(self._robot.base_pose)
         self._arm.move({link: compose(base, pose) for link, pose in link_poses(self._urdf, positions).items()})
 
@@ -402,8 +404,10 @@ def _rgb(color: Sequence[float]) -> Rgb:
 def _gripper_surface(robot: RobotDescription) -> DrawnSurface:
     """Return the open gripper in the frame of its tip."""
     urdf = read_urdf(robot.urdf)
-    poses = link_poses(urdf, dict.fromkeys(robot.gripper_joints, robot.gripper_open))
-    shown = [link for link in urdf.links if link.name in (robot.hand_link, *robot.finger_links)]
+    grip = fingers_of(robot)
+    opened = grip.joint_values(np.full(len(grip.drives), robot.gripper_open))
+    poses = link_poses(urdf, dict(zip(grip.joints, opened.tolist(), strict=True)))
+    shown = [link for link in urdf.links if link.name in grip.links]
     return merged_surface(
         (drawn_surface(shape, 1.0), relative(poses[link.name], poses[robot.tip_frame]))
         for link in shown

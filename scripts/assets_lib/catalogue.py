@@ -43,6 +43,39 @@ ROBOT = """
 Tip frame `panda_hand_tcp`: z out of the hand, fingers open along its y. Fingers `panda_finger_joint1` (left, -y) and
 `panda_finger_joint2` (right, +y), each 0..0.04.
 Pads about 0.018 x 0.018, ending 0.0095 beyond the tip frame; hand body 0.20 (y) x 0.064 (x).
+
+## ur5e
+
+`robots/ur5e/ur5e.urdf` - origin: foot of the base (`ur5e_base_link`), arm reaching along +x at 0; SRDF beside it.
+Universal Robots UR5e with a Robotiq 2F-85, its coupling 0.0139 high. Tip frame `ur5e_tip`: z out of the hand, y from the left
+finger to the right one. Drives `ur5e_finger_joint` (left, -y) and `ur5e_right_outer_knuckle_joint` (right, +y), each 0..0.8,
+0 open, 0.8 shut; on each side the inner knuckle follows as `<mimic>` says with the same angle, the inner finger with the opposite
+one, so that pads stay parallel. Pads 0.022 x 0.0375 on the inner fingers, 0.0845 apart when open. They move along z: their ends
+are at the height of the tip frame when open, 0.0091 beyond it at 0.3, 0.0126 at 0.5, 0.0140 at 0.7 and 0.0138 when shut.
+Hand body 0.085 (y) x 0.075 (x), the whole linkage 0.15 (y) when open.
+
+## xarm7
+
+`robots/xarm7/xarm7.urdf` - origin: foot of the base (`xarm7_link_base`), arm reaching along +x at 0; SRDF beside it.
+UFACTORY xArm7 with our gripper, see below: prefix `xarm7`.
+
+## jaco
+
+`robots/jaco/jaco.urdf` - origin: foot of the base (`jaco_base`), arm reaching along +x at joint 1 = 0; SRDF beside it.
+Kinova Jaco j2s6s200, its hand replaced by our gripper, see below: prefix `jaco`. Joints 1, 4 and 6 are continuous. It stands
+upright with joints 2, 3 and 5 at 3.1416, the middle of their ranges.
+
+## iiwa
+
+`robots/iiwa/iiwa.urdf` - origin: foot of the base (`iiwa_link_0`), arm upright at 0, reaching along +x as joint 2 grows; SRDF
+beside it. KUKA LBR iiwa 7 R800 with our gripper, see below: prefix `iiwa`.
+
+## Our gripper
+
+Of xarm7, jaco and iiwa; `<arm>` is the name of the arm. Hand `<arm>_hand` on the flange, 0.166 (y) x 0.059 (x). Tip frame
+`<arm>_tip`: z out of the hand, y from the left finger to the right one. Fingers `<arm>_finger_joint1` (left, -y of the tip frame)
+and `<arm>_finger_joint2` (right, +y), each 0..0.04. Pads about 0.018 x 0.018, ending 0.0095 beyond the tip frame, which is 0.1034
+over the flange; all as of the Panda.
 """
 
 
@@ -61,6 +94,13 @@ from formulas in `scripts/assets_lib`.
 |---|---|---|
 | robots/panda | Apache-2.0 (text in `robots/panda/LICENSE`) | franka_description, (c) Franka Emika GmbH, taken from the package \
 example-robot-data; changed by us: meshes decimated, recoloured and hulled, mimic and ROS tags removed from the URDF |
+| robots/ur5e | MIT (text in `robots/ur5e/LICENSE`) | the package airo-models 0.0.12, (c) Andreas Verleysen, UR5e and Robotiq \
+2F-85; changed by us: meshes decimated, recoloured and hulled, links joined, ROS tags removed, masses and limits of the makers |
+| robots/xarm7 | BSD-3-Clause (text in `robots/xarm7/LICENSE`); gripper MIT | xarm_ros2, (c) UFACTORY, Inc., taken from the \
+package example-robot-data; changed by us: meshes decimated, recoloured and hulled, ROS tags removed; gripper ours |
+| robots/jaco | BSD-3-Clause (text in `robots/jaco/LICENSE`); gripper MIT | kinova-ros, (c) Kinova Robotics inc., taken from the \
+package example-robot-data; changed by us: meshes decimated, recoloured and hulled, hand removed, ROS tags removed; gripper ours |
+| robots/iiwa | MIT | ours; measures and limits of the maker's data sheet |
 """
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import math
 import re
 import xml.etree.ElementTree as ET
@@ -10,14 +9,13 @@ from pathlib import Path
 
 import numpy as np
 
-from assets_lib.arm_appearance import Appearance, light_appearances
+from assets_lib.arm_appearance import light_appearances
+from assets_lib.arms import contact_element, visual_element, write_hull, write_visuals
 from assets_lib.dae import Rgb, read_dae
-from assets_lib.decimate import small_hull
-from assets_lib.files import numbers, obj_text, write_text
-from assets_lib.mesh import FloatArray, merge
+from assets_lib.files import write_text
+from assets_lib.source_meshes import example_folder, read_stl
 
 FOLDER = "robots/panda"
-HULL_VERTICES = 64
 COLORS: dict[str, Rgb] = {
     "white": (0.93, 0.94, 0.95),
     "dark": (0.16, 0.16, 0.18),
@@ -32,53 +30,18 @@ REPAINT = {("finger", "white"): "gray"}
 """The fingers are darker than the hand, so that its opening is seen in small pictures; their pads are black."""
 
 
-def source_folder() -> Path:
-    """Return the folder `panda_description` of example-robot-data, next to the installed cmeel packages."""
-    spec = importlib.util.find_spec("cmeel") or importlib.util.find_spec("numpy")
-    assert spec is not None and spec.origin is not None
-    return Path(spec.origin).parents[1] / "cmeel.prefix/share/example-robot-data/robots/panda_description"
-
-
 def build_panda(assets: Path) -> None:
     """Write the robot's URDF, SRDF, meshes and licence below `assets`."""
-    source, target = source_folder(), assets / FOLDER
-    visuals = _build_visuals(source, target)
+    source, target = example_folder("panda_description"), assets / FOLDER
+    parts = {part: read_dae(source / f"meshes/visual/{part}.dae") for part in PARTS}
+    visuals = write_visuals(target, light_appearances(parts, WEIGHTS, TRIANGLES), COLORS, REPAINT)
     for part in PARTS:
         if part != "finger":
-            points = _read_stl(source / f"meshes/collision/{part}.stl")
-            hull = small_hull(points, HULL_VERTICES)
-            write_text(target / f"meshes/collision/{part}.obj", obj_text(hull, crease=None))
+            points = np.unique(read_stl(source / f"meshes/collision/{part}.stl").vertices, axis=0)
+            write_hull(target, part, points)
     write_text(target / "panda.urdf", _urdf(source, visuals))
     write_text(target / "panda.srdf", (source / "srdf/panda.srdf").read_text())
     write_text(target / "LICENSE", (source / "LICENSE").read_text())
-
-
-def _build_visuals(source: Path, target: Path) -> dict[str, list[tuple[str, Rgb]]]:
-    """Write `<part>_<color>.obj` files and return their names and colours for each part."""
-    looks = light_appearances({part: read_dae(source / f"meshes/visual/{part}.dae") for part in PARTS}, WEIGHTS, TRIANGLES)
-    groups: dict[tuple[str, str], list[Appearance]] = {}
-    for look in looks:
-        part, name = look.piece.part, _color_name(look.piece.color)
-        groups.setdefault((part, REPAINT.get((part, name), name)), []).append(look)
-    result: dict[str, list[tuple[str, Rgb]]] = {part: [] for part in PARTS}
-    for (part, name), same in sorted(groups.items()):
-        mesh = merge([look.piece.mesh for look in same])
-        text = obj_text(mesh, crease=0.8, normals=np.concatenate([look.normals for look in same]))
-        write_text(target / f"meshes/visual/{part}_{name}.obj", text)
-        result[part].append((f"{part}_{name}", COLORS[name]))
-    return result
-
-
-def _color_name(color: Rgb) -> str:
-    """Return the name of the nearest of our colours."""
-    return min(COLORS, key=lambda name: sum((a - b) ** 2 for a, b in zip(COLORS[name], color, strict=True)))
-
-
-def _read_stl(path: Path) -> FloatArray:
-    """Return all corners of a binary STL file, shape (n, 3) [m]."""
-    raw = path.read_bytes()
-    record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("pad", "<u2")])
-    return np.unique(np.frombuffer(raw[84:], dtype=record)["corners"].reshape(-1, 3).astype(float), axis=0)
 
 
 def _urdf(source: Path, visuals: dict[str, list[tuple[str, Rgb]]]) -> str:
@@ -120,21 +83,13 @@ def _replace_visual(link: ET.Element, visual: ET.Element, visuals: dict[str, lis
     origin = visual.find("origin")
     link.remove(visual)
     for i, (name, color) in enumerate(visuals[Path(mesh.attrib["filename"]).stem]):
-        element = ET.Element("visual")
+        element = visual_element(name, color)
         if origin is not None:
-            element.append(origin)
-        ET.SubElement(ET.SubElement(element, "geometry"), "mesh", filename=f"meshes/visual/{name}.obj")
-        material = ET.SubElement(element, "material", name=name.split("_")[1])
-        ET.SubElement(material, "color", rgba=numbers((*color, 1.0)))
+            element.insert(0, origin)
         link.insert(place + i, element)
 
 
 def _add_contact(root: ET.Element) -> None:
     """Give every link its friction; the pads hold best."""
     for link in root.iterfind("link"):
-        friction = "1" if "finger" in link.attrib["name"] else "0.5"
-        contact = ET.Element("contact")
-        ET.SubElement(contact, "lateral_friction", value=friction)
-        if "finger" in link.attrib["name"]:
-            ET.SubElement(contact, "spinning_friction", value="0.005")
-        link.insert(0, contact)
+        link.insert(0, contact_element(finger="finger" in link.attrib["name"]))

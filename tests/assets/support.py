@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -82,6 +82,25 @@ def geometry(path: Path) -> tuple[pin.Model, pin.GeometryModel]:
             item.geometry.buildConvexHull(True, "Qt")
             item.geometry = item.geometry.convex
     return model, shapes
+
+
+def configuration(model: pin.Model, values: Mapping[str, float]) -> np.ndarray:
+    """Return the configuration (nq,) of joint values by name, others 0; joints without end have two numbers in it."""
+    q = pin.neutral(model)
+    for name, value in values.items():
+        joint = model.joints[model.getJointId(name)]
+        q[joint.idx_q : joint.idx_q + joint.nq] = value if joint.nq == 1 else (np.cos(value), np.sin(value))
+    return q
+
+
+def random_configuration(model: pin.Model, rng: np.random.Generator) -> tuple[np.ndarray, dict[str, float]]:
+    """Return a configuration (nq,) within the limits, and its joint values by name."""
+    values = {}
+    for name in list(model.names)[1:]:
+        joint = model.joints[model.getJointId(name)]
+        ends = (model.lowerPositionLimit[joint.idx_q], model.upperPositionLimit[joint.idx_q]) if joint.nq == 1 else (-3.0, 3.0)
+        values[name] = float(rng.uniform(*ends))
+    return configuration(model, values), values
 
 
 def read_obj(path: Path) -> tuple[np.ndarray, np.ndarray]:

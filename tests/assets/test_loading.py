@@ -12,7 +12,7 @@ import pybullet as p
 import pytest
 
 from rlbench_pin.robot.geometry import bounds, link_geometry
-from tests.assets.support import ROBOTS, URDFS, client, geometry, inertial_place, joint_table, label, load
+from tests.assets.support import ROBOTS, URDFS, client, geometry, inertial_place, joint_table, label, load, random_configuration
 
 SHAPES = {coal.Box: p.GEOM_BOX, coal.Cylinder: p.GEOM_CYLINDER, coal.Sphere: p.GEOM_SPHERE}
 
@@ -34,11 +34,10 @@ def test_link_frames_agree(path: Path) -> None:
         body = load(path, number)
         joints = joint_table(body, number)
         for _ in range(4):
-            q = rng.uniform(model.lowerPositionLimit, model.upperPositionLimit) if model.nq else np.zeros(0)
+            q, values = random_configuration(model, rng)
             pin.framesForwardKinematics(model, data, q)
-            for i in range(1, model.njoints):
-                index = joints[model.names[i]][0]
-                p.resetJointState(body, index, q[model.joints[i].idx_q], physicsClientId=number)
+            for name, value in values.items():
+                p.resetJointState(body, joints[name][0], value, physicsClientId=number)
             for index, _, link in joints.values():
                 state = p.getLinkState(body, index, computeForwardKinematics=True, physicsClientId=number)
                 truth = data.oMf[model.getFrameId(link, pin.FrameType.BODY)]
@@ -111,7 +110,7 @@ def test_bounding_boxes_agree(path: Path) -> None:
     """The boxes around the collision shapes of every link agree at joint values 0; PyBullet's may be looser."""
     model, _ = geometry(path)
     data = model.createData()
-    pin.framesForwardKinematics(model, data, np.zeros(model.nq))
+    pin.framesForwardKinematics(model, data, pin.neutral(model))
     slack = LOOSE.get(path.stem, 0.012)
     with client() as number:
         body = load(path, number)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib.util
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -58,7 +60,22 @@ def test_objects_rebuild_to_the_same_bytes(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_the_robot_rebuilds_to_the_same_bytes(tmp_path: Path) -> None:
-    """The robot, from the files of example-robot-data."""
-    subprocess.run([sys.executable, str(SCRIPT), "--only", "panda", "--out", str(tmp_path)], check=True)
-    _assert_same(_files(tmp_path, ("robots/panda",)), _files(ASSETS, ("robots/panda",)))
+@pytest.mark.parametrize("arm", ("panda", "ur5e", "xarm7", "jaco", "iiwa"))
+def test_arms_rebuild_to_the_same_bytes(arm: str, tmp_path: Path) -> None:
+    """The arms, from the files of example-robot-data and airo-models, and from our own code."""
+    airo = os.environ.get("RLBENCH_PIN_AIRO")
+    if arm == "ur5e" and airo is None and importlib.util.find_spec("airo_models") is None:
+        pytest.skip("airo-models is not installed, and RLBENCH_PIN_AIRO names no folder where its wheel is unpacked")
+    more = ["--airo", airo] if airo else []
+    subprocess.run([sys.executable, str(SCRIPT), "--only", arm, "--out", str(tmp_path), *more], check=True)
+    _assert_same(_files(tmp_path, (f"robots/{arm}",)), _files(ASSETS, (f"robots/{arm}",)))
+
+
+@pytest.mark.simulation
+def test_an_arm_without_its_source_stays_as_it_is(tmp_path: Path) -> None:
+    """The script says which files it wants, and writes nothing."""
+    command = [sys.executable, str(SCRIPT), "--only", "ur5e", "--out", str(tmp_path), "--airo", str(tmp_path)]
+    done = subprocess.run(command, check=True, capture_output=True, text=True)
+    assert "ur5e stays as it is" in done.stderr
+    assert "airo" in done.stderr
+    assert list(tmp_path.rglob("*.*")) == []

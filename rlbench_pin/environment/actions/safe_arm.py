@@ -65,7 +65,7 @@ class RuntimeFilter:
         for step in range(steps + 1):
             distances.update(replace(snapshot, fingers=here + step / steps * (fingers - here)))
             if step == 0:
-                which = distances.pairs_of(model.description.finger_links)
+                which = distances.pairs_of(model.fingers.links[1:])
             found = distances.measure(which) - distances.motion.displacement(turns)[which]
             if step == 0:
                 margins = np.where(distances.crosses[which], config.margin, config.self_margin)

@@ -111,7 +111,7 @@ class Meter:
     def _may_touch(self, link: str, body: str) -> bool:
         if body in self.runtime.gripper.grasped:
             return True
-        if link in self._arm.finger_links:
+        if link in self.runtime.model.fingers.links[1:]:
             return body not in self._room
         return link == self._arm.hand_link and body in self.runtime.task.get_graspable_objects()
 

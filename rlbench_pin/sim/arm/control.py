@@ -9,9 +9,11 @@ from typing import Literal
 import numpy as np
 
 from rlbench_pin.robot.description import RobotDescription
+from rlbench_pin.robot.fingers import fingers_of
 from rlbench_pin.sim.body import ContactReader, LoadedModel
 from rlbench_pin.sim.client import PASSES, bullet
 from rlbench_pin.spatial import FloatArray, pose_to_se3
+from rlbench_pin.urdf import CONTINUOUS
 from rlbench_pin.values import action_vector, as_flag, finite_vector
 
 DriveMode = Literal["position", "velocity", "torque"]
@@ -171,6 +173,7 @@ class SimRobot:
         velocity_limits: Largest joint speeds (n,) [rad/s].
         effort_limits: Largest motor torques (n,) [N m].
         position_gain: Share of the position error that a motor removes in one physics step.
+        grip: The fingers.
         on_reset: Functions that `reset_configuration` calls with whether the fingers were set as well.
     """
 
@@ -182,15 +185,15 @@ class SimRobot:
         self.position_gain = POSITION_GAIN
         self.timestep, self.substeps, self.tick = timestep, substeps, timestep * substeps
         self._counts = np.arange(substeps)[:, None]
+        self.grip = fingers_of(description)
         infos = [model.joints[name] for name in description.arm_joints]
-        fingers = [model.joints[name] for name in description.gripper_joints]
         self._arm = [info.index for info in infos]
-        self._fingers = [info.index for info in fingers]
-        self._joints = self._arm + self._fingers
-        self.lower, self.upper = np.array([i.lower for i in infos]), np.array([i.upper for i in infos])
+        self._joints = self._arm + [model.joints[name].index for name in self.grip.drives]
+        self._followers = [model.joints[name].index for name in self.grip.followers]
+        ranges = [(i.lower, i.upper) if np.isfinite(i.lower) else CONTINUOUS for i in infos]
+        self.lower, self.upper = np.array(ranges).T.copy()
         self.velocity_limits = np.array([i.velocity for i in infos])
         self.effort_limits = np.array([i.effort for i in infos])
-        self._finger_limits = np.array([[i.lower for i in fingers], [i.upper for i in fingers]])
         self._tip = model.link_index(description.tip_frame)
         self._states: FloatArray | None = None
         self._kept_torques: FloatArray | None = None
@@ -204,7 +207,7 @@ class SimRobot:
         self._motors = Motors(model, self._arm, self.effort_limits)
         self._measures = [*self._joints, *(joint for joint in self._motors.movable if joint not in self._joints)]
         self._order = [self._measures.index(joint) for joint in self._motors.movable]
-        self.reset_configuration(description.home, [description.gripper_open] * len(fingers))
+        self.reset_configuration(description.home, [description.gripper_open] * len(self.grip.drives))
 
     def _prepare_dynamics(self) -> None:
         for index in range(-1, len(self.model.links) - 1):
@@ -250,11 +253,11 @@ class SimRobot:
 
     @property
     def fingers(self) -> FloatArray:
-        """Finger joint positions (2,) [m]."""
-        return self._measured()[0, len(self._arm) : len(self._joints)].copy()
+        """Finger positions (2,), the distance of each pad from the middle [m]."""
+        return self.grip.positions(self._measured()[0, len(self._arm) : len(self._joints)].copy())
 
     def joint_states(self) -> FloatArray:
-        """Positions, velocities and motor torques of arm and fingers, shape (3, n + fingers)."""
+        """Positions, velocities and motor torques of the joints of arm and fingers, shape (3, n + fingers)."""
         return self._measured()[:, : len(self._joints)].copy()
 
     def tip_pose(self) -> FloatArray:
@@ -325,17 +328,15 @@ class SimRobot:
 
         Args:
             q: Arm joint positions (n,) [rad].
-            fingers: Finger joint positions (2,) [m]; None leaves them.
+            fingers: Finger positions (2,) [m]; None leaves them.
         """
-        positions = finite_vector(q, len(self._arm), "configuration")
-        values = (
-            positions
-            if fingers is None
-            else np.concatenate(
-                [positions, np.clip(finite_vector(fingers, len(self._fingers), "finger positions"), *self._finger_limits)]
-            )
-        )
-        for index, value in zip(self._joints, values.tolist(), strict=False):
+        positions, joints = finite_vector(q, len(self._arm), "configuration"), self._arm
+        values = positions.tolist()
+        if fingers is not None:
+            opening = finite_vector(fingers, len(self.grip.drives), "finger positions")
+            values += self.grip.joint_values(opening.clip(0.0, self.description.gripper_open)).tolist()
+            joints = self._joints + self._followers
+        for index, value in zip(joints, values, strict=True):
             self._client.change(bullet.resetJointState, self.model.uid, index, value)
         self._control = ArmControl("position", positions, positions)
         self.forget_measurements()
@@ -343,11 +344,14 @@ class SimRobot:
             callback(fingers is not None)
 
     def set_joint_states(self, positions: FloatArray, velocities: FloatArray) -> None:
-        """Put arm and fingers at positions and velocities (n + fingers,); motor commands stay."""
+        """Put the joints of arm and fingers at positions and velocities (n + fingers,); motor commands stay."""
         given = ((positions, "vector of positions"), (velocities, "vector of velocities"))
-        both = (finite_vector(x, len(self._joints), what) for x, what in given)
-        for index, q, v in zip(self._joints, *(x.tolist() for x in both), strict=True):
-            self._client.change(bullet.resetJointState, self.model.uid, index, q, v)
+        q, v = (finite_vector(x, len(self._joints), what) for x, what in given)
+        drives = slice(len(self._arm), None)
+        followers = self.grip.follower_values(q[drives]), self.grip.follower_speeds(v[drives])
+        both = (np.append(x, more).tolist() for x, more in zip((q, v), followers, strict=True))
+        for index, position, velocity in zip(self._joints + self._followers, *both, strict=True):
+            self._client.change(bullet.resetJointState, self.model.uid, index, position, velocity)
         self.forget_measurements()
 
     # Ticks -----------------------------------------------------------------------------------------------------------

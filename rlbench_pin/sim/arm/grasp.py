@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from rlbench_pin.robot.description import RobotDescription
+from rlbench_pin.robot.fingers import fingers_of
 from rlbench_pin.sim.body import Body, LoadedModel
 from rlbench_pin.sim.client import bullet
 from rlbench_pin.spatial import FloatArray, pose_to_se3, relative, se3_to_pose
@@ -34,7 +35,7 @@ class Attachments:
     def __init__(self, robot: LoadedModel, description: RobotDescription) -> None:
         self._robot, self._client = robot, robot.client
         self._hand = robot.link_index(description.hand_link)
-        self._untouched = [self._hand, *(robot.link_index(link) for link in description.finger_links)]
+        self._untouched = [robot.link_index(link) for link in fingers_of(description).links]
         hand = bullet.getLinkState(robot.uid, self._hand, physicsClientId=self._client.id)
         self._T_hand_com = pose_to_se3((*hand[2], *hand[3]))
         self._held: dict[str, tuple[Attachment, int, Body]] = {}

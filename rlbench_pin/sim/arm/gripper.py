@@ -68,8 +68,8 @@ class SimGripper:
         self.attaches = True
         self._model, self._client = robot.model, robot.model.client
         description = robot.description
-        infos = [self._model.joints[name] for name in description.gripper_joints]
-        self._joints = [info.index for info in infos]
+        self._grip = robot.grip
+        self._joints = [self._model.joints[name].index for name in self._grip.drives]
         self._range = description.gripper_open
         self._default_force, self._default_speed = description.gripper_force, description.grip_speed
         self._attachments = Attachments(self._model, description)
@@ -85,9 +85,22 @@ class SimGripper:
     def _couple(self) -> None:
         """Make the fingers move alike, as the gear of a real gripper does."""
         left, right = self._joints
+        self._gear = self._gear_of(left, right, 1.0, _GEAR_ERP)
+        for follower, way in zip(self._grip.followers, self._grip.follows, strict=True):
+            drive, joint = (self._model.joints[name].index for name in (way.joint, follower))
+            gear = self._gear_of(drive, joint, way.ratio, _STIFF_GEAR_ERP)
+            if way.offset:
+                self._client.change(bullet.changeConstraint, gear, relativePositionTarget=-way.offset / way.ratio)
+            self._client.change(
+                bullet.setJointMotorControl2, self._model.uid, joint, bullet.VELOCITY_CONTROL, targetVelocity=0.0, force=0.0
+            )
+
+    def _gear_of(self, first: int, second: int, ratio: float, erp: float) -> int:
+        """Couple two joints: the second moves `ratio` times as far as the first. Returns the number of the constraint."""
         uid, change = self._model.uid, self._client.change
-        self._gear = change(bullet.createConstraint, uid, left, uid, right, bullet.JOINT_GEAR, [1, 0, 0], [0, 0, 0], [0, 0, 0])
-        change(bullet.changeConstraint, self._gear, gearRatio=-1, erp=_GEAR_ERP, maxForce=_GEAR_FORCE)
+        gear: int = change(bullet.createConstraint, uid, first, uid, second, bullet.JOINT_GEAR, [1, 0, 0], [0, 0, 0], [0, 0, 0])
+        change(bullet.changeConstraint, gear, gearRatio=-1.0 / ratio, erp=erp, maxForce=_GEAR_FORCE)
+        return gear
 
     def rely_on_friction(self) -> None:
         """Fix nothing to the gripper: friction alone holds, with pads that resist twisting and fingers that stay centred.
@@ -257,13 +270,22 @@ class SimGripper:
         """Command the finger motors for physics step `substep` of this tick; stationary fingers keep their command."""
         if substep and (self._squeezing or not any(self._feed)):
             return
+        positions, speeds = [start + substep * pace for start, pace in self._paces], self._feed
+        forces = [self._control.force] * 2
+        if self._squeezing:
+            speeds = [-_SQUEEZE_SPEED] * 2
+        if self._grip.travels:
+            levers = self._grip.lever(np.array(positions)).tolist()
+            positions = self._grip.drive_values(np.array(positions)).tolist()
+            speeds = [speed * lever for speed, lever in zip(speeds, levers, strict=True)]
+            forces = [force / abs(lever) for force, lever in zip(forces, levers, strict=True)]
         if self._squeezing:
             bullet.setJointMotorControlArray(
                 self._model.uid,
                 self._joints,
                 bullet.VELOCITY_CONTROL,
-                targetVelocities=[-_SQUEEZE_SPEED] * 2,
-                forces=[self._control.force] * 2,
+                targetVelocities=speeds,
+                forces=forces,
                 physicsClientId=self._client.id,
             )
             return
@@ -271,10 +293,10 @@ class SimGripper:
             self._model.uid,
             self._joints,
             bullet.POSITION_CONTROL,
-            targetPositions=[start + substep * pace for start, pace in self._paces],
-            targetVelocities=self._feed,
+            targetPositions=positions,
+            targetVelocities=speeds,
             positionGains=[_GAIN] * 2,
             velocityGains=[1.0] * 2,
-            forces=[self._control.force] * 2,
+            forces=forces,
             physicsClientId=self._client.id,
         )

@@ -169,9 +169,8 @@ class Shape(Object):
 
     def _robot_links(self) -> list[int]:
         """Return the numbers of the robot's links that belong to the shape, those with visuals first."""
-        world, description = self.table.world, self.table.runtime.description
+        world, gripper = self.table.world, self.table.runtime.model.fingers.links
         model = world.robot.model
-        gripper = (description.hand_link, *description.finger_links)
         names = {"robot": tuple(model.links), "gripper": gripper}.get(self.element.kind, (self.element.name,))
         seen = world.texture_overrides.robot_links
         return sorted((model.link_index(name) for name in names), key=lambda index: index not in seen)

@@ -1,0 +1,173 @@
+"""Pairs of an arm's links whose collisions mean nothing, found by sampling configurations; the SRDF names them."""
+
+from __future__ import annotations
+
+import math
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from itertools import combinations
+from pathlib import Path
+from typing import Literal
+
+import coal
+import numpy as np
+import pinocchio as pin
+
+from assets_lib.mesh import FloatArray
+
+SAMPLES, SEED = 10000, 1
+NEAR = 0.01
+"""Pairs that never come nearer than this are never checked [m]."""
+Reason = Literal["Adjacent", "Gripper", "Always", "Never"]
+Pair = tuple[str, str]
+
+
+@dataclass(frozen=True)
+class _Tree:
+    """The joints of a URDF."""
+
+    parents: Mapping[str, tuple[str, str]]
+    """Link -> the joint above it and its parent link."""
+    moving: frozenset[str]
+    """Joints that are not fixed."""
+    mimics: Mapping[str, tuple[str, float, float]]
+    """Joint -> the joint that it follows, multiplier and offset."""
+
+    def above(self, link: str) -> list[tuple[str, str]]:
+        """Return joint and parent link of a link, then of its parent, up to the base."""
+        chain = []
+        while link in self.parents:
+            chain.append(self.parents[link])
+            link = self.parents[link][1]
+        return chain
+
+    def between(self, first: str, second: str) -> frozenset[str]:
+        """Return the moving joints between two links."""
+        a, b = ({joint for joint, _ in self.above(link)} for link in (first, second))
+        return frozenset(a ^ b) & self.moving
+
+    def gripper(self) -> frozenset[str]:
+        """Return the moving joints below the first link on which several of them hang."""
+        above = {joint: [up for up, _ in self.above(parent) if up in self.moving] for joint, parent in self.parents.values()}
+        serial = [a for a in self.moving if all(a == b or a in above[b] or b in above[a] for b in self.moving)]
+        return self.moving - frozenset(serial)
+
+
+def disabled_pairs(urdf: Path, samples: int = SAMPLES) -> list[tuple[str, str, Reason]]:
+    """Return pairs of links and why their collisions are ignored, sorted by name.
+
+    Ignored are pairs of links that one joint connects (links without shapes do not count), that only joints of the gripper move
+    against each other, that touch in every sampled configuration, and that touch in none.
+    """
+    tree = _read_tree(urdf)
+    model = pin.buildModelFromUrdf(str(urdf))
+    shapes = _hulls(model, urdf)
+    links = [model.frames[item.parentFrame].name for item in shapes.geometryObjects]
+    result: dict[Pair, Reason] = {}
+    open_pairs: list[Pair] = []
+    gripper = tree.gripper()
+    for first, second in combinations(sorted(set(links)), 2):
+        if second in _neighbours(tree, first, links) or first in _neighbours(tree, second, links):
+            result[first, second] = "Adjacent"
+        elif tree.between(first, second) <= gripper:
+            result[first, second] = "Gripper"
+        else:
+            open_pairs.append((first, second))
+    configurations = _configurations(model, tree, samples)
+    near = _touches(model, shapes, links, open_pairs, configurations, NEAR)
+    candidates = [pair for pair in open_pairs if near[pair] == samples]
+    touching = _touches(model, shapes, links, candidates, configurations, 0.0)
+    result |= {pair: "Never" for pair in open_pairs if near[pair] == 0}
+    result |= {pair: "Always" for pair in candidates if touching[pair] == samples}
+    return [(*pair, result[pair]) for pair in sorted(result)]
+
+
+def srdf_text(urdf: Path) -> str:
+    """Return the SRDF of an arm: its name and the pairs that are not checked."""
+    root = ET.Element("robot", name=ET.parse(urdf).getroot().attrib["name"])
+    for first, second, reason in disabled_pairs(urdf):
+        ET.SubElement(root, "disable_collisions", link1=first, link2=second, reason=reason)
+    ET.indent(root)
+    head = '<?xml version="1.0"?>\n<!-- Made by scripts/disabled_pairs.py from the URDF. -->\n'
+    return head + ET.tostring(root, encoding="unicode") + "\n"
+
+
+def _read_tree(urdf: Path) -> _Tree:
+    parents, moving, mimics = {}, set(), {}
+    for joint in ET.parse(urdf).getroot().iterfind("joint"):
+        name, parent, child, mimic = joint.attrib["name"], joint.find("parent"), joint.find("child"), joint.find("mimic")
+        assert parent is not None and child is not None
+        parents[child.attrib["link"]] = (name, parent.attrib["link"])
+        if joint.attrib["type"] != "fixed":
+            moving.add(name)
+        if mimic is not None:
+            factor, offset = (float(mimic.attrib.get(key, default)) for key, default in (("multiplier", "1"), ("offset", "0")))
+            mimics[name] = (mimic.attrib["joint"], factor, offset)
+    return _Tree(parents, frozenset(moving), mimics)
+
+
+def _neighbours(tree: _Tree, link: str, solid: Iterable[str]) -> set[str]:
+    """Return the nearest link with shapes above a link."""
+    return set([parent for _, parent in tree.above(link) if parent in solid][:1])
+
+
+def _hulls(model: pin.Model, urdf: Path) -> pin.GeometryModel:
+    """Return the collision shapes of a URDF, meshes as convex hulls."""
+    shapes = pin.buildGeomFromUrdf(model, str(urdf), pin.GeometryType.COLLISION, package_dirs=[str(urdf.parent)])
+    for item in shapes.geometryObjects:
+        if hasattr(item.geometry, "buildConvexHull"):
+            item.geometry.buildConvexHull(True, "Qt")
+            item.geometry = item.geometry.convex
+    return shapes
+
+
+def _configurations(model: pin.Model, tree: _Tree, samples: int) -> FloatArray:
+    """Return random configurations (samples, nq) within the limits; joints that follow others do so."""
+    rng = np.random.default_rng(SEED)
+    names = list(model.names)[1:]
+    angles: dict[str, FloatArray] = {}
+    for name in names:
+        joint = model.joints[model.getJointId(name)]
+        if joint.nq == 1:
+            low, high = model.lowerPositionLimit[joint.idx_q], model.upperPositionLimit[joint.idx_q]
+        else:
+            low, high = -math.pi, math.pi
+        angles[name] = rng.uniform(low, high, samples)
+    for name, (leader, factor, offset) in tree.mimics.items():
+        angles[name] = factor * angles[leader] + offset
+    columns: list[FloatArray] = []
+    for name in names:
+        turns = model.joints[model.getJointId(name)].nq == 2
+        columns += [np.cos(angles[name]), np.sin(angles[name])] if turns else [angles[name]]
+    return np.column_stack(columns)
+
+
+def _touches(
+    model: pin.Model,
+    shapes: pin.GeometryModel,
+    links: list[str],
+    pairs: list[Pair],
+    configurations: FloatArray,
+    margin: float,
+) -> dict[Pair, int]:
+    """Return in how many configurations shapes of each pair of links come nearer than `margin` [m]."""
+    shapes.removeAllCollisionPairs()
+    owners: list[int] = []
+    for number, (first, second) in enumerate(pairs):
+        for i, a in enumerate(links):
+            for j, b in enumerate(links):
+                if a == first and b == second:
+                    shapes.addCollisionPair(pin.CollisionPair(i, j))
+                    owners.append(number)
+    counts = np.zeros(len(pairs), dtype=int)
+    if owners:
+        data, geometry = model.createData(), shapes.createData()
+        for request in geometry.collisionRequests:
+            request.security_margin = margin
+            request.gjk_initial_guess = coal.GJKInitialGuess.DefaultGuess
+        for q in configurations:
+            pin.computeCollisions(model, data, shapes, geometry, q, False)
+            hit = {owner for owner, found in zip(owners, geometry.collisionResults, strict=True) if found.isCollision()}
+            counts[sorted(hit)] += 1
+    return dict(zip(pairs, counts.tolist(), strict=True))
