@@ -90,13 +90,13 @@ def test_missing_files_are_named_with_who_needs_them(tmp_path: Path) -> None:
 
 
 def test_a_kinematic_urdf_has_no_shapes(urdf: Path, tmp_path: Path) -> None:
-    """Shapes are gone, masses stay, and named joints are fixed."""
+    """Shapes are gone, masses stay, named joints are fixed, and a continuous one has a range."""
     bare = tmp_path / "bare.urdf"
     bare.write_text(kinematic_urdf(urdf, fixed=("hinge",)))
     record = read_urdf(bare)
     assert [(link.visuals, link.collisions) for link in record.links] == [((), ())] * 3
     assert record.links[0].inertial == read_urdf(urdf).links[0].inertial
-    assert [joint.kind for joint in record.joints] == ["fixed", "continuous"]
+    assert [joint.kind for joint in record.joints] == ["fixed", "revolute"]
 
 
 def test_an_srdf_names_pairs_of_links(tmp_path: Path) -> None:

@@ -202,9 +202,8 @@ class _Catalogue(Mapping[str, RobotDescription]):
         return len(self._builders)
 
 
-SUPPORTED_ROBOTS: Mapping[str, RobotDescription] = _Catalogue(
-    {"panda": _panda, "ur5e": _ur5e, "xarm7": _xarm7, "iiwa": _iiwa, "jaco": _jaco}
-)
+_ARMS = {"panda": _panda, "ur5e": _ur5e, "xarm7": _xarm7, "iiwa": _iiwa, "jaco": _jaco}
+SUPPORTED_ROBOTS: Mapping[str, RobotDescription] = _Catalogue(_ARMS)
 DEFAULT_ROBOT = "panda"
 """The arm where none is named."""
 
