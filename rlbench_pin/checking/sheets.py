@@ -56,8 +56,8 @@ _SMALL = 96
 _ENOUGH = 0.7
 """A view that shows so much of what the best one shows of a link is as good in that."""
 _PAST_ARM, _REVEALED, _APART = 0.4, 3.0, 1.5
-"""Weights of what is seen past the arm, of what a door or a lid hides, and of the distance in the image between what has been taken
-away and the rest."""
+"""Weights of what is seen past the arm, of what a door or a lid hides, and of the distance in the image between what has been
+taken away and the rest."""
 _MARGIN, _GAP, _CAPTION, _TITLE = 8, 8, 18, 54
 _INK, _PAPER, _FAINT = (30, 30, 30), (255, 255, 255), (110, 110, 110)
 
