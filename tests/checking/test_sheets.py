@@ -93,7 +93,7 @@ def test_the_moments_of_a_demonstration() -> None:
         assert list(moment.cameras) == [*CAMERAS, "clear_robot_side"]
         assert moment_image(moment).height >= 64
     success, after = (np.asarray(moment.task).astype(int) for moment in moments[-2:])
-    assert (np.abs(success - after).max(axis=2) > 40).mean() > 0.02
+    assert (np.abs(success - after).max(axis=2) > 40).mean() > 0.005  # the arm, seen in part
     assert np.array_equal(moments[-2].view.pose, moments[-1].view.pose)
 
 
