@@ -217,6 +217,21 @@ def kinematic_urdf(path: Path, fixed: Collection[str] = ()) -> str:
     return ET.tostring(root, encoding="unicode")
 
 
+def solid_urdf(path: Path) -> str:
+    """Return the text of a URDF file without visual elements.
+
+    Raises:
+        AssetNotFound: The file does not exist.
+        AssetInvalid: The file is not XML.
+    """
+    _time_of(path, "a model")
+    root = _parse(path)
+    for link in root.iterfind("link"):
+        for visual in link.findall("visual"):
+            link.remove(visual)
+    return ET.tostring(root, encoding="unicode")
+
+
 # Reading ----------------------------------------------------------------------------------------------------------
 
 
@@ -357,4 +372,5 @@ __all__ = [
     "disabled_pairs",
     "kinematic_urdf",
     "read_urdf",
+    "solid_urdf",
 ]

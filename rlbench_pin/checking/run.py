@@ -10,7 +10,6 @@ from dataclasses import asdict, dataclass, replace
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 from rlbench_pin.assets import ASSETS
 from rlbench_pin.checking.plan import Item, Part
@@ -22,7 +21,7 @@ from rlbench_pin.environment.demos import SegmentReport, library_versions
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.processes import GivenUp, Journal, ProcessEngine, SerialEngine, WorkerDeath, run_jobs
 from rlbench_pin.tasks import LIBRARY, find_task
-from rlbench_pin.urdf import read_urdf
+from rlbench_pin.urdf import read_urdf, solid_urdf
 from rlbench_pin.values import as_function, as_names, as_path, as_record, as_several, as_whole
 
 MAX_WORKERS = 1024
@@ -240,11 +239,7 @@ def _content(file: Path) -> bytes:
         scene = tomllib.loads(file.read_text(encoding="utf-8"))
         return json.dumps({table: value for table, value in scene.items() if table != "deviation"}).encode()
     if file.suffix == ".urdf" and _is_solid(file):
-        root = ElementTree.parse(file).getroot()
-        for link in root.iterfind("link"):
-            for visual in link.findall("visual"):
-                link.remove(visual)
-        return ElementTree.tostring(root)
+        return solid_urdf(file).encode()
     if file.suffix not in (".py", ".pyi"):
         return file.read_bytes()
     tree = ast.parse(file.read_text(encoding="utf-8"))

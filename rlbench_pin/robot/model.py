@@ -76,6 +76,7 @@ class JointLimits:
 
         Joints whose range is less than a turn stay as they are.
         """
+        q, near = (as_vector(x, len(self.lower), what) for x, what in ((q, "configuration"), (near, "near")))
         turns = np.where(self.upper - self.lower > TURN, np.round((near - q) / TURN), 0.0)
         least, most = np.ceil((self.lower - q) / TURN), np.floor((self.upper - q) / TURN)
         return q + TURN * np.where(turns == 0.0, 0.0, np.clip(turns, np.minimum(least, 0.0), np.maximum(most, 0.0)))

@@ -67,7 +67,7 @@ def samples(model: RobotModel) -> dict[str, object]:
     plain: dict[str, object] = {
         "description": model.description, "model": model, "q": q, "v": zero, "a": zero, "tau": zero, "q_start": q,
         "q_goal": q + 0.1,
-        "seed_q": q, "q_seed": q, "pose": pose, "mass": 1.0, "center": np.zeros(3),
+        "seed_q": q, "near": q, "q_seed": q, "pose": pose, "mass": 1.0, "center": np.zeros(3),
         "payload": pin.Inertia(1.0, np.zeros(3), np.eye(3)),
         "t": 0.5, "rng": Fresh(lambda: np.random.default_rng(1)), "wanted": zero, "twist": np.zeros(6), "reference": pose,
         "trajectory": motion, "limits": limits, "dt": 0.05, "q_target": q, "width": 0.04, "widest": 0.08, "force": 20.0,

@@ -177,6 +177,8 @@ class ShadowMap:
         view: The same.
         height: The same.
         is_empty: Whether nothing stands in the light.
+        image: Depth of what stands in the light, one number for each texel; without objects of its own there is none.
+        rows: Rows of it that are filled.
     """
 
     def __init__(self, view: CameraView, height: float, blocked: Blocked, under: ShadowMap | None = None) -> None:
@@ -192,16 +194,16 @@ class ShadowMap:
             return
         self._window = _span(rows), _span(columns)
         # what is not filled is not looked up
-        self._image = np.empty((_SIZE, _SIZE), dtype=np.float32)
-        self._rows = self._window[0]
+        self.image = np.empty((_SIZE, _SIZE), dtype=np.float32)
+        self.rows = self._window[0]
         if self._under is None:
-            self._image[self._rows] = _FAR
+            self.image[self.rows] = _FAR
         else:
-            others = self._under._rows
-            self._rows = slice(min(self._rows.start, others.start), max(self._rows.stop, others.stop))
-            self._image[self._rows.start : others.start], self._image[others.stop : self._rows.stop] = _FAR, _FAR
-            self._image[others] = self._under._image[others]
-        self._image[rows, columns] = blocked.depth[_moved(rows, blocked.row), _moved(columns, blocked.column)]
+            others = self._under.rows
+            self.rows = slice(min(self.rows.start, others.start), max(self.rows.stop, others.stop))
+            self.image[self.rows.start : others.start], self.image[others.stop : self.rows.stop] = _FAR, _FAR
+            self.image[others] = self._under.image[others]
+        self.image[rows, columns] = blocked.depth[_moved(rows, blocked.row), _moved(columns, blocked.column)]
 
     def lit(self, spots: LightSpots, bias: NDArray[np.float32]) -> NDArray[np.float32]:
         """Share (n,) of the key light that reaches points of moving objects, 0..1: how many of 13 texels around it passes.
@@ -222,7 +224,7 @@ class ShadowMap:
         block *= _BLOCKS
         block += column >> 2
         limit = spots.depth - bias
-        least, greatest = self._extremes
+        least, greatest = self.extremes
         is_free = least.take(block) >= limit
         share = is_free.astype(np.float32)
         reached = (~is_free).nonzero()[0]
@@ -231,22 +233,22 @@ class ShadowMap:
         return share
 
     def _share(self, texel: NDArray[np.int64], limit: NDArray[np.float32]) -> NDArray[np.float32]:
-        depth, first = self._image.ravel(), texel - (2 * _SIZE + 2)
+        depth, first = self.image.ravel(), texel - (2 * _SIZE + 2)
         free = np.zeros(len(texel), dtype=np.uint8)
         for row, column in _TAPS:
             free += depth[(row + 2) * _SIZE + column + 2 :].take(first) >= limit
         return free * np.float32(1.0 / len(_TAPS))
 
     @cached_property
-    def _extremes(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    def extremes(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Of every four by four texels, flat, the least and the greatest of these and those around them."""
         rows, columns = (slice(part.start // 4 + 1, part.stop // 4 - 1) for part in self._window)
-        image = self._image[self._window]
+        image = self.image[self._window]
         found = []
         for number, function in enumerate((np.minimum, np.maximum)):
             blocks = function(function(image[0::4], image[1::4]), function(image[2::4], image[3::4]))
             blocks = function(function(blocks[:, 0::4], blocks[:, 1::4]), function(blocks[:, 2::4], blocks[:, 3::4]))
-            full = np.full((_BLOCKS, _BLOCKS), _FAR) if self._under is None else self._under._extremes[number].copy()
+            full = np.full((_BLOCKS, _BLOCKS), _FAR) if self._under is None else self._under.extremes[number].copy()
             full = full.reshape(_BLOCKS, _BLOCKS)
             across = function(function(blocks[:, :-2], blocks[:, 2:]), blocks[:, 1:-1])
             function(function(across[:-2], across[2:]), across[1:-1], out=full[rows, columns])
@@ -254,13 +256,13 @@ class ShadowMap:
         return found[0], found[1]
 
     @cached_property
-    def _shade(self) -> TableShade:
+    def shade(self) -> TableShade:
         """Two filters: one of 5 x 5 texels for what is low above the table, one four times as wide for what is high; between them
         by the mean height of what casts the shadow.
         """
         if self._under is not None and self._is_same:
-            return self._under._shade
-        limit, image = table_distance(self.view, self.height)[self._window], self._image[self._window]
+            return self._under.shade
+        limit, image = table_distance(self.view, self.height)[self._window], self.image[self._window]
         blocked = (image < limit).view(np.uint8)
         above = limit[0::2, 0::2] - image[0::2, 0::2]
         np.maximum(above, np.float32(0.0), out=above)
@@ -281,7 +283,7 @@ class ShadowMap:
         soft += contact
         dark = soft > np.float32(0.003)
         dark |= count[2:-2, 2:-2] > 0
-        shade = _no_shade() if self._under is None else self._under._shade.copy()
+        shade = _no_shade() if self._under is None else self._under.shade.copy()
         texels = tuple(slice(part.start + 2, part.stop - 2) for part in self._window)
         blocks = tuple(slice(part.start // 4 + 2, part.stop // 4 - 2) for part in self._window)
         shade.sharp[texels] = _smooth_bytes(blocked)
@@ -299,9 +301,9 @@ class ShadowMap:
             again: Of every block whether to look there, flat, for each camera; at all that may be darker when None. Blocks that
                 may be darker without what moves count too.
         """
-        shade = self._shade
+        shade = self.shade
         reached = spread(shade.dark).ravel()
-        there = reached if self._under is None else reached | spread(self._under._shade.dark).ravel()
+        there = reached if self._under is None else reached | spread(self._under.shade.dark).ravel()
         chosen = [
             (reached if wanted is None else there & wanted).take(each.block).nonzero()[0]
             for each, wanted in zip(spots, again, strict=True)

@@ -46,13 +46,14 @@ class KeptBackdrop:
         image: The same.
         bare: Colours without shadows.
         is_shaded: Whether those of the image have shadows.
+        table_spots: A key light, and where the pixels of the table lie in its image; None until it is asked for.
     """
 
     def __init__(self, view: CameraView, image: Backdrop, bare: NDArray[np.uint8] | None = None) -> None:
         self.view, self.image = view, image
         self.is_shaded = bare is not None
         self.bare = image.rgb if bare is None else bare
-        self._spots: tuple[CameraView, TableSpots] | None = None
+        self.table_spots: tuple[CameraView, TableSpots] | None = None
 
     def with_resting(self, sheet: Sheet, number: int, covered: NDArray[np.bool_], shadows: ShadowMap) -> KeptBackdrop:
         """Return the room with links at rest before it.
@@ -71,7 +72,7 @@ class KeptBackdrop:
         table = self.table(shadows)
         free = (~sheet.part(covered, number).ravel().take(table.pixels)).nonzero()[0]
         names = ("pixels", "right", "down", "block")
-        result._spots = shadows.view, replace(table, **{name: getattr(table, name).take(free) for name in names})
+        result.table_spots = shadows.view, replace(table, **{name: getattr(table, name).take(free) for name in names})
         return result
 
     @cached_property
@@ -90,9 +91,9 @@ class KeptBackdrop:
     def table(self, shadows: ShadowMap) -> TableSpots:
         """Where its pixels that see the table lie in the image that the key light takes."""
         light = shadows.view
-        if self._spots is None or self._spots[0] is not light:
-            self._spots = light, table_spots(light, self.view, shadows.height, self.image.table)
-        return self._spots[1]
+        if self.table_spots is None or self.table_spots[0] is not light:
+            self.table_spots = light, table_spots(light, self.view, shadows.height, self.image.table)
+        return self.table_spots[1]
 
 
 class Sheet:
