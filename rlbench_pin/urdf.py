@@ -201,11 +201,7 @@ def kinematic_urdf(path: Path, fixed: Collection[str] = ()) -> str:
         AssetNotFound: The file does not exist.
         AssetInvalid: The file is not XML.
     """
-    _time_of(path, "a model")
-    root = _parse(path)
-    for link in root.iterfind("link"):
-        for shape in [*link.iterfind("visual"), *link.iterfind("collision")]:
-            link.remove(shape)
+    root = _without_shapes(path, "visual", "collision")
     for joint in root.iterfind("joint"):
         if joint.get("name") in fixed:
             joint.set("type", "fixed")
@@ -224,12 +220,17 @@ def solid_urdf(path: Path) -> str:
         AssetNotFound: The file does not exist.
         AssetInvalid: The file is not XML.
     """
+    return ET.tostring(_without_shapes(path, "visual"), encoding="unicode")
+
+
+def _without_shapes(path: Path, *roles: str) -> ET.Element:
+    """Return a URDF file without the shapes of its links in these roles, `visual` or `collision`."""
     _time_of(path, "a model")
     root = _parse(path)
     for link in root.iterfind("link"):
-        for visual in link.findall("visual"):
-            link.remove(visual)
-    return ET.tostring(root, encoding="unicode")
+        for shape in [shape for role in roles for shape in link.iterfind(role)]:
+            link.remove(shape)
+    return root
 
 
 # Reading ----------------------------------------------------------------------------------------------------------

@@ -7,6 +7,7 @@ import json
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import cache
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -186,18 +187,24 @@ def _as_tuple(value: Any) -> Any:
 
 def task_marks(tasks: Sequence[str]) -> dict[str, str]:
     """Return task -> a checksum of all files and versions of libraries that its trials depend on."""
-    shared = sha256(json.dumps(library_versions()).encode())
-    for file in sorted(_PACKAGE.rglob("*")):
-        if file.is_file() and file.suffix not in (".pyc", ".md") and not {LIBRARY, _OBJECTS} & {*file.parents} and _decides(file):
-            _add(shared, file)
     marks = {}
     for task in tasks:
-        mark, scene = shared.copy(), find_task(task).scene_file()
+        mark, scene = _package_mark().copy(), find_task(task).scene_file()
         own = (scene.with_suffix(".py"), scene)
         for file in (*own, *_named_objects(own), *_own_assets(scene)):
             _add(mark, file)
         marks[task] = mark.hexdigest()
     return marks
+
+
+@cache
+def _package_mark() -> Any:
+    """Return the checksum of the libraries and of the package without its tasks and objects, as this process found them."""
+    mark = sha256(json.dumps(library_versions()).encode())
+    for file in sorted(_PACKAGE.rglob("*")):
+        if file.is_file() and file.suffix not in (".pyc", ".md") and not {LIBRARY, _OBJECTS} & {*file.parents} and _decides(file):
+            _add(mark, file)
+    return mark
 
 
 def _decides(file: Path) -> bool:
@@ -211,9 +218,9 @@ def _named_objects(files: Sequence[Path]) -> list[Path]:
     text, found = "".join(file.read_text() for file in files), []
     for folder in sorted(_OBJECTS.iterdir()):
         if f"objects/{folder.name}/" in text:
-            urdf = folder / f"{folder.name}.urdf"
-            meshes = {shape.mesh for link in read_urdf(urdf).links for shape in link.collisions if shape.mesh is not None}
-            found += [urdf, *sorted(meshes)] if _is_solid(urdf) else sorted(folder.iterdir())
+            for urdf in sorted(folder.glob("*.urdf")):
+                solids = [shape for link in read_urdf(urdf).links for shape in link.collisions]
+                found += [urdf, *sorted({shape.mesh for shape in solids if shape.mesh})] if solids else sorted(folder.iterdir())
     return found
 
 

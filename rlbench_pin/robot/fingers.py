@@ -7,7 +7,7 @@ as its value. For one that turns it follows from the forward kinematics of the U
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -34,6 +34,15 @@ class Travel:
     positions: FloatArray
     """Of the pad (m,), increasing [m]."""
 
+    def position(self, value: float) -> float:
+        """Return the position of the pad [m] for a value of the drive joint."""
+        sign = np.sign(self.values[-1] - self.values[0])
+        return float(np.interp(sign * value, sign * self.values, self.positions))
+
+    def value(self, position: float) -> float:
+        """Return the value of the drive joint for a position of the pad [m]."""
+        return float(np.interp(position, self.positions, self.values))
+
 
 @dataclass(frozen=True, eq=False)
 class Fingers:
@@ -59,16 +68,13 @@ class Fingers:
         """Return finger positions (k,) [m] for values of the drives (k,)."""
         if not self.travels:
             return drives
-        ways = ((way.values, way.positions) if way.values[0] < way.values[-1] else (way.values[::-1], way.positions[::-1])
-                for way in self.travels)  # fmt: skip
-        return np.array([np.interp(value, *way) for value, way in zip(drives, ways, strict=True)])
+        return np.array([way.position(value) for way, value in zip(self.travels, drives, strict=True)])
 
     def drive_values(self, positions: FloatArray) -> FloatArray:
         """Return values of the drives (k,) for finger positions (k,) [m]."""
         if not self.travels:
             return positions
-        pairs = zip(positions, self.travels, strict=True)
-        return np.array([np.interp(position, way.positions, way.values) for position, way in pairs])
+        return np.array([way.value(position) for way, position in zip(self.travels, positions, strict=True)])
 
     def lever(self, positions: FloatArray) -> FloatArray:
         """Return how fast the drives move when the fingers do (k,) [rad/m]; 1 for joints that slide."""
@@ -114,7 +120,7 @@ def fingers_of(description: RobotDescription) -> Fingers:
     fingers = Fingers(drives, tuple(follows), tuple(follows.values()), (*links, *others))
     if all(joints[name].kind == "prismatic" for name in drives):
         return fingers
-    return Fingers(drives, fingers.followers, fingers.follows, fingers.links, _travels(fingers, description, joints))
+    return replace(fingers, travels=_travels(fingers, description, joints))
 
 
 def _way_of(name: str, joints: Mapping[str, UrdfJoint], drives: tuple[str, ...]) -> Follows | None:

@@ -22,6 +22,7 @@ from rlbench_pin.urdf import kinematic_urdf
 from rlbench_pin.values import as_array, as_choice, as_finite, as_number, as_record, as_vector
 
 TURN = 2.0 * np.pi
+"""A whole turn of a joint [rad]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,9 +78,8 @@ class JointLimits:
         Joints whose range is less than a turn stay as they are.
         """
         q, near = (as_vector(x, len(self.lower), what) for x, what in ((q, "configuration"), (near, "near")))
-        turns = np.where(self.upper - self.lower > TURN, np.round((near - q) / TURN), 0.0)
-        least, most = np.ceil((self.lower - q) / TURN), np.floor((self.upper - q) / TURN)
-        return q + TURN * np.where(turns == 0.0, 0.0, np.clip(turns, np.minimum(least, 0.0), np.maximum(most, 0.0)))
+        least, most = np.minimum(np.ceil((self.lower - q) / TURN), 0.0), np.maximum(np.floor((self.upper - q) / TURN), 0.0)
+        return q + TURN * np.clip(np.round((near - q) / TURN), least, most)
 
     def margin(self, q: FloatArray) -> float:
         """Return the distance of the joint nearest to one of its position limits."""

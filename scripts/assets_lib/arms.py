@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from assets_lib.arm_appearance import Appearance, Piece
 from assets_lib.dae import Rgb
@@ -124,10 +125,18 @@ def write_visuals(
         result.setdefault(part, [])
     for (part, name), same in sorted(groups.items()):
         mesh = merge([look.piece.mesh for look in same])
-        text = obj_text(mesh, crease=CREASE, normals=np.concatenate([look.normals for look in same]))
+        faces = _has_area(mesh)
+        normals = np.concatenate([look.normals for look in same])[faces]
+        text = obj_text(Mesh(mesh.vertices, mesh.faces[faces]), crease=CREASE, normals=normals)
         write_text(target / f"meshes/visual/{part}_{name}.obj", text)
         result[part].append((f"{part}_{name}", colors[name]))
     return result
+
+
+def _has_area(mesh: Mesh) -> NDArray[np.bool_]:
+    """Return which faces still have an area, and so a normal, with the rounded vertices of an OBJ file, (m,)."""
+    a, b, c = (np.round(mesh.vertices, 5)[mesh.faces[:, k]] for k in range(3))
+    return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1) > 0.0)
 
 
 def write_hull(target: Path, name: str, points: FloatArray) -> None:

@@ -89,15 +89,23 @@ class RawPage:
             time.sleep(0.05)
         raise AssertionError(f"no button '{label}'")
 
-    def told(self, words: str, timeout: float = 20.0) -> str:
+    def told(self, words: str) -> str:
         """Return the notification that has some words, or fail."""
-        end = time.monotonic() + timeout
+        return str(self._wait(words, "NotificationShowMessage")["body"])
+
+    def updated(self, words: str) -> None:
+        """Wait until an element has got some words, or fail."""
+        self._wait(words, "GuiUpdateMessage")
+
+    def _wait(self, words: str, kind: str) -> dict[str, Any]:
+        end = time.monotonic() + 20.0
         while time.monotonic() < end:
             for message in tuple(self._heard):
-                if message["type"] == "NotificationShowMessage" and re.search(words, str(message["props"])):
-                    return str(message["props"]["body"])
+                changes = message.get("props" if kind == "NotificationShowMessage" else "updates")
+                if message["type"] == kind and re.search(words, str(changes)):
+                    return changes
             time.sleep(0.02)
-        raise AssertionError(f"no notification with '{words}'")
+        raise AssertionError(f"no {kind} with '{words}'")
 
     def is_open(self) -> bool:
         """Whether the connection stands."""

@@ -85,7 +85,7 @@ def corners_in(world: World, joint: str | None) -> FloatArray:
 @pytest.mark.simulation
 def test_the_moments_of_a_demonstration() -> None:
     """Reset first, 1 s after success last, without the arm; each with the five cameras and the overview."""
-    _, moments = demo_moments(find_task("open_drawer"), 0, size=64)
+    _, moments = demo_moments(find_task("close_drawer"), 0, size=64)
     assert moments[0].label == "reset, arm hidden on the left"
     assert moments[-2].label.startswith("success, ")
     assert moments[-1].label == "1 s after success, arm hidden on the left"
@@ -93,7 +93,7 @@ def test_the_moments_of_a_demonstration() -> None:
         assert list(moment.cameras) == [*CAMERAS, "clear_robot_side"]
         assert moment_image(moment).height >= 64
     success, after = (np.asarray(moment.task).astype(int) for moment in moments[-2:])
-    assert (np.abs(success - after).max(axis=2) > 40).mean() > 0.005  # the arm, seen in part
+    assert (np.abs(success - after).max(axis=2) > 40).mean() > 0.02
     assert np.array_equal(moments[-2].view.pose, moments[-1].view.pose)
 
 

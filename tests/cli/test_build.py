@@ -5,7 +5,6 @@ from __future__ import annotations
 import signal
 import subprocess
 import sys
-import time
 import urllib.error
 import urllib.request
 from pathlib import Path
@@ -73,7 +72,7 @@ def test_what_was_not_saved_is_offered_again(tmp_path: Path, first: signal.Signa
             try:
                 page = RawPage((int(port), token), "")
                 page.press(label)
-                time.sleep(2.0 if ending == signal.SIGKILL else 0.5)
+                page.updated("Undo: ")
                 if ending == signal.SIGKILL:
                     page.press("Save")
                     page.told("Saved")

@@ -67,7 +67,7 @@ def _is_read(path: Path) -> bool:
 
 def test_scene_files(tally: Tally, seed: int, elsewhere: Path) -> None:
     """A few changes of each."""
-    try_scenes(tally, elsewhere, seed, 8, 0.0)
+    try_scenes(tally, elsewhere, seed, 16, 0.0)
     assert tally.cases > 500
 
 

@@ -20,7 +20,6 @@ from rlbench_pin.sim.render.camera import CameraView, Images
 from rlbench_pin.sim.render.lighting import Light, Lighting, ShadowMap, light_view
 from rlbench_pin.sim.render.raster.drawing import Sight
 from rlbench_pin.sim.render.raster.stage import Appearance, Lamp
-from rlbench_pin.sim.render.resting_links import RestingLinks, resting_links
 from rlbench_pin.sim.render.shading import (
     KeptBackdrop,
     LinkTexture,
@@ -32,6 +31,7 @@ from rlbench_pin.sim.render.shading import (
     put_textures,
 )
 from rlbench_pin.sim.render.shots import BulletRasterizer, NumpyRasterizer, NumpyShooting, Shooting, Shot
+from rlbench_pin.sim.render.stationary_links import StationaryLinks, stationary_links
 from rlbench_pin.sim.room import RoomBody
 from rlbench_pin.values import as_flag, as_record
 
@@ -99,9 +99,9 @@ class Renderer:
         self.lighting = Lighting()
         self._light_view: tuple[Light, CameraView] | None = None
         self._link_textures: dict[tuple[int, int], LinkTexture] = {}
-        self._rest_layout: tuple[object, ...] = ()
-        self._rest_key: tuple[object, ...] = ()
-        self._rest: RestingLinks | None = None
+        self._stationary_layout: tuple[object, ...] = ()
+        self._stationary_key: tuple[object, ...] = ()
+        self._stationary_links: StationaryLinks | None = None
         self._painter: tuple[tuple[object, ...], Painter] | None = None
         self._backdrops: OrderedDict[tuple[object, ...], KeptBackdrop | None] = OrderedDict()
 
@@ -182,15 +182,17 @@ class Renderer:
         taken: dict[int, Images] = {}
         for number, (group, own, room) in enumerate(zip(groups, wanted, rooms, strict=True)):
             near, first = None, own[0]
-            resting = self._resting(shooting, number, room, painter) if first.is_shaded else None
-            sheet = Sheet(room if resting is None else resting.before(room), first.rgb, any(request.mask for request in own))
-            if resting is not None and isinstance(shooting, NumpyShooting):
-                shot, shadows, near = resting.moving(shooting, number, sheet.depth)
+            stationary = self._kept_links(shooting, number, room, painter) if first.is_shaded else None
+            sheet = Sheet(
+                room if stationary is None else stationary.before(room), first.rgb, any(request.mask for request in own)
+            )
+            if stationary is not None and isinstance(shooting, NumpyShooting):
+                shot, shadows, near = stationary.moving(shooting, number, sheet.depth)
             else:
                 shot = shooting.shot(number, sheet.depth)
                 if first.is_shaded and makes_map:
                     shadows = ShadowMap(light, painter.table_height, shooting.blocked())
-            sheet.put_rest(shot, self._ids())
+            sheet.put_depth_and_ids(shot, self._ids())
             if first.rgb:
                 if first.shadows and shadows is not None:
                     sheet.shade_tables(shadows, painter.table_key, near)
@@ -213,19 +215,23 @@ class Renderer:
         ambient = lighting.ambient if first.is_shaded else lighting.ambient + lighting.mean_fill
         return Sight([request.view for request in requests], first.rgb, ambient)
 
-    def _resting(self, shooting: Shooting, number: int, backdrops: Sequence[KeptBackdrop], room: Painter) -> RestingLinks | None:
-        """Links at rest before the room, from the second time on that nothing of it changed."""
+    def _kept_links(
+        self, shooting: Shooting, number: int, backdrops: Sequence[KeptBackdrop], room: Painter
+    ) -> StationaryLinks | None:
+        """Stationary links before the room, from the second time on that nothing of it changed."""
         if not isinstance(shooting, NumpyShooting) or shooting.state is None or shooting.lamps or self._link_textures:
             return None
         ids = self._ids()
         layout = (number, *(backdrop.view.size for backdrop in backdrops))
         key = (room, ids, *shooting.state)
-        is_same = layout == self._rest_layout and len(key) == len(self._rest_key)
-        if not is_same or any(now is not before for now, before in zip(key, self._rest_key)):
-            self._rest_layout, self._rest_key, self._rest = layout, key, None
-        elif self._rest is None:
-            self._rest = resting_links(shooting, number, backdrops, room, self.lighting, self._view_of_light(), ids)
-        return self._rest
+        is_same = layout == self._stationary_layout and len(key) == len(self._stationary_key)
+        if not is_same or any(now is not before for now, before in zip(key, self._stationary_key)):
+            self._stationary_layout, self._stationary_key, self._stationary_links = layout, key, None
+        elif self._stationary_links is None:
+            self._stationary_links = stationary_links(
+                shooting, number, backdrops, room, self.lighting, self._view_of_light(), ids
+            )
+        return self._stationary_links
 
     def _color(self, sheet: Sheet, shot: Shot, shadows: ShadowMap | None, lamps: Sequence[Lamp]) -> None:
         """Put colours of what moves before those of the room, with shadows, fill lights and textures."""

@@ -55,8 +55,8 @@ class KeptBackdrop:
         self.bare = image.rgb if bare is None else bare
         self.table_spots: tuple[CameraView, TableSpots] | None = None
 
-    def with_resting(self, sheet: Sheet, number: int, covered: NDArray[np.bool_], shadows: ShadowMap) -> KeptBackdrop:
-        """Return the room with links at rest before it.
+    def with_stationary(self, sheet: Sheet, number: int, covered: NDArray[np.bool_], shadows: ShadowMap) -> KeptBackdrop:
+        """Return the room with stationary links before it.
 
         Args:
             sheet: Images of both.
@@ -190,7 +190,7 @@ class Sheet:
             under += (colors[solid:] - under) * shot.opacity[:, None]
             self.put(pixels[solid:], np.rint(under).astype(np.uint8))
 
-    def put_rest(self, shot: Shot, ids: NDArray[np.int32]) -> None:
+    def put_depth_and_ids(self, shot: Shot, ids: NDArray[np.int32]) -> None:
         """Write all but the colours of what the cameras see; `ids` are the mask ids of body b and link l at `[b, l + 1]`."""
         self.depth[shot.pixels] = shot.depth
         if len(self.surfaces):

@@ -106,7 +106,7 @@ class NumpyShooting:
 
     Attributes:
         lamps: Lamps that shine.
-        state: What is equal as long as the same links rest before the same cameras and look the same; None where nothing does.
+        state: What is equal as long as the same links are stationary before the same cameras and look the same, or None.
     """
 
     def __init__(self, stage: Stage, placed: Placed, sights: Sequence[Sight], light: CameraView | None) -> None:
@@ -120,21 +120,25 @@ class NumpyShooting:
         self.state = (stage.materials, *states) if light is not None and states[-1] is not None else None
 
     def shot(self, number: int, limit: NDArray[np.float32] | None, again: NDArray[np.int64] | None = None) -> Shot:
-        """Return what a group of cameras sees; with `again` without links at rest before cameras at rest but in these pixels."""
+        """Return what a group of cameras sees; with `again` stationary cameras see stationary links in these pixels alone."""
         return self._shot(self._drawing.seen(self._sights[number], self._firsts[number], limit, again), number)
 
     def blocked(self) -> Blocked:
         """Return what stands in the light."""
         return self._drawing.all_blocked()
 
-    def resting(self, number: int, limit: NDArray[np.float32]) -> tuple[Shot, Blocked, list[bool]]:
-        """Return what cameras at rest of a group see of links at rest, what the light sees of them, and which cameras rest."""
+    def stationary(self, number: int, limit: NDArray[np.float32]) -> tuple[Shot, Blocked, list[bool]]:
+        """Return what stationary cameras of a group and the light see of stationary links, and which cameras are stationary."""
         sight, first = self._sights[number], self._firsts[number]
         is_kept = [state is not None for state in self._drawing.states()[first : first + len(sight.views)]]
-        return self._shot(self._drawing.resting(sight, first, limit), number), self._drawing.all_blocked(resting=True), is_kept
+        return (
+            self._shot(self._drawing.stationary(sight, first, limit), number),
+            self._drawing.all_blocked(stationary=True),
+            is_kept,
+        )
 
     def moving(self) -> tuple[Blocked, NDArray[np.bool_]]:
-        """Return what stands in the light where more than links at rest is, and of blocks of four by four pixels, (n, n),
+        """Return what stands in the light where more than stationary links is, and of blocks of four by four pixels, (n, n),
         whether it is there.
         """
         return self._drawing.blocked(), self._drawing.changed()

@@ -170,9 +170,11 @@ def test_names_are_not_changed_in_python_that_cannot_be_read(opened: Opener) -> 
 # Attaching --------------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("task", ["pick_and_lift", "open_drawer", "stack_blocks"])
+@pytest.mark.parametrize(
+    "task", ["pick_and_lift", pytest.param("setup_checkers", marks=pytest.mark.simulation), "open_drawer", "stack_blocks"]
+)
 def test_the_place_in_the_world_is_kept(opened: Opener, task: str) -> None:
-    """Each thing, hung on the root and on five bodies, however they are turned; undone, the bytes are those of before."""
+    """Whatever is hung on whatever, however it is turned; undone, the bytes are those of before."""
     document, rng = opened(task), np.random.default_rng(3)
     turned = np.concatenate([rng.uniform(-0.2, 0.2, 3), rng.normal(size=4)])
     turned[3:] /= np.linalg.norm(turned[3:])
@@ -180,8 +182,7 @@ def test_the_place_in_the_world_is_kept(opened: Opener, task: str) -> None:
     document.set(document.spec.body[-1].name, "pose", turned)
     hung = 0
     for name in [thing.name for thing in document.spec.posed()]:
-        bodies = [body.name for body in document.spec.body]
-        for parent in ["root", *rng.choice(bodies, min(5, len(bodies)), replace=False).tolist()]:
+        for parent in ["root", *(body.name for body in document.spec.body)]:
             before, text = places_at_rest(document.spec), document.text
             here, frame = before.of(name), before.of(parent)
             assert here is not None and frame is not None

@@ -245,7 +245,7 @@ def test_a_still_scene_does_not_flicker(world):
 
 
 def test_what_rests_is_drawn_once_and_nothing_changes_by_that():
-    """The arm moves, cubes move, are painted and rest, links hide: images with shadows are those of a renderer without a past."""
+    """The arm moves, cubes move, are painted and stop, links hide: images with shadows are those of a renderer without a past."""
     above = CameraView(pose=look_at((0.2, -0.5, 1.6), (0.3, 0.0, 0.8)), fov=0.8, size=(64, 64), near=0.05, far=6.0)
     requests = [Request(view, shadows=True, antialiasing=True) for view in (SIDE, above)]
     with build(cube_scene(cube("a", 0.3, 0.1, fixed=True), cube("b", 0.35, -0.1, 0.9, fixed=True))) as world:
@@ -274,12 +274,12 @@ def test_what_rests_is_drawn_once_and_nothing_changes_by_that():
             for ours, expected in zip(old.render_all(requests), fresh, strict=True):
                 for name in ("rgb", "depth", "mask"):
                     assert getattr(ours, name).tobytes() == getattr(expected, name).tobytes()
-            kept.append(old._rest is not None)
+            kept.append(old._stationary_links is not None)
         assert sum(kept) > 12 and not kept[8]
 
 
 def test_what_rests_is_kept_for_one_set_of_cameras(world):
-    """With a first camera that moves, of one size or another, with or without colours, a camera at rest sees the same."""
+    """With a first camera that moves, of one size or another, with or without colours, a stationary camera sees the same."""
     expected = world.renderer.render_all([Request(SIDE, shadows=True)])[0].rgb.tobytes()
     for k in range(24):
         size = (64, 48) if k < 8 else (40, 40)

@@ -3,7 +3,8 @@
 All points are projected for all cameras in one go, and the few triangles that face one and hold the middle of a pixel are cut
 into spans of pixels, row by row. With P the matrix of the homogeneous image points (u z, v z, z) of its corners, 1/z is
 (1, 1, 1) P^-1 (u, v, 1), affine over a triangle, and any quantity q of the corners is q P^-1 (u, v, 1) z: perspective comes out
-right. What rests before a camera at rest is drawn once: keys of pixels, which merge by the greatest, are kept in layers.
+right. What is stationary before a stationary camera is drawn once: keys of pixels, which merge by the greatest, are kept in
+layers.
 """
 
 from __future__ import annotations
@@ -170,27 +171,27 @@ class Drawing:
             front[front == targets.keys] = 0
 
     def states(self) -> tuple[object | None, ...]:
-        """Return of each camera, the light last, what stays the same object while the same links rest; None where it is new."""
+        """Return of each camera, the light last, what stays the same object while the same links are stationary, or None."""
         return tuple(None if layer is None else layer.state for layer in self._layers)
 
     def blocked(self) -> Blocked:
-        """Return what stands in the light where other links than those at rest are."""
+        """Return what stands in the light where other links than stationary ones are."""
         rows, columns = self._targets.windows[-1]
         return _blocked(rows.start, columns.start, self._targets.images[-1])
 
-    def all_blocked(self, resting: bool = False) -> Blocked:
-        """Return what stands in the light, or which links at rest do."""
+    def all_blocked(self, stationary: bool = False) -> Blocked:
+        """Return what stands in the light, or which stationary links do."""
         if self._layers[-1] is None:
             return self.blocked()
         keys = self._kept(-1).nearest
-        if not resting:
+        if not stationary:
             keys = keys.copy()
             keys[self._targets.windows[-1]] = self._targets.images[-1]
         rows, columns = (_extent(np.asarray(keys.any(axis=axis))) for axis in (1, 0))
         return _blocked(rows.start, columns.start, keys[rows, columns])
 
     def changed(self) -> NDArray[np.bool_]:
-        """Return of every four by four pixels of the image that the light takes whether others than links at rest are there."""
+        """Return of every four by four pixels of the image that the light takes whether links that move are there."""
         rows, columns = self._targets.windows[-1]
         differs = self._targets.images[-1] != self._kept(-1).nearest[rows, columns]
         blocks = np.ascontiguousarray(differs).view(np.uint32)
@@ -208,7 +209,7 @@ class Drawing:
             first: Number of the first of them.
             limit: Depth of all their pixels (n,), image after image, from which on nothing is seen [m]; nothing hides anything
                 when None.
-            again: With it links at rest are left out in the pixels of cameras with layers, but for these pixels (k,).
+            again: With it stationary links are left out in the pixels of cameras with layers, but for these pixels (k,).
         """
         targets = self._targets
         part = slice(targets.starts[first], targets.starts[first + len(sight.views)])
@@ -226,8 +227,8 @@ class Drawing:
         front = self._front[part]
         return _drawn(np.concatenate([keys, front]), np.concatenate([is_seen, front > 0]), sight, first, limit, self._projection)
 
-    def resting(self, sight: Sight, first: int, limit: NDArray[np.float32]) -> Drawn:
-        """Return which links at rest some cameras see that have layers, before some depth of all pixels (n,) [m]."""
+    def stationary(self, sight: Sight, first: int, limit: NDArray[np.float32]) -> Drawn:
+        """Return which stationary links some cameras see that have layers, before some depth of all pixels (n,) [m]."""
         layers = self._layers[first : first + len(sight.views)]
         each = zip(layers, sight.views, strict=True)
         keys = np.concatenate(
@@ -305,7 +306,7 @@ def _blocked(row: int, column: int, keys: NDArray[np.int64]) -> Blocked:
 def _from_layers(
     targets: Targets, projection: Projection, placed: Placed, kept: Sequence[Layer | None], shown: NDArray[np.bool_]
 ) -> NDArray[np.bool_]:
-    """Fill all images with what cameras at rest see of links at rest.
+    """Fill all images with what stationary cameras see of stationary links.
 
     Returns:
         What has still to be drawn, (c, m).
@@ -323,11 +324,11 @@ def _from_layers(
     for number, (layer, own, window) in enumerate(zip(kept, targets.images, targets.windows, strict=True)):
         if layer is None:
             continue
-        resting = layer.nearest[window]
+        stationary = layer.nearest[window]
         if missing[number].any():
-            np.maximum(resting, own, out=resting)
+            np.maximum(stationary, own, out=stationary)
             layer.add(missing[number])
-        own[:] = resting
+        own[:] = stationary
         left[number] = ~layer.links
     return (left & projection.reached).take(link, axis=1)
 

@@ -1,7 +1,7 @@
-"""Links at rest before cameras at rest: drawn and coloured once, with their shadows, until something of this changes.
+"""Stationary links before stationary cameras: drawn and coloured once, with their shadows, until something of this changes.
 
-Afterwards they are a part of the room. Only what moves has to be drawn, and of what rests the pixels on which something that
-moves casts a shadow.
+Afterwards they are a part of the room. Only what moves has to be drawn, and of what is stationary the pixels on which something
+that moves casts a shadow.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from rlbench_pin.sim.render.shots import NumpyShooting, Shot
 
 
 @dataclass(frozen=True, eq=False)
-class RestingLinks:
-    """Links at rest as the cameras of a group see them."""
+class StationaryLinks:
+    """Stationary links as the cameras of a group see them."""
 
     backdrops: Sequence[KeptBackdrop]
-    """The room as each camera sees it; with them if the camera rests."""
+    """The room as each camera sees it; with them if the camera is stationary."""
     is_kept: Sequence[bool]
-    """Which cameras rest."""
+    """Which cameras are stationary."""
     pixels: NDArray[np.int64]
     """Flat indices (n,) of the pixels that see them, image after image."""
     block: NDArray[np.int64]
@@ -35,7 +35,7 @@ class RestingLinks:
     """Their shadows."""
 
     def before(self, backdrops: Sequence[KeptBackdrop]) -> list[KeptBackdrop]:
-        """Return the room as the cameras see it now, with links at rest where it is kept."""
+        """Return the room as the cameras see it now, with stationary links where it is kept."""
         each = zip(self.backdrops, self.is_kept, backdrops, strict=True)
         return [kept if is_kept else room for kept, is_kept, room in each]
 
@@ -59,7 +59,7 @@ class RestingLinks:
         return shooting.shot(number, limit, again), shadows, spread(spread(near))
 
 
-def resting_links(
+def stationary_links(
     shooting: NumpyShooting,
     number: int,
     backdrops: Sequence[KeptBackdrop],
@@ -67,8 +67,8 @@ def resting_links(
     lighting: Lighting,
     light: CameraView,
     ids: NDArray[np.int32],
-) -> RestingLinks:
-    """Draw links at rest as the cameras of a group see them that rest.
+) -> StationaryLinks:
+    """Draw stationary links as the cameras of a group see them that are stationary.
 
     Args:
         shooting: What the cameras see.
@@ -80,16 +80,16 @@ def resting_links(
         ids: Mask ids of body b and link l at `[b, l + 1]`.
     """
     sheet = Sheet(backdrops, has_colors=True, has_ids=True)
-    shot, blocked, is_kept = shooting.resting(number, sheet.depth)
+    shot, blocked, is_kept = shooting.stationary(number, sheet.depth)
     shadows = ShadowMap(light, room.table_height, blocked)
     sheet.shade_tables(shadows, room.table_key)
     assert shot.normals is not None
     sheet.put_colors(shot, bytes_of(colors_in_light(shot, shot.normals, lighting, shadows, ())))
-    sheet.put_rest(shot, ids)
+    sheet.put_depth_and_ids(shot, ids)
     covered = np.zeros(len(sheet.depth), dtype=np.bool_)
     covered[shot.pixels] = True
     seen = [
-        backdrop if not is_one else backdrop.with_resting(sheet, n, covered, shadows)
+        backdrop if not is_one else backdrop.with_stationary(sheet, n, covered, shadows)
         for n, (backdrop, is_one) in enumerate(zip(backdrops, is_kept, strict=True))
     ]
-    return RestingLinks(seen, is_kept, shot.pixels, light_blocks(shot, light), shadows)
+    return StationaryLinks(seen, is_kept, shot.pixels, light_blocks(shot, light), shadows)
