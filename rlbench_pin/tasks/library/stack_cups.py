@@ -18,8 +18,8 @@ from rlbench_pin.tasks import (
 
 HEADINGS = np.arange(16) * np.pi / 8.0
 """Directions from the finger outside a cup to the one inside, best first [rad]."""
-LANE, LENGTH = 0.06, 0.15
-"""Half width and length of the free space beside a cup that the outer finger needs [m]."""
+LANE, LENGTH = 0.06, 0.185
+"""Half width and length of the space beside a cup without the middle of another, for the hand over a stack [m]."""
 
 
 class StackCups(Task):

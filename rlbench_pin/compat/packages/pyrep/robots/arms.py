@@ -1,7 +1,7 @@
 """Arms: kinematics, collisions, and paths through the world as it is now.
 
-There is one arm, the Panda; making another one raises an error that lists the available arms. Programs import a module
-per arm; all these names are aliases of this module.
+A program has the arm of its simulator, the Panda; making another one raises an error that lists the available arms. Programs
+import a module per arm; all these names are aliases of this module.
 """
 
 from __future__ import annotations
