@@ -117,6 +117,8 @@ class Demo(Sequence[Observation]):
         versions: Name -> version of the package and of the libraries it was made with.
         attempt: Which try of the seed this demo is, from 0.
         task_name: Snake-case name of the task.
+        robot: Name of the arm; empty in a demonstration of other programs.
+        joint_names: Names of its joints, in the order of joint positions.
     """
 
     random_seed: int | RandomState | None = (
@@ -129,6 +131,8 @@ class Demo(Sequence[Observation]):
     versions: Mapping[str, str] = MappingProxyType({})
     attempt: int = 0
     task_name: str = ""
+    robot: str = ""
+    joint_names: tuple[str, ...] = ()
 
     def __init__(
         self,
@@ -141,6 +145,8 @@ class Demo(Sequence[Observation]):
         versions: Mapping[str, str] | None = None,
         attempt: int = 0,
         task_name: str = "",
+        robot: str = "",
+        joint_names: Sequence[str] = (),
     ) -> None:
         self._observations = list(as_several(observations, "Demo.observations"))  # type: ignore[arg-type]
         self.random_seed = random_seed
@@ -151,6 +157,16 @@ class Demo(Sequence[Observation]):
         self.versions = {} if versions is None else dict(as_record(versions, Mapping, "Demo.versions"))  # type: ignore[type-abstract]
         self.attempt = as_whole(attempt, "Demo.attempt")
         self.task_name = as_text(task_name, "Demo.task_name")
+        self.robot = as_text(robot, "Demo.robot")
+        self.joint_names = as_names(as_several(joint_names, "Demo.joint_names"), "Demo.joint_names")
+
+    def with_observations(self, observations: Sequence[Observation]) -> Demo:
+        """Return the same demonstration as it was observed another time."""
+        names = (
+            "random_seed", "num_reset_attempts", "variation_number", "instructions", "state", "versions", "attempt",
+            "task_name", "robot", "joint_names",
+        )  # fmt: skip
+        return Demo(observations, **{name: getattr(self, name) for name in names})
 
     @property
     def seed(self) -> int | None:

@@ -39,6 +39,8 @@ class Item:
     """First seed of the whole check; it has the first of the variations drawn."""
     replays: int = 1_000_000
     """Seeds, from the first on, whose demonstrations are replayed."""
+    robot: str = "panda"
+    """Name of the arm."""
 
 
 @dataclass(frozen=True)

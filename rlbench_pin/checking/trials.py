@@ -36,7 +36,7 @@ from rlbench_pin.checking.validate import (
 from rlbench_pin.datasets import key_frame_actions
 from rlbench_pin.environment import DemoOutcome, Environment, TaskEnvironment
 from rlbench_pin.environment.episode import drawn_variations
-from rlbench_pin.environment.presets import joint_position_mode, key_frame_mode, low_dim_config, make_environment
+from rlbench_pin.environment.presets import joint_position_mode, key_frame_mode, low_dim_config
 from rlbench_pin.environment.replay import reaches_goal, replay_succeeds
 from rlbench_pin.environment.runtime import Listener, Runtime
 from rlbench_pin.errors import BoundaryError, InvalidActionError, PlanningError, ResetError
@@ -92,20 +92,18 @@ def work(item: Item) -> list[Trial]:
     """Do one item in an environment of its own."""
     name = find_task(item.task).get_name()
     try:
-        with _environment(item.part) as environment:
+        with _environment(item.part, item.robot) as environment:
             task = environment.get_task(find_task(item.task))
             return list(_trials(task, item))
     except Exception as error:  # a user's task may raise anything; the report says what
         return [RECORDS[item.part](task=name, seed=seed, variation=0, error=_text(error)) for seed in item.seeds]
 
 
-def _environment(part: Part) -> Environment:
+def _environment(part: Part, robot: str) -> Environment:
     """Return the environment of a part: actions are tip poses for key frames, joint positions for all others."""
-    if part == "key_frames":
-        return Environment(key_frame_mode(), obs_config=low_dim_config(), seed=0)
-    if part == "friction_only":
-        return Environment(joint_position_mode(), obs_config=low_dim_config(), attach_grasped_objects=False, seed=0)
-    return make_environment(low_dim_config())
+    mode = key_frame_mode() if part == "key_frames" else joint_position_mode()
+    attach = part != "friction_only"
+    return Environment(mode, obs_config=low_dim_config(), robot_setup=robot, attach_grasped_objects=attach, seed=0)
 
 
 def _trials(task: TaskEnvironment, item: Item) -> Iterator[Trial]:

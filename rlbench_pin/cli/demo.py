@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import tyro
 
-from rlbench_pin.cli.options import Cameras, Size, TaskName, check_at_least, check_folder, storing
+from rlbench_pin.cli.options import Cameras, RobotName, Size, TaskName, check_at_least, check_folder, storing
 from rlbench_pin.errors import DemoError
 from rlbench_pin.observation import CAMERAS, Demo, Observation
 
@@ -45,6 +45,8 @@ class RecordDemos:
     """Cameras whose images are stored."""
     max_attempts: int = 10
     """Attempts for each episode."""
+    robot: RobotName = "panda"
+    """Name of the arm."""
     json: bool = False
     """Print JSON for programs."""
 
@@ -56,7 +58,7 @@ class RecordDemos:
         check_at_least(self, variation=-1, seed=0, episodes=1, image_size=1, max_attempts=1)
         config, chosen = image_config(self.image_size, self.cameras), find_task(self.task)
         check_folder(self.out)
-        with make_environment(config) as environment:
+        with make_environment(config, robot=self.robot) as environment:
             task = environment.get_task(chosen)
             task.set_variation(self.variation)
             recorded = list(self._record_all(task))

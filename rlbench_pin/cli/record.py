@@ -27,6 +27,7 @@ from rlbench_pin.cli.options import (
     OnlyTasks,
     Products,
     RenderMode,
+    RobotName,
     Size,
     check_at_least,
     make_engine,
@@ -103,6 +104,8 @@ class Record:
     """Limit of the speed along the joint-space path [rad/s]."""
     arm_max_acceleration: float = 4.0
     """Limit of the acceleration along the joint-space path [rad/s^2]."""
+    robot: RobotName = "panda"
+    """Name of the arm."""
     out: Path = DEFAULT_OUT
     """Folder of the dataset."""
     json: bool = False
@@ -165,7 +168,10 @@ class Record:
             return type(self)
         config = read_recording(out)
         defaults = {
-            **{name: getattr(config, name) for name in ("episodes", "per_variation", "variations", "seed", "max_attempts")},
+            **{
+                name: getattr(config, name)
+                for name in ("episodes", "per_variation", "variations", "seed", "max_attempts", "robot")
+            },
             **{name: getattr(config.images, name) for name in ("image_size", "cameras", "products", "compression")},
             "renderer": config.images.render_mode,
             "arm_max_velocity": config.max_velocity,
@@ -191,6 +197,7 @@ class Record:
             max_attempts=self.max_attempts,
             max_velocity=self.arm_max_velocity,
             max_acceleration=self.arm_max_acceleration,
+            robot=self.robot,
             images=ImageConfig(
                 cameras=self.cameras,
                 products=self.products,

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rlbench_pin.compat.objects import Element, ObjectTable, UnsupportedCall
+from rlbench_pin.compat.objects.elements import robot_names
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.sim import ObjectJoint
@@ -360,9 +361,8 @@ def drive_of(table: ObjectTable, element: Element) -> JointDrive:
         joint = table.world.joint(element.name)
         owner, _, name = element.name.partition("/")
         return BodyJointDrive(joint, table.world.body(owner).model.joints[name].prismatic)
-    prismatic = table.robot_joint(element.name).kind == "prismatic"
-    index = int(element.name.rpartition("joint")[2]) - 1
-    return RobotJointDrive(FingerMotors() if "_gripper_" in element.name else ArmMotors(), index, prismatic)
+    is_finger, index = robot_names(table.runtime.description).place(element.name)
+    return RobotJointDrive(FingerMotors() if is_finger else ArmMotors(), index, prismatic=is_finger)
 
 
 @dataclass(frozen=True, eq=False)

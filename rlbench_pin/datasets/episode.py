@@ -13,7 +13,7 @@ import h5py
 import numpy as np
 
 from rlbench_pin.datasets.inspection_child import is_oversized
-from rlbench_pin.datasets.manifest import LARGEST, MAX_FRAMES, is_text_map, is_texts, is_whole, short
+from rlbench_pin.datasets.manifest import LARGEST, MAX_FRAMES, ONLY_ARM, is_text_map, is_texts, is_whole, short
 from rlbench_pin.datasets.series import from_json, read_series
 from rlbench_pin.datasets.trust import Inspector, check_file, file_stamp
 from rlbench_pin.datasets.writer import DESCRIPTIONS, FORMAT, VERSION
@@ -23,6 +23,7 @@ from rlbench_pin.values import as_names, as_path, as_record, as_text
 
 _MAX_VARIATIONS = 2**31 - 1
 _LONGEST_NAME = 1000
+_ONLY_JOINTS = tuple(f"panda_joint{i}" for i in range(1, 8))  # those of `ONLY_ARM`
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,8 @@ class Head:
     attempt: int
     instructions: tuple[str, ...]
     versions: dict[str, str]
+    robot: str
+    joint_names: tuple[str, ...]
     random_seed: int | RandomState | None
     num_reset_attempts: int | None
     describes: bool
@@ -54,7 +57,12 @@ def read_head(attributes: dict[str, Any]) -> Head:
         raise ValueError(f"its instructions are {short(instructions)}, not a list of texts")
     if not is_text_map(versions):
         raise ValueError(f"its versions are {short(versions)}, not texts by name")
-    assert isinstance(instructions, list) and isinstance(versions, dict)
+    robot, joints = attributes.get("robot", ONLY_ARM), attributes.get("joint_names", list(_ONLY_JOINTS))
+    if not isinstance(robot, str) or len(robot) > _LONGEST_NAME:
+        raise ValueError(f"its robot is {short(robot)}, not a name")
+    if not is_texts(joints):
+        raise ValueError(f"its joint names are {short(joints)}, not a list of texts")
+    assert isinstance(instructions, list) and isinstance(versions, dict) and isinstance(joints, list)
     resets = "num_reset_attempts"
     return Head(
         frames=_whole(attributes, "frames", 1, MAX_FRAMES),
@@ -63,6 +71,8 @@ def read_head(attributes: dict[str, Any]) -> Head:
         attempt=_whole(attributes, "attempt"),
         instructions=tuple(instructions),
         versions=versions,
+        robot=robot,
+        joint_names=tuple(joints),
         random_seed=_seed(attributes),
         num_reset_attempts=_whole(attributes, resets) if resets in attributes else None,
         describes=_flag(attributes, "descriptions"),
@@ -94,7 +104,7 @@ def _flag(attributes: dict[str, Any], name: str) -> bool:
 
 
 _GROUPS = ("observations", "misc")
-_JSON = ("instructions", "versions", "random_state")
+_JSON = ("instructions", "versions", "joint_names", "random_state")
 """Attributes that are JSON."""
 
 
@@ -164,6 +174,16 @@ class Episode:
         """Variation of the task."""
         with self._named():
             return self._head.variation
+
+    @property
+    def robot(self) -> str:
+        """Name of the arm."""
+        return self._head.robot
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of the joints of the arm, in the order of joint positions."""
+        return self._head.joint_names
 
     @property
     def instructions(self) -> tuple[str, ...]:
@@ -250,6 +270,8 @@ class Episode:
                 versions=head.versions,
                 attempt=head.attempt,
                 task_name=head.task,
+                robot=head.robot,
+                joint_names=head.joint_names,
             )
 
     def _read_state(self) -> dict[str, np.ndarray] | None:

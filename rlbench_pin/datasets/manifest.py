@@ -25,6 +25,8 @@ LARGEST = 2**64 - 1
 """The largest number that a dataset stores."""
 MAX_FRAMES = 10_000_000
 """More frames than any episode has."""
+ONLY_ARM = "panda"
+"""The arm of episodes that do not name theirs: they are older than the other arms."""
 _SHOWN = 60
 
 
@@ -94,6 +96,8 @@ class EpisodeEntry:
     versions: dict[str, str] = field(default_factory=dict)
     failures: list[str] = field(default_factory=list)
     """Why each earlier attempt of the seed failed."""
+    robot: str = ONLY_ARM
+    """Name of the arm."""
 
     def check(self, manifest: Path) -> None:
         """Raise EpisodeFileError when the entry points anywhere but to its own place in the folder of the task."""
@@ -123,6 +127,7 @@ _FIELDS: dict[str, Callable[[object], bool]] = {
     "instructions": is_texts,
     "versions": is_text_map,
     "failures": is_texts,
+    "robot": lambda value: isinstance(value, str),
 }
 """Check of each field of an entry."""
 

@@ -11,7 +11,7 @@ from typing import Literal, get_args
 import h5py
 
 from rlbench_pin.datasets.layout import check_inside, episode_file, episode_path, manifest_path
-from rlbench_pin.datasets.manifest import EpisodeEntry, append_entry, digest, locked_manifest
+from rlbench_pin.datasets.manifest import ONLY_ARM, EpisodeEntry, append_entry, digest, locked_manifest
 from rlbench_pin.datasets.series import to_json, write_series
 from rlbench_pin.datasets.storage import write_whole
 from rlbench_pin.errors import DatasetError
@@ -87,6 +87,8 @@ def _write_head(file: h5py.File, demo: Demo) -> None:
     file.attrs["task"] = demo.task_name
     file.attrs["variation"] = demo.variation_number
     file.attrs["attempt"] = demo.attempt
+    if demo.robot:
+        file.attrs["robot"], file.attrs["joint_names"] = demo.robot, to_json(list(demo.joint_names))
     file.attrs["instructions"] = to_json(list(demo.instructions))
     file.attrs["versions"] = to_json(dict(demo.versions))
     if demo.seed is not None:
@@ -196,6 +198,7 @@ def episode_entry(demo: Demo, data: bytes, number: int, failures: Sequence[str] 
         instructions=list(demo.instructions),
         versions=dict(demo.versions),
         failures=list(failures),
+        robot=demo.robot or ONLY_ARM,
     )
 
 

@@ -292,6 +292,8 @@ def play_demo(
             versions=library_versions(),
             attempt=origin.attempt,
             task_name=runtime.task.get_name(),
+            robot=runtime.model.description.name,
+            joint_names=runtime.model.description.arm_joints,
         )
     duration = runtime.world.time - began
     return DemoOutcome(not cause, cause, waypoint, demo, player.planning_time, duration, tuple(player.segments))
@@ -326,17 +328,22 @@ def live_demos(play: Callable[[int, int], DemoOutcome], task: Task, seeds: Itera
     return demos
 
 
-def check_start(demo: Demo, task_name: str) -> int:
+def check_start(demo: Demo, task_name: str, robot: str) -> int:
     """Return the seed of a demonstration, from which its task is set up.
 
     Where it carries the state of a generator instead, its snapshot says where everything is, and the seed is a hash of the state.
 
     Raises:
-        TaskEnvironmentError: It is of another task than `task_name`, or carries no seed, or a state without a snapshot.
+        TaskEnvironmentError: It is of another task or arm than these, or carries no seed, or a state without a snapshot.
     """
     as_record(demo, Demo, "demo", InvalidArgument)
     if demo.task_name and demo.task_name != task_name:
         raise TaskEnvironmentError(f"The demonstration shows '{demo.task_name}', this is '{task_name}'.")
+    if demo.robot not in ("", robot):
+        raise TaskEnvironmentError(
+            f"The demonstration was made with the arm '{demo.robot}', this is '{robot}'. "
+            f"Use Environment(robot_setup='{demo.robot}')."
+        )
     if demo.random_seed is None:
         raise TaskEnvironmentError("The demonstration carries no seed, so its start cannot be restored. Record it again.")
     if not isinstance(demo.random_seed, tuple):

@@ -12,6 +12,7 @@ from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.observations.config import CameraConfig, ExtraCamera, ObservationConfig
 from rlbench_pin.errors import InvalidCamera
 from rlbench_pin.observation import CAMERAS
+from rlbench_pin.robot.description import DEFAULT_ROBOT
 from rlbench_pin.sim import RendererName, look_at
 from rlbench_pin.spatial import above_table
 from rlbench_pin.values import as_names
@@ -63,12 +64,17 @@ def clear_view(image_size: tuple[int, int] = (128, 128)) -> dict[str, ExtraCamer
 
 
 def make_environment(
-    config: ObservationConfig, renderer: RendererName = "cpu", max_velocity: float = 1.0, max_acceleration: float = 4.0
+    config: ObservationConfig,
+    renderer: RendererName = "cpu",
+    max_velocity: float = 1.0,
+    max_acceleration: float = 4.0,
+    robot: str = DEFAULT_ROBOT,
 ) -> Environment:
     """An environment whose actions are the ones that demonstrations record: absolute joint positions and the gripper."""
     return Environment(
         joint_position_mode(),
         obs_config=config,
+        robot_setup=robot,
         arm_max_velocity=max_velocity,
         arm_max_acceleration=max_acceleration,
         seed=0,

@@ -304,9 +304,9 @@ class TaskEnvironment:
         """Start as a demonstration did: its seed sets up the task, its snapshot the very state.
 
         Raises:
-            TaskEnvironmentError: The demonstration is of another task or carries no seed.
+            TaskEnvironmentError: The demonstration is of another task or arm, or carries no seed.
         """
-        seed = demos.check_start(demo, self.get_name())
+        seed = demos.check_start(demo, self.get_name(), self._runtime.model.description.name)
         self.set_variation(demo.variation_number)
         self._start(seed, demo.attempt)
         demos.restore_start(self._runtime, demo)

@@ -36,6 +36,7 @@ from rlbench_pin.errors import (
     shown,
 )
 from rlbench_pin.observation import LOW_DIM, Demo, Observation
+from rlbench_pin.robot.description import DEFAULT_ROBOT
 from rlbench_pin.sim import CameraView, RendererName, World, look_at
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import Task
@@ -212,9 +213,10 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         image_size: Width and height of images [px]; None is 128 by 128. Only with `vision`.
         renderer: Renderer of images: `cpu`, `egl` or `auto`.
         cameras: Cameras of vision observations; None is `VISION_CAMERAS`. Only with `vision`.
+        robot: Name of the arm.
 
     Raises:
-        UnknownName: No such task, mode, camera, choice or argument.
+        UnknownName: No such task, mode, camera, arm, choice or argument.
         InvalidArgument: `cameras` or `image_size` without `vision`.
         TaskError: The task file cannot be loaded.
         WindowMissing: `human` without a screen or without pygame.
@@ -236,10 +238,11 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         image_size: tuple[int, int] | None = None,
         renderer: RendererName = "cpu",
         cameras: Sequence[str] | None = None,
+        robot: str = DEFAULT_ROBOT,
     ) -> None:
         EzPickle.__init__(
             self, task, observation_mode, render_mode, action_mode, variation=variation, shaped_rewards=shaped_rewards,
-            invalid_action=invalid_action, image_size=image_size, renderer=renderer, cameras=cameras,
+            invalid_action=invalid_action, image_size=image_size, renderer=renderer, cameras=cameras, robot=robot,
         )  # fmt: skip
         _check_choice("observation mode", observation_mode, OBSERVATION_MODES)
         _check_choice("handling of invalid actions", invalid_action, INVALID_ACTIONS)
@@ -255,7 +258,9 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         seen = VISION_CAMERAS if cameras is None else as_names(cameras, "cameras", InvalidCamera)
         size = as_image_size((128, 128) if image_size is None else image_size, "image_size", InvalidCamera)
         mode, settings = _own_copy(action_mode), boxed_settings(seen, size)
-        self._environment = Environment(mode, obs_config=settings, shaped_rewards=shaped_rewards, renderer=renderer)
+        self._environment = Environment(
+            mode, obs_config=settings, robot_setup=robot, shaped_rewards=shaped_rewards, renderer=renderer
+        )
         try:
             self._load(task, variation, seen, size)
         except BaseException:

@@ -19,6 +19,7 @@ from rlbench_pin.environment.observations.config import ObservationConfig, Rende
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.errors import EpisodeFileError, InvalidArgument, InvalidCamera, RlbenchPinError, TaskEnvironmentError
 from rlbench_pin.observation import CAMERAS, PRODUCTS
+from rlbench_pin.robot.description import DEFAULT_ROBOT, robot_description
 from rlbench_pin.sim import RENDERERS, RendererName
 from rlbench_pin.tasks import Task, find_task, task_digest
 from rlbench_pin.values import as_choice, as_flag, as_image_size, as_names, as_number, as_path, as_record, as_seed, as_whole
@@ -73,14 +74,15 @@ class ImageConfig:
         shapes = {"rgb": (*plain, 3), "depth": plain, "mask": plain, "point_cloud": (*plain, 3)}
         return {f"{camera}_{product}": shapes[product] for camera in self.cameras for product in self.products}
 
-    def environment(self, max_velocity: float = 1.0, max_acceleration: float = 4.0) -> Environment:
+    def environment(self, max_velocity: float = 1.0, max_acceleration: float = 4.0, robot: str = DEFAULT_ROBOT) -> Environment:
         """Return an environment with these images and with the actions that demonstrations record.
 
         Args:
             max_velocity: Cap on the speed of motions along the joint-space path [rad/s].
             max_acceleration: Cap on how fast that speed changes [rad/s^2].
+            robot: Name of the arm.
         """
-        return make_environment(self.obs_config(), self.renderer, max_velocity, max_acceleration)
+        return make_environment(self.obs_config(), self.renderer, max_velocity, max_acceleration, robot)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,12 +107,15 @@ class RecordConfig:
     """Cap on the speed of motions along the joint-space path [rad/s]."""
     max_acceleration: float = 4.0
     """Cap on how fast that speed changes [rad/s^2]."""
+    robot: str = DEFAULT_ROBOT
+    """Name of the arm."""
     images: ImageConfig = field(default_factory=ImageConfig)
     """Images of the episodes."""
 
     def __post_init__(self) -> None:
         """Raise InvalidArgument for a number that records nothing (also a TaskEnvironmentError)."""
         as_seed(self.seed, "seed", InvalidArgument)
+        object.__setattr__(self, "robot", robot_description(self.robot).name)
         for name, least in (("episodes", 1), ("max_attempts", 1), ("variations", ALL_VARIATIONS)):
             as_whole(getattr(self, name), name, InvalidArgument, least=least, most=MOST)
         if self.variations == 0:
@@ -148,13 +153,15 @@ class WorkItem:
     """Cap on the speed of motions along the joint-space path [rad/s]."""
     max_acceleration: float = 4.0
     """Cap on how fast that speed changes [rad/s^2]."""
+    robot: str = DEFAULT_ROBOT
+    """Name of the arm."""
     task_digest: str = ""
     """SHA-256 of the files of the task; not compared when empty."""
 
     @property
-    def speed(self) -> tuple[float, float]:
-        """Limits of velocity and acceleration."""
-        return self.max_velocity, self.max_acceleration
+    def arm(self) -> tuple[float, float, str]:
+        """Limits of velocity and acceleration, and name of the arm."""
+        return self.max_velocity, self.max_acceleration, self.robot
 
     @property
     def key(self) -> tuple[str, int, int]:
@@ -174,7 +181,7 @@ def plan_items(config: RecordConfig, tasks: Mapping[str, type[Task]] | None = No
     """
     tasks = {name: find_task(name) for name in config.tasks} if tasks is None else tasks
     items: list[WorkItem] = []
-    with ImageConfig(products=()).environment() as environment:
+    with ImageConfig(products=()).environment(robot=config.robot) as environment:
         for name, task in tasks.items():
             count, files = environment.get_task(task).variation_count(), task_digest(task)
             planned = _task_items(config, name, task.get_name(), _variations(config, count))
@@ -199,7 +206,7 @@ def _item(config: RecordConfig, task: str, name: str, variation: int, index: int
     seed = item_seed(config.seed, name, variation, index)
     return WorkItem(
         task, name, variation, index, seed, tuple(range(config.max_attempts)),
-        max_velocity=config.max_velocity, max_acceleration=config.max_acceleration,
+        max_velocity=config.max_velocity, max_acceleration=config.max_acceleration, robot=config.robot,
     )  # fmt: skip
 
 
@@ -251,6 +258,7 @@ def common_flags(config: RecordConfig) -> dict[str, str]:
     return {
         "--seed": f"{config.seed}",
         "--max-attempts": f"{config.max_attempts}",
+        "--robot": config.robot,
         "--cameras": " ".join(images.cameras),
         "--products": " ".join(images.products),
         "--image-size": "{} {}".format(*images.image_size),

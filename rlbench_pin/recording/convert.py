@@ -38,14 +38,25 @@ from rlbench_pin.environment.actions.safe_arm import unwrapped
 from rlbench_pin.environment.demos import EXTRA_TICKS
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.environment.task_environment import TaskEnvironment
-from rlbench_pin.errors import DemoError, InvalidActionError
+from rlbench_pin.errors import DemoError, InvalidActionError, PlanningError
 from rlbench_pin.observation import Demo
+from rlbench_pin.planning.kinematics import descend, solve_ik
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray, compose, inverse, relative
 from rlbench_pin.values import as_number, as_record
 
 POSITION_SHARE = 0.5
 """g: share of the position error that a tick of torques removes."""
+FIRST_CONFIGURATIONS = 8
+"""Configurations of another arm from which its tip tries to follow."""
+TICKS_SKIPPED = 5
+"""Ticks at the begin of a demonstration that another arm leaves out at a time while it does not reach them."""
+LARGEST_STEP = 0.5
+"""Largest turn of a joint of another arm between two ticks of the demonstration [rad]; beyond it the arm would flip."""
+SPEED_SHARE = 0.8
+"""Share of the velocity limits at which another arm follows."""
+LARGEST_SPEED = 1.0
+"""Its joints are never faster than this [rad/s]."""
 BIAS_SHARE = 0.5
 """Share of the unexplained acceleration of a tick that is taken as permanent."""
 
@@ -66,7 +77,9 @@ class _Moment:
     """Whether the gripper moves after the tick, so that the arm comes to rest."""
 
 
-def convert_demo(demo: Demo, action_mode: ActionMode, model: RobotModel, dt: float = 0.05) -> list[FloatArray]:
+def convert_demo(
+    demo: Demo, action_mode: ActionMode, model: RobotModel, dt: float = 0.05, robot: RobotModel | None = None
+) -> list[FloatArray]:
     """Return the actions of a demonstration in another action mode, one for every frame after the first.
 
     Velocities and their changes are found by following the motion of the arm model, so that rounding does not add up.
@@ -76,15 +89,20 @@ def convert_demo(demo: Demo, action_mode: ActionMode, model: RobotModel, dt: flo
         action_mode: The mode to convert to.
         model: The arm that made the demonstration.
         dt: Its control tick [s].
+        robot: Another arm that is to do the same, from its home: it goes to the first pose of the tip that it reaches, before any
+            motion of the gripper, then its tip follows that of the demonstration. Where a joint would be too fast, a tick becomes
+            several.
 
     Raises:
-        DemoError: The demonstration lacks what the conversion needs.
+        DemoError: The demonstration lacks what the conversion needs, or the tip of the other arm cannot follow.
         InvalidActionError: The mode cannot express a demonstration.
     """
     as_record(action_mode, ActionMode, "action_mode")
     as_record(model, RobotModel, "model")
     dt = as_number(dt, "the control tick dt [s]", above=0.0)
     moments = _moments(demo)
+    if robot is not None:
+        moments, model = _followed(moments, model, as_record(robot, RobotModel, "robot"), dt), robot
     finger = _finger_conversion(action_mode, model)
     mode = unwrapped(action_mode.arm_action_mode)
     return [np.append(arm, finger(m)) for arm, m in zip(_arm_actions(mode, moments, model, dt), moments, strict=True)]
@@ -110,6 +128,58 @@ def _moments(demo: Demo) -> list[_Moment]:
         moments.append(_Moment(before.joint_positions, before.joint_velocities, target, now, now != amount))
         amount = now
     return moments
+
+
+def _followed(moments: Sequence[_Moment], model: RobotModel, robot: RobotModel, dt: float) -> list[_Moment]:
+    """Return the moments of another arm whose tip follows the targets, from the first one that it reaches.
+
+    Raises:
+        DemoError: It cannot.
+    """
+    poses = [model.tip_se3(m.target) for m in moments]
+    free = next((k for k, m in enumerate(moments) if m.gripper_moves), len(moments) - 1)
+    reached = 0
+    for first in range(0, free + 1, TICKS_SKIPPED):
+        for start in _configurations(robot, poses[first]):
+            path = [start]
+            for pose in poses[first + 1 :]:
+                descent = descend(robot, pose, path[-1])
+                if not descent.converged or np.abs(descent.q - path[-1]).max() > LARGEST_STEP:
+                    break
+                path.append(descent.q)
+            reached = max(reached, first + len(path))
+            if first + len(path) == len(poses):
+                return _timed(moments[first:], path, robot, dt)
+    raise DemoError(
+        f"The tip of the '{robot.description.name}' follows the demonstration to tick {reached} of {len(poses)} at most; "
+        "then it is out of reach or near a singularity. Try another seed."
+    )
+
+
+def _configurations(robot: RobotModel, pose: pin.SE3) -> list[FloatArray]:
+    """Return configurations that reach a pose, the nearest to home first; none where it is out of reach."""
+    goal = np.append(pose.translation, pin.Quaternion(pose.rotation).coeffs())
+    try:
+        return solve_ik(robot, goal, robot.home, np.random.default_rng(0), starts=20, max_solutions=FIRST_CONFIGURATIONS)
+    except PlanningError:
+        return []
+
+
+def _timed(moments: Sequence[_Moment], path: Sequence[FloatArray], robot: RobotModel, dt: float) -> list[_Moment]:
+    """Return the moments of a path (ticks, n) from home, with as many ticks as the joints need."""
+    q, v = robot.home, np.zeros(robot.size)
+    largest = SPEED_SHARE * dt * np.minimum(robot.limits.velocity, LARGEST_SPEED)
+    timed: list[_Moment] = []
+    for m, goal in zip(moments, path, strict=True):
+        count = max(1, int(np.ceil(np.max(np.abs(goal - q) / largest))))
+        begin = q
+        for k in range(1, count + 1):
+            target = begin + (goal - begin) * k / count
+            moves = m.gripper_moves and k == count
+            amount = m.amount if moves or not m.gripper_moves else 1.0 - m.amount
+            timed.append(_Moment(q, v, target, amount, moves))
+            q, v = target, np.zeros(robot.size) if moves else (target - q) / dt
+    return timed
 
 
 def _arm_actions(mode: object, moments: Sequence[_Moment], model: RobotModel, dt: float) -> Iterator[FloatArray]:

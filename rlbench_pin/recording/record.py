@@ -82,7 +82,7 @@ class Recorder:
         self._environment: Environment | None = None
         self._task: TaskEnvironment | None = None
         self._loaded = ""
-        self._speed: tuple[float, float] | None = None
+        self._arm: tuple[float, float, str] | None = None
         self._made = 0
 
     def make(self, item: WorkItem) -> ItemResult:
@@ -134,11 +134,11 @@ class Recorder:
         return replay_demo(task, stored)
 
     def _load(self, item: WorkItem) -> TaskEnvironment:
-        if self._speed != item.speed:
+        if self._arm != item.arm:
             self.close()
         if self._task is None or self._loaded != item.task:
             if self._environment is None:
-                self._environment, self._speed = self.config.environment(*item.speed), item.speed
+                self._environment, self._arm = self.config.environment(*item.arm), item.arm
             self._task, self._loaded = self._environment.get_task(_task_of(item)), item.task
         return self._task
 

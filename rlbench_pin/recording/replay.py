@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,11 +12,13 @@ import numpy as np
 from rlbench_pin.datasets import counted_demo, counted_files, read_demo, stored_tasks
 from rlbench_pin.datasets.trust import Inspector
 from rlbench_pin.environment.demos import library_versions
+from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.environment.replay import replay_succeeds
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import DemoError
 from rlbench_pin.observation import LOW_DIM, Demo, Observation
+from rlbench_pin.robot.description import DEFAULT_ROBOT
 from rlbench_pin.tasks import OwnTasks, stored_task
 from rlbench_pin.values import as_flag, as_path, as_record, as_several
 
@@ -46,17 +49,9 @@ def replay_demo(task: TaskEnvironment, stored: Demo) -> Demo:
         _keep_flag(observation, recorded)
         _compare(observation.joint_positions, recorded.joint_positions, index, stored)
         frames.append(observation)
-    return Demo(
-        frames,
-        random_seed=stored.random_seed,
-        num_reset_attempts=stored.num_reset_attempts,
-        variation_number=stored.variation_number,
-        instructions=stored.instructions,
-        state=stored.state,
-        versions=library_versions(),
-        attempt=stored.attempt,
-        task_name=stored.task_name,
-    )
+    again = stored.with_observations(frames)
+    again.versions = library_versions()
+    return again
 
 
 def _keep_flag(observation: Observation, recorded: Observation) -> None:
@@ -107,13 +102,17 @@ def replay_stored(
 
 
 def _replayed(paths: Sequence[Path], own: OwnTasks, trust_task_files: bool) -> Iterator[ReplayResult]:
-    with make_environment(low_dim_config()) as environment:
+    with ExitStack() as stack:
+        environments: dict[str, Environment] = {}
         task: TaskEnvironment | None = None
-        loaded: tuple[Path, str] | None = None
+        loaded: tuple[Path, str, str] | None = None
         for path, demo in _episodes(paths):
-            wanted = (_root_of(path), demo.task_name)
+            wanted = (_root_of(path), demo.task_name, demo.robot or DEFAULT_ROBOT)
             if task is None or loaded != wanted:
-                task, loaded = environment.get_task(stored_task(*wanted, own, trust_task_files)), wanted
+                *_, robot = wanted
+                if robot not in environments:
+                    environments[robot] = stack.enter_context(make_environment(low_dim_config(), robot=robot))
+                task, loaded = environments[robot].get_task(stored_task(*wanted[:2], own, trust_task_files)), wanted
             task.reset_to_demo(demo)
             yield ReplayResult(path, replay_succeeds(task, demo))
 

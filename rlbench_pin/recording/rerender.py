@@ -16,6 +16,7 @@ from rlbench_pin.errors import DatasetConflict, DatasetError, EpisodeFileError
 from rlbench_pin.processes import Engine
 from rlbench_pin.recording.config import ImageConfig, WorkItem
 from rlbench_pin.recording.record import OnProgress, RecordReport, check_work, run_items
+from rlbench_pin.robot.description import DEFAULT_ROBOT, robot_description
 from rlbench_pin.tasks import OwnTasks, Task, keep_tasks, stored_task, task_class, task_digest, task_origin, task_reference
 from rlbench_pin.values import as_path, as_record, as_several
 
@@ -37,6 +38,8 @@ class EpisodeSeed:
     """Seed of the episode."""
     attempt: int
     """Number of the attempt of the seed."""
+    robot: str = DEFAULT_ROBOT
+    """Name of the arm."""
 
     def check(self) -> None:
         """Raise DatasetError or ValueError unless the task name and the numbers are valid, because paths are made of them."""
@@ -44,6 +47,7 @@ class EpisodeSeed:
         for name in ("variation", "episode", "seed", "attempt"):
             if not is_whole(value := getattr(self, name)):
                 raise ValueError(f"{name}={short(value)} of '{self.task}' is not a number from 0 on")
+        robot_description(self.robot)
 
 
 def seeds_of(root: Path, tasks: Sequence[str] = ()) -> list[EpisodeSeed]:
@@ -173,7 +177,8 @@ def _at_least_one(source: Path, items: list[WorkItem]) -> list[WorkItem]:
 
 
 def _item(seed: EpisodeSeed, source: str = "", sha256: str = "") -> WorkItem:
-    return WorkItem(seed.task, seed.task, seed.variation, seed.episode, seed.seed, (seed.attempt,), source, sha256)
+    found_by = (seed.task, seed.task, seed.variation, seed.episode, seed.seed, (seed.attempt,))
+    return WorkItem(*found_by, source, sha256, robot=seed.robot)
 
 
 def _entries(root: Path, tasks: Sequence[str]) -> list[tuple[str, EpisodeEntry]]:
@@ -183,4 +188,4 @@ def _entries(root: Path, tasks: Sequence[str]) -> list[tuple[str, EpisodeEntry]]
 def _seed(task: str, entry: EpisodeEntry) -> EpisodeSeed:
     if entry.random_seed is None:
         raise DatasetError(f"'{entry.file}' of '{task}' has no seed, so it cannot be made again.")
-    return EpisodeSeed(task, entry.variation, entry.episode, entry.random_seed, entry.attempt)
+    return EpisodeSeed(task, entry.variation, entry.episode, entry.random_seed, entry.attempt, entry.robot)

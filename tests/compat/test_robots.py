@@ -17,10 +17,16 @@ from pyrep.robots.arms.panda import Panda
 from pyrep.robots.arms.ur5 import UR5
 from pyrep.robots.end_effectors.panda_gripper import PandaGripper
 from pyrep.robots.end_effectors.robotiq85_gripper import Robotiq85Gripper
+from rlbench.action_modes.action_mode import MoveArmThenGripper
+from rlbench.action_modes.arm_action_modes import JointVelocity
+from rlbench.action_modes.gripper_action_modes import Discrete
 from rlbench.backend.robot import Robot
 from rlbench.const import SUPPORTED_ROBOTS, colors
+from rlbench.environment import Environment
+from rlbench.tasks import ReachTarget
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.environment import ObservationConfig
+from rlbench_pin.robot import UnknownRobot
 from rlbench_pin.tasks import task_class
 
 DOWN = [0.0, 1.0, 0.0, 0.0]
@@ -215,7 +221,7 @@ def test_a_second_arm_and_arms_that_are_missing_are_refused(simulator: Simulator
     with pytest.raises(UnsupportedCall, match="a world has one robot"):
         Panda(1)
     for missing in (Jaco, UR5, Robotiq85Gripper):
-        with pytest.raises(UnsupportedCall, match="the catalogue has panda"):
+        with pytest.raises(UnsupportedCall, match="the robot of this world is the panda"):
             missing()
     with pytest.raises(NotImplementedError, match="one process per robot"):
         Panda().copy()
@@ -382,3 +388,22 @@ def test_a_second_hand_is_refused(robot: Robot) -> None:
     """A world has one."""
     with pytest.raises(UnsupportedCall, match="one robot"):
         PandaGripper(1)
+
+
+@pytest.mark.simulation
+@pytest.mark.parametrize(("setup", "arm", "gripper"), [("ur5", "UR5", "ROBOTIQ_85"), ("jaco", "Jaco", "JacoHand")])
+def test_a_program_with_another_arm(setup: str, arm: str, gripper: str) -> None:
+    """It steps and gets a demonstration; names of arm, gripper and joints are RLBench's."""
+    with Environment(MoveArmThenGripper(JointVelocity(), Discrete()), headless=True, robot_setup=setup) as environment:
+        task = environment.get_task(ReachTarget)
+        _, observation = task.reset()
+        assert observation.joint_positions.shape == (6,)
+        task.step(np.zeros(7))
+        robot = environment._robot
+        assert (robot.arm.get_name(), robot.gripper.get_name()) == (arm, gripper)
+        assert [joint.get_name() for joint in robot.arm.joints] == [f"{arm}_joint{k}" for k in range(1, 7)]
+        (demo,) = task.get_demos(1, live_demos=True)
+        assert task.reset_to_demo(demo)
+    for missing in ("sawyer", "mico"):
+        with pytest.raises(UnknownRobot, match="jaco, panda, ur5"):
+            Environment(MoveArmThenGripper(JointVelocity(), Discrete()), robot_setup=missing)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from contextlib import closing
 
 import gymnasium
 import numpy as np
@@ -21,6 +22,7 @@ from rlbench_pin.environment import (
 )
 from rlbench_pin.errors import EnvironmentClosed
 from rlbench_pin.gym import GymnasiumEnv
+from rlbench_pin.robot import UnknownRobot
 from rlbench_pin.tasks import task_class
 from tests.gym.support import episode
 
@@ -131,3 +133,15 @@ def test_a_pickled_environment_is_built_anew() -> None:
         before = episode(env, 4)
         with pickle.loads(pickle.dumps(env)) as copy:
             assert data_equivalence(before, episode(copy, 4), exact=True)
+
+
+@pytest.mark.simulation
+def test_another_arm_is_a_keyword() -> None:
+    """Six joints and the fingers in actions; an unknown arm is refused."""
+    with closing(gymnasium.make("rlbench_pin/reach_target-state-v0", robot="ur5e")) as environment:
+        assert environment.action_space.shape == (7,)
+        observation, _ = environment.reset(seed=0)
+        assert observation["joint_positions"].shape == (6,)
+        environment.step(environment.action_space.sample())
+    with pytest.raises(UnknownRobot, match="ur5e"):
+        gymnasium.make("rlbench_pin/reach_target-state-v0", robot="sawyer")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from rlbench_pin.environment import (
@@ -16,9 +18,11 @@ from rlbench_pin.environment import (
     MoveArmThenGripper,
 )
 from rlbench_pin.environment.actions.modes import ArmActionMode
-from rlbench_pin.environment.presets import low_dim_config
-from rlbench_pin.errors import InvalidActionError
+from rlbench_pin.environment.presets import low_dim_config, make_environment
+from rlbench_pin.environment.replay import reaches_goal
+from rlbench_pin.errors import DemoError, InvalidActionError
 from rlbench_pin.recording import convert_by_playing, convert_demo, verify
+from rlbench_pin.robot import RobotModel
 
 MODES = [
     JointPosition(),
@@ -84,3 +88,23 @@ def test_what_cannot_be_converted_says_so() -> None:
         for arm in (ERJointViaIK(), JointTorque(absolute_mode=False)):
             with pytest.raises(InvalidActionError, match=type(arm).__name__):
                 convert_demo(demo, MoveArmThenGripper(arm, Discrete()), task.runtime.model)
+
+
+@pytest.mark.simulation
+@pytest.mark.parametrize("arm", [JointPosition(), EndEffectorPoseViaIK()], ids=lambda a: type(a).__name__)
+def test_another_arm_follows_the_tip(arm: ArmActionMode) -> None:
+    """A demonstration of the Panda lifts the cube with the UR5e, in more ticks; one that reaches too far is refused."""
+    mode = MoveArmThenGripper(arm, Discrete())
+    with (
+        make_environment(low_dim_config()) as first,
+        Environment(mode, obs_config=low_dim_config(), robot_setup="ur5e", seed=0) as second,
+    ):
+        task, other = first.get_task("pick_and_lift"), second.get_task("pick_and_lift")
+        (demo,) = task.get_demos(1, live_demos=True, seed=3)
+        other.reset(seed=3)
+        actions = convert_demo(demo, mode, task.runtime.model, robot=other.runtime.model)
+        assert len(actions) > len(demo) - 1
+        assert reaches_goal(other, actions)
+        short = RobotModel(replace(other.runtime.model.description, base_pose=(5.0, 0.0, 0.75, 0.0, 0.0, 0.0, 1.0)))
+        with pytest.raises(DemoError, match="'ur5e' follows the demonstration to tick 0 of"):
+            convert_demo(demo, mode, task.runtime.model, robot=short)

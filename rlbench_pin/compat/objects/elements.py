@@ -57,15 +57,40 @@ CAMERA_NAMES = {
     "cam_front": "front",
 }
 """RLBench's name of a camera of observations -> our name."""
-GRIP_SENSOR = "_gripper_attachProxSensor"
-"""Suffix of the name of the sensor between the fingers."""
+GRIP_SENSOR = "_attachProxSensor"
+"""Suffix to the name of a gripper: the sensor between its fingers."""
 MASK_SUFFIX = "_mask"
 """Suffix of the name of a mask camera."""
 
 
-def robot_prefix(robot: RobotDescription) -> str:
-    """Return the prefix of the names of the arm, such as `Panda`."""
-    return robot.name[:1].upper() + robot.name[1:]
+@dataclass(frozen=True)
+class RobotNames:
+    """Names of the parts of an arm in programs."""
+
+    arm: str
+    """The arm; its joints are `<arm>_joint1`, ..., its tip is `<arm>_tip`."""
+    gripper: str
+    """The gripper."""
+    finger: str
+    """Its joints without their numbers."""
+
+    def place(self, joint: str) -> tuple[bool, int]:
+        """Return whether a joint is one of the gripper, and its place there or in the arm."""
+        is_finger = joint.startswith(self.finger)
+        return is_finger, int(joint.removeprefix(self.finger if is_finger else f"{self.arm}_joint")) - 1
+
+
+_ROBOTS = {
+    "panda": RobotNames("Panda", "Panda_gripper", "Panda_gripper_joint"),
+    "ur5e": RobotNames("UR5", "ROBOTIQ_85", "ROBOTIQ_85_active"),
+    "jaco": RobotNames("Jaco", "JacoHand", "JacoHand_joint"),
+}
+
+
+def robot_names(robot: RobotDescription) -> RobotNames:
+    """Return the names of the parts of an arm in programs."""
+    name = robot.name.capitalize()
+    return _ROBOTS.get(robot.name, RobotNames(name, f"{name}_gripper", f"{name}_gripper_joint"))
 
 
 def robot_elements(robot: RobotDescription, links: tuple[str, ...]) -> list[Element]:
@@ -75,13 +100,13 @@ def robot_elements(robot: RobotDescription, links: tuple[str, ...]) -> list[Elem
         robot: The arm.
         links: Names of its links.
     """
-    prefix = robot_prefix(robot)
-    joints = [f"{prefix}_joint{k + 1}" for k in range(len(robot.arm_joints))]
-    fingers = [f"{prefix}_gripper_joint{k + 1}" for k in range(len(robot.gripper_joints))]
+    names = robot_names(robot)
+    joints = [f"{names.arm}_joint{k + 1}" for k in range(len(robot.arm_joints))]
+    fingers = [f"{names.finger}{k + 1}" for k in range(len(robot.gripper_joints))]
     return [
-        Element("robot", prefix),
-        Element("tip", f"{prefix}_tip"),
-        Element("gripper", f"{prefix}_gripper"),
+        Element("robot", names.arm),
+        Element("tip", f"{names.arm}_tip"),
+        Element("gripper", names.gripper),
         *(Element("robot_joint", name) for name in (*joints, *fingers)),
         *(Element("robot_link", link) for link in links),
     ]

@@ -14,7 +14,7 @@ from rlbench_pin.compat.objects.elements import (
     ObjectType,
     UnsupportedCall,
     camera_of,
-    robot_prefix,
+    robot_names,
 )
 from rlbench_pin.environment import CameraConfig, ObservationConfig
 from rlbench_pin.environment.runtime import Runtime
@@ -312,14 +312,14 @@ def fixed_objects(robot: RobotDescription) -> dict[str, Placed]:
     Args:
         robot: The arm; the sensor covers the space between its fingertips, half as wide as the open gripper.
     """
-    base, prefix = Element("placed", "cam_cinematic_base"), robot_prefix(robot)
+    base, names = Element("placed", "cam_cinematic_base"), robot_names(robot)
     width, height = robot.pad_size
     return {
         "workspace": Placed("shape", _MIDDLE, size=WORKSPACE_SIZE),
         "cam_cinematic_base": Placed("dummy", _BASE),
         "cam_cinematic_placeholder": Placed("dummy", relative(_PLACEHOLDER, _BASE), parent=base),
-        prefix + GRIP_SENSOR: Placed(
-            "proximity_sensor", IDENTITY.copy(), Element("tip", f"{prefix}_tip"), size=(width, robot.gripper_open, height)
+        names.gripper + GRIP_SENSOR: Placed(
+            "proximity_sensor", IDENTITY.copy(), Element("tip", f"{names.arm}_tip"), size=(width, robot.gripper_open, height)
         ),
     }
 

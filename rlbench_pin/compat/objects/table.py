@@ -15,7 +15,7 @@ from rlbench_pin.compat.objects.elements import (
     UnsupportedCall,
     camera_of,
     robot_elements,
-    robot_prefix,
+    robot_names,
     usual_name,
 )
 from rlbench_pin.compat.objects.scene_objects import (
@@ -262,9 +262,9 @@ class ObjectTable:
                 name, is_mask = camera_of(element.name)
                 if is_mask:
                     return Element("camera", element.name.removesuffix("_mask"))
-                return Element("gripper", f"{robot_prefix(self.runtime.description)}_gripper") if name == "wrist" else None
+                return Element("gripper", robot_names(self.runtime.description).gripper) if name == "wrist" else None
             case "tip" | "gripper" | "robot_joint" | "robot_link":
-                return Element("robot", robot_prefix(self.runtime.description))
+                return Element("robot", robot_names(self.runtime.description).arm)
             case _:
                 return None
 
@@ -308,9 +308,10 @@ class ObjectTable:
 
     def robot_joint(self, name: str) -> UrdfJoint:
         """Return a joint of the model file of the arm or gripper, by its name in RLBench."""
-        robot, number = self.runtime.description, int(name.rpartition("joint")[2]) - 1
-        names = robot.gripper_joints if name.startswith(f"{robot_prefix(robot)}_gripper_joint") else robot.arm_joints
-        return next(j for j in read_urdf(robot.urdf).joints if j.name == names[number])
+        robot = self.runtime.description
+        is_finger, index = robot_names(robot).place(name)
+        joint = (robot.gripper_joints if is_finger else robot.arm_joints)[index]
+        return next(j for j in read_urdf(robot.urdf).joints if j.name == joint)
 
     def _native_name(self, element: Element | None) -> str:
         """Return the name in the world of a parent, or of its nearest ancestor in the world."""

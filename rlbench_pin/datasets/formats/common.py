@@ -58,9 +58,20 @@ def stored_episodes(root: Path, tasks: Sequence[str] = ()) -> list[StoredEpisode
 
 
 def opened(episodes: Iterable[StoredEpisode], on_episode: OnEpisode | None) -> Iterator[tuple[StoredEpisode, Episode]]:
-    """Yield episodes, each open until the next one; call `on_episode` after each."""
+    """Yield episodes, each open until the next one; call `on_episode` after each.
+
+    Raises:
+        DatasetError: They are not all of one arm.
+    """
+    robot = ""
     for index, stored in enumerate(episodes):
         with stored.open() as episode:
+            if robot not in ("", episode.robot):
+                raise DatasetError(
+                    f"'{stored.path}' was recorded with the arm '{episode.robot}', those before it with '{robot}'. "
+                    "Name tasks of one arm with `--tasks`, and export the others to another folder."
+                )
+            robot = episode.robot
             yield stored, episode
         if on_episode is not None:
             on_episode(index + 1)
@@ -82,9 +93,9 @@ def joint_state(episode: Episode) -> np.ndarray:
     return np.column_stack([episode.array("joint_positions"), episode.array("gripper_open")])
 
 
-def joint_names(count: int) -> list[str]:
+def joint_names(episode: Episode) -> list[str]:
     """Return names for the numbers of states and actions."""
-    return [*(f"joint_{i}" for i in range(1, count)), "gripper"]
+    return [*episode.joint_names, "gripper"]
 
 
 def rgb_cameras(episodes: Sequence[StoredEpisode], wanted: Sequence[str] = ()) -> dict[str, tuple[int, int, int]]:

@@ -118,7 +118,6 @@ def export_lerobot(
     *,
     tasks: Sequence[str] = (),
     cameras: Sequence[str] = (),
-    robot_type: str = "panda",
     on_episode: OnEpisode | None = None,
 ) -> Path:
     """Write the episodes of a dataset as a LeRobotDataset.
@@ -128,7 +127,6 @@ def export_lerobot(
         out: The new folder; `LeRobotDataset(repo_id, root=out)` loads it.
         tasks: Only these; all when none is named.
         cameras: Cameras whose images are exported; all stored ones when none is named.
-        robot_type: What LeRobot is to call the arm; stored episodes do not name it.
         on_episode: Called after each episode.
 
     Raises:
@@ -137,7 +135,7 @@ def export_lerobot(
     episodes = stored_episodes(root, tasks)
     shapes = rgb_cameras(episodes, cameras)
     with new_folder(out) as folder:
-        export = _Export(folder, {f"observation.images.{name}": shape for name, shape in shapes.items()}, robot_type)
+        export = _Export(folder, {f"observation.images.{name}": shape for name, shape in shapes.items()})
         try:
             for stored, episode in opened(episodes, on_episode):
                 export.add(stored, episode)
@@ -155,8 +153,6 @@ class _Export:
     folder: Path
     images: dict[str, tuple[int, int, int]]
     """Feature -> shape of its images."""
-    robot_type: str
-    """Name of the arm."""
     instructions: dict[str, int] = field(default_factory=dict)
     """Sentence -> number."""
     rows: list[dict[str, Any]] = field(default_factory=list)
@@ -164,8 +160,10 @@ class _Export:
     samples: dict[str, list[np.ndarray]] = field(default_factory=dict)
     """Feature -> values of each episode, for the statistics of all."""
     frames: int = 0
-    size: int = 0
-    """Numbers in a state and in an action."""
+    robot: str = ""
+    """Name of the arm."""
+    joints: list[str] = field(default_factory=list)
+    """Names of the numbers of a state and of an action."""
 
     def __post_init__(self) -> None:
         self._data = _DataFiles(self.folder)
@@ -177,7 +175,7 @@ class _Export:
         text = episode.instructions[0] if episode.instructions else stored.task.replace("_", " ")
         task = self.instructions.setdefault(text, len(self.instructions))
         columns = self._columns(episode, task)
-        self.size = len(columns["action"][0])
+        self.robot, self.joints = episode.robot, joint_names(episode)
         row: dict[str, Any] = {
             "episode_index": len(self.rows),
             "tasks": [text],
@@ -250,7 +248,7 @@ class _Export:
     def _info(self) -> dict[str, Any]:
         return {
             "codebase_version": VERSION,
-            "robot_type": self.robot_type,
+            "robot_type": self.robot,
             "total_episodes": len(self.rows),
             "total_frames": self.frames,
             "total_tasks": len(self.instructions),
@@ -265,7 +263,7 @@ class _Export:
         }
 
     def _features(self) -> dict[str, Any]:
-        joints = {"dtype": "float32", "shape": [self.size], "names": joint_names(self.size)}
+        joints = {"dtype": "float32", "shape": [len(self.joints)], "names": self.joints}
         scalars = {
             "next.reward": "float32", "next.done": "bool", "timestamp": "float32", "frame_index": "int64",
             "episode_index": "int64", "index": "int64", "task_index": "int64",

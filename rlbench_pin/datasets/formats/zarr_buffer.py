@@ -49,7 +49,7 @@ def export_zarr(
         numbers: list[int] = []
         sentences: dict[str, int] = {}
         for stored, episode in opened(episodes, on_episode):
-            columns = _columns(episode, list(shapes))
+            columns, names = _columns(episode, list(shapes)), joint_names(episode)
             text = episode.instructions[0] if episode.instructions else stored.task
             _append(data, columns)
             store.check()
@@ -57,7 +57,7 @@ def export_zarr(
             numbers.append(sentences.setdefault(text, len(sentences)))
         meta.create_array("episode_ends", data=np.array(ends, dtype=np.int64))
         meta.create_array("task_index", data=np.array(numbers, dtype=np.int64))
-        meta.attrs.update({"tasks": list(sentences), "fps": FPS, "names": joint_names(columns["action"].shape[1])})
+        meta.attrs.update({"tasks": list(sentences), "fps": FPS, "robot": episode.robot, "names": names})
     return out
 
 

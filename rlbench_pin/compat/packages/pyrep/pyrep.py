@@ -14,6 +14,7 @@ from pyrep.objects.shape import Shape
 from pyrep.textures import Texture, TextureHolder
 from rlbench_pin.compat.joints import ConfigurationTree
 from rlbench_pin.compat.simulator import Simulator
+from rlbench_pin.robot import DEFAULT_ROBOT
 from rlbench_pin.sim import read_texture
 
 _OWN_SCENE = "task_design.ttt"
@@ -21,10 +22,14 @@ _OWN_SCENE = "task_design.ttt"
 
 
 class PyRep:
-    """Starts the simulator and steps it. There is no window: `headless` and `responsive_ui` change nothing."""
+    """Starts the simulator and steps it. There is no window: `headless` and `responsive_ui` change nothing.
 
-    def __init__(self) -> None:
-        self.running = False
+    Args:
+        robot: Name of the arm in our catalogue.
+    """
+
+    def __init__(self, robot: str = DEFAULT_ROBOT) -> None:
+        self.running, self._robot = False, robot
         self._simulator: Simulator | None = None
 
     # Start and end ---------------------------------------------------------------------------------------------------
@@ -54,7 +59,7 @@ class PyRep:
                 "scenes of other simulators cannot be read.",
                 "Launch without a file, and write a scene as TOML beside your task (`rlbench-pin new`).",
             )
-        self._simulator = Simulator()
+        self._simulator = Simulator(self._robot)
 
     @property
     def simulator(self) -> Simulator:

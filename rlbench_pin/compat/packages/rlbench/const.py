@@ -18,4 +18,7 @@ SUPPORTED_ROBOTS: dict[str, tuple[Callable[..., Arm], Callable[..., Gripper], in
     "sawyer": (Sawyer, BaxterGripper, 7),
     "ur5": (UR5, Robotiq85Gripper, 6),
 }
-"""Robot -> class of its arm, of its gripper, number of its arm joints. Making one that is not in our catalogue raises."""
+"""Robot -> class of its arm, of its gripper, number of its arm joints. Those that `MODELS` lacks cannot be made."""
+
+MODELS = {"panda": "panda", "jaco": "jaco", "ur5": "ur5e"}
+"""Robot -> our model of it."""

@@ -13,7 +13,7 @@ from rlbench.backend.const import TTT_FILE
 from rlbench.backend.robot import Robot
 from rlbench.backend.scene import Scene
 from rlbench.backend.task import Task
-from rlbench.const import SUPPORTED_ROBOTS
+from rlbench.const import MODELS, SUPPORTED_ROBOTS
 from rlbench.observation_config import ObservationConfig
 from rlbench.sim2real import (
     DomainRandomizationScene,
@@ -84,8 +84,8 @@ class Environment:
         self._obs_config = ObservationConfig() if obs_config is None else obs_config
         self._headless, self._static_positions = headless, static_positions
         self._robot_setup = robot_setup.lower()
-        if self._robot_setup not in SUPPORTED_ROBOTS:
-            raise UnknownRobot("robot", robot_setup, tuple(SUPPORTED_ROBOTS))
+        if self._robot_setup not in MODELS:
+            raise UnknownRobot("robot", robot_setup, tuple(MODELS))
         check_randomization(randomize_every, frequency, visual_randomization_config, dynamics_randomization_config)
         self._randomize_every, self._frequency = randomize_every, frequency
         self._visual_randomization_config = visual_randomization_config
@@ -121,7 +121,7 @@ class Environment:
         """
         if self._pyrep is not None:
             raise AlreadyLaunched("The environment is launched already. Call `shutdown()` first.")
-        self._pyrep = PyRep()
+        self._pyrep = PyRep(MODELS[self._robot_setup])
         self._pyrep.launch(str(Path(DIR_PATH) / TTT_FILE), headless=self._headless)
         try:
             self._make_scene(self._pyrep)

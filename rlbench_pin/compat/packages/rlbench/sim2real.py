@@ -17,7 +17,7 @@ from rlbench.backend.scene import Scene
 from rlbench.backend.task import Task
 from rlbench.observation_config import ObservationConfig
 from rlbench_pin.compat import add_aliases
-from rlbench_pin.compat.objects.elements import ROOM_NAMES
+from rlbench_pin.compat.objects.elements import ROOM_NAMES, robot_names
 from rlbench_pin.environment.randomization import DynamicsRandomizationConfig, RandomizeEvery
 from rlbench_pin.environment.randomization import VisualRandomizationConfig as NativeVisualRandomizationConfig
 from rlbench_pin.environment.randomization.config import RandomizationConfig
@@ -54,7 +54,7 @@ class VisualRandomizationConfig(NativeVisualRandomizationConfig):
 
     def should_randomize(self, name: str) -> bool:
         """Whether the object called `name` may change."""
-        known = ROOM_NAMES.get(name, name.capitalize() if name in SUPPORTED_ROBOTS else name)
+        known = ROOM_NAMES.get(name, robot_names(SUPPORTED_ROBOTS[name]).arm if name in SUPPORTED_ROBOTS else name)
         listed = None if self.whitelist is None else _matches(name, self.whitelist) or _matches(known, self.whitelist)
         return listed is not False and not _matches(name, self.blacklist) and not _matches(known, self.blacklist)
 

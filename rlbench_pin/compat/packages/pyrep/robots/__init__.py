@@ -16,8 +16,8 @@ from pyrep.objects.object import Numbers, Object
 from pyrep.objects.shape import Shape
 from rlbench_pin.compat import add_aliases
 from rlbench_pin.compat.joints import Motors
+from rlbench_pin.compat.objects.elements import robot_names
 from rlbench_pin.compat.simulator import Simulator
-from rlbench_pin.robot import SUPPORTED_ROBOTS
 from rlbench_pin.spatial import FloatArray
 
 
@@ -167,13 +167,13 @@ class RobotComponent(Object):
 
 def require_only_one(count: int, name: str) -> None:
     """Raise UnsupportedCall for a second robot, and where the world's robot is another one."""
-    running = Simulator.current().model.description.name
-    if name.split("_")[0].lower() != running:
-        known = ", ".join(SUPPORTED_ROBOTS)
+    running = Simulator.current().model.description
+    names = robot_names(running)
+    if name not in (names.arm, names.gripper):
         raise UnsupportedCall(
             f"robot '{name}'",
-            f"the robot of this world is the {running}, and the catalogue has {known}.",
-            "Use `Panda` and `PandaGripper`.",
+            f"the robot of this world is the {running.name}, called '{names.arm}' and '{names.gripper}'.",
+            "Pass the `robot_setup` of another one to `Environment`, or use the names of this one.",
         )
     if count:
         raise UnsupportedCall(f"robot '{name}' with count={count}", "a world has one robot.", "Use count=0.")

@@ -1,6 +1,6 @@
 """Arms: kinematics, collisions, and paths through the world as it is now.
 
-A program has the arm of its simulator, the Panda; making another one raises an error that lists the available arms. Programs
+A program has the arm that `robot_setup` of its environment names; making another one raises an error that says which. Programs
 import a module per arm; all these names are aliases of this module.
 """
 

@@ -1,6 +1,6 @@
 """Grippers: opening and closing of the fingers, and grasped objects.
 
-There is one gripper, the Panda's; making another one raises an error. Programs import a module per gripper; all these
+A program has the gripper of its arm; making another one raises an error. Programs import a module per gripper; all these
 names are aliases of this module.
 """
 
@@ -160,9 +160,9 @@ def _known_gripper(title: str, name: str, joints: tuple[str, ...] = ()) -> type[
 PandaGripper = _known_gripper("PandaGripper", "Panda_gripper", ("Panda_gripper_joint1", "Panda_gripper_joint2"))
 BarrettHand = _known_gripper("BarrettHand", "BarrettHand")
 BaxterGripper = _known_gripper("BaxterGripper", "BaxterGripper")
-JacoGripper = _known_gripper("JacoGripper", "JacoGripper")
+JacoGripper = _known_gripper("JacoGripper", "JacoHand", ("JacoHand_joint1", "JacoHand_joint2"))
 MicoGripper = _known_gripper("MicoGripper", "MicoGripper")
-Robotiq85Gripper = _known_gripper("Robotiq85Gripper", "Robotiq85Gripper")
+Robotiq85Gripper = _known_gripper("Robotiq85Gripper", "ROBOTIQ_85", ("ROBOTIQ_85_active1", "ROBOTIQ_85_active2"))
 
 add_aliases(
     __name__, ("barrett_hand", "baxter_gripper", "gripper", "jaco_gripper", "mico_gripper", "panda_gripper", "robotiq85_gripper")

@@ -228,7 +228,7 @@ class Scene:
         demo, self._next_demo = self._next_demo, None
         seed, attempt = self._seeds.draw()
         if demo is not None:
-            seed, attempt = demos.check_start(demo, self.task.get_name()), demo.attempt
+            seed, attempt = demos.check_start(demo, self.task.get_name(), self._runtime.model.description.name), demo.attempt
         random = EpisodeRandom.from_seed(seed, attempt)
         self._variation_index = index
         self._before_episode()
@@ -248,7 +248,7 @@ class Scene:
     def start_next_as(self, demo: Demo | None) -> None:
         """Let the next `init_episode` start as a demonstration; None lets it start at random again."""
         if demo is not None:
-            demos.check_start(demo, self._loaded("start_next_as").get_name())
+            demos.check_start(demo, self._loaded("start_next_as").get_name(), self._runtime.model.description.name)
         self._next_demo = demo
 
     def remember_start(self, demo: Demo) -> None:
@@ -371,18 +371,7 @@ class Scene:
         if outcome.demo is None:
             raise DemoError(f"Task '{task.get_name()}' was not demonstrated: {outcome.cause}", task)
         self.remember_start(outcome.demo)
-        demo = outcome.demo
-        return Demo(
-            frames,
-            random_seed=demo.random_seed,
-            num_reset_attempts=demo.num_reset_attempts,
-            variation_number=demo.variation_number,
-            instructions=demo.instructions,
-            state=demo.state,
-            versions=demo.versions,
-            attempt=demo.attempt,
-            task_name=demo.task_name,
-        )
+        return outcome.demo.with_observations(frames)
 
     def _keep_frame(
         self, frame: Observation, frames: list[Observation], record: bool, func: Callable[[Observation], None] | None
