@@ -10,12 +10,12 @@ from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, fields, make_dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
 import tyro
 
 from rlbench_pin.cli.interrupts import INTERRUPTED
-from rlbench_pin.cli.list_tasks import named_tasks
+from rlbench_pin.cli.list_tasks import named_tasks, split_names
 from rlbench_pin.cli.options import (
     AnyTasks,
     Cameras,
@@ -106,6 +106,9 @@ class Record:
     """Limit of the acceleration along the joint-space path [rad/s^2]."""
     robot: RobotName = "panda"
     """Name of the arm."""
+    paired: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ARM...")] = ()
+    """Arms, separated by spaces or commas: one dataset for each, in a folder of `--out` with its name, of those episodes that all
+    of them demonstrate at the same attempt of the same seed."""
     out: Path = DEFAULT_OUT
     """Folder of the dataset."""
     json: bool = False
@@ -115,14 +118,24 @@ class Record:
 
     def run(self) -> int:
         """Record; 1 when episodes are missing at the end."""
-        from rlbench_pin.cli.progress import RecordBar, stopping_gently
-        from rlbench_pin.recording.record import record
-
         if self.known.are_used:
             return self._in_our_names().run()
         check_at_least(self, workers=0)
-        config = self._config()
-        engine = make_engine(self.engine, self.workers)
+        if not self.paired:
+            return self._record()
+        worst = 0
+        for robot in split_names(self.paired):
+            code = replace(self, robot=robot, out=self.out / robot)._record()
+            if code == INTERRUPTED:
+                return code
+            worst = max(worst, code)
+        return worst
+
+    def _record(self) -> int:
+        from rlbench_pin.cli.progress import RecordBar, stopping_gently
+        from rlbench_pin.recording.record import record
+
+        config, engine = self._config(), make_engine(self.engine, self.workers)
         with stopping_gently() as stop, closing(RecordBar("record")) as bar:
             report = record(
                 config,
@@ -164,9 +177,10 @@ class Record:
         from rlbench_pin.recording.config import RECORDING, read_recording
 
         out = self.known.save_path or self.out
-        if not (out / RECORDING).exists():
+        folders = [out / robot for robot in split_names(self.paired)] or [out]
+        if not (folders[0] / RECORDING).exists():
             return type(self)
-        config = read_recording(out)
+        config = read_recording(folders[0])
         defaults = {
             **{
                 name: getattr(config, name)
@@ -198,6 +212,7 @@ class Record:
             max_velocity=self.arm_max_velocity,
             max_acceleration=self.arm_max_acceleration,
             robot=self.robot,
+            paired=split_names(self.paired) if self.paired or before is None else before.paired,
             images=ImageConfig(
                 cameras=self.cameras,
                 products=self.products,

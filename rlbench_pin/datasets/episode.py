@@ -23,7 +23,8 @@ from rlbench_pin.values import as_names, as_path, as_record, as_text
 
 _MAX_VARIATIONS = 2**31 - 1
 _LONGEST_NAME = 1000
-_ONLY_JOINTS = tuple(f"panda_joint{i}" for i in range(1, 8))  # those of `ONLY_ARM`
+_ONLY_JOINTS = tuple(f"panda_joint{i}" for i in range(1, 8))
+"""Joints of `ONLY_ARM`, the arm of episodes that do not name theirs."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +38,7 @@ class Head:
     instructions: tuple[str, ...]
     versions: dict[str, str]
     robot: str
+    """Empty where it is not named."""
     joint_names: tuple[str, ...]
     random_seed: int | RandomState | None
     num_reset_attempts: int | None
@@ -57,7 +59,7 @@ def read_head(attributes: dict[str, Any]) -> Head:
         raise ValueError(f"its instructions are {short(instructions)}, not a list of texts")
     if not is_text_map(versions):
         raise ValueError(f"its versions are {short(versions)}, not texts by name")
-    robot, joints = attributes.get("robot", ONLY_ARM), attributes.get("joint_names", list(_ONLY_JOINTS))
+    robot, joints = attributes.get("robot", ""), attributes.get("joint_names", [])
     if not isinstance(robot, str) or len(robot) > _LONGEST_NAME:
         raise ValueError(f"its robot is {short(robot)}, not a name")
     if not is_texts(joints):
@@ -178,12 +180,12 @@ class Episode:
     @property
     def robot(self) -> str:
         """Name of the arm."""
-        return self._head.robot
+        return self._head.robot or ONLY_ARM
 
     @property
     def joint_names(self) -> tuple[str, ...]:
         """Names of the joints of the arm, in the order of joint positions."""
-        return self._head.joint_names
+        return self._head.joint_names if self._head.robot else _ONLY_JOINTS
 
     @property
     def instructions(self) -> tuple[str, ...]:

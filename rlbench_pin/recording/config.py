@@ -109,6 +109,8 @@ class RecordConfig:
     """Cap on how fast that speed changes [rad/s^2]."""
     robot: str = DEFAULT_ROBOT
     """Name of the arm."""
+    paired: tuple[str, ...] = ()
+    """Other arms: only what each of them demonstrates as well is stored, at the same attempt of the same seed."""
     images: ImageConfig = field(default_factory=ImageConfig)
     """Images of the episodes."""
 
@@ -116,6 +118,8 @@ class RecordConfig:
         """Raise InvalidArgument for a number that records nothing (also a TaskEnvironmentError)."""
         as_seed(self.seed, "seed", InvalidArgument)
         object.__setattr__(self, "robot", robot_description(self.robot).name)
+        others = {robot_description(name).name for name in as_names(self.paired, "paired", InvalidArgument)}
+        object.__setattr__(self, "paired", tuple(sorted(others - {self.robot})))
         for name, least in (("episodes", 1), ("max_attempts", 1), ("variations", ALL_VARIATIONS)):
             as_whole(getattr(self, name), name, InvalidArgument, least=least, most=MOST)
         if self.variations == 0:
@@ -155,13 +159,15 @@ class WorkItem:
     """Cap on how fast that speed changes [rad/s^2]."""
     robot: str = DEFAULT_ROBOT
     """Name of the arm."""
+    paired: tuple[str, ...] = ()
+    """Other arms that have to solve the same attempt."""
     task_digest: str = ""
     """SHA-256 of the files of the task; not compared when empty."""
 
     @property
-    def arm(self) -> tuple[float, float, str]:
-        """Limits of velocity and acceleration, and name of the arm."""
-        return self.max_velocity, self.max_acceleration, self.robot
+    def limits(self) -> tuple[float, float]:
+        """Limits of velocity and acceleration."""
+        return self.max_velocity, self.max_acceleration
 
     @property
     def key(self) -> tuple[str, int, int]:
@@ -206,7 +212,8 @@ def _item(config: RecordConfig, task: str, name: str, variation: int, index: int
     seed = item_seed(config.seed, name, variation, index)
     return WorkItem(
         task, name, variation, index, seed, tuple(range(config.max_attempts)),
-        max_velocity=config.max_velocity, max_acceleration=config.max_acceleration, robot=config.robot,
+        max_velocity=config.max_velocity, max_acceleration=config.max_acceleration,
+        robot=config.robot, paired=config.paired,
     )  # fmt: skip
 
 
@@ -259,6 +266,7 @@ def common_flags(config: RecordConfig) -> dict[str, str]:
         "--seed": f"{config.seed}",
         "--max-attempts": f"{config.max_attempts}",
         "--robot": config.robot,
+        "--paired": " ".join(sorted({config.robot, *config.paired})) if config.paired else "",
         "--cameras": " ".join(images.cameras),
         "--products": " ".join(images.products),
         "--image-size": "{} {}".format(*images.image_size),

@@ -71,7 +71,7 @@ class ItemResult:
 
 
 class Recorder:
-    """Makes episodes, one after the other, in one environment.
+    """Makes episodes, one after the other, in one environment for each arm.
 
     Args:
         config: Images of the episodes.
@@ -79,10 +79,9 @@ class Recorder:
 
     def __init__(self, config: ImageConfig) -> None:
         self.config = config
-        self._environment: Environment | None = None
-        self._task: TaskEnvironment | None = None
-        self._loaded = ""
-        self._arm: tuple[float, float, str] | None = None
+        self._environments: dict[str, Environment] = {}
+        self._tasks: dict[str, TaskEnvironment] = {}
+        self._loaded: tuple[str, tuple[float, float]] | None = None
         self._made = 0
 
     def make(self, item: WorkItem) -> ItemResult:
@@ -107,10 +106,10 @@ class Recorder:
         return ItemResult(item, tuple(failures))
 
     def close(self) -> None:
-        """Free the environment; the next item makes another."""
-        if self._environment is not None:
-            self._environment.shutdown()
-        self._environment, self._task, self._loaded = None, None, ""
+        """Free the environments; the next item makes others."""
+        for environment in self._environments.values():
+            environment.shutdown()
+        self._environments, self._tasks, self._loaded = {}, {}, None
 
     def _free_memory(self, made: int, *, after_failures: bool) -> None:
         """Free memory after an episode with images, whose raw frames take tens of megabytes, or after many without.
@@ -123,24 +122,36 @@ class Recorder:
             give_back_memory(collect=after_failures)
 
     def _try(self, item: WorkItem, attempt: int, failures: list[str]) -> Demo | None:
-        task = self._load(item)
+        task = self._load(item, item.robot)
         outcome = task.try_demo(seed=item.seed, variation=item.variation, attempt=attempt)
         if not item.source:
             failures += [outcome.cause] if outcome.cause else []
-            return outcome.demo
+            return outcome.demo if outcome.demo is None or self._all_can(item, attempt, failures) else None
         stored = read_demo(Path(item.source), (*LOW_DIM, "gripper_matrix"), sha256=item.sha256 or None)
         if outcome.demo is not None and same_motion(outcome.demo, stored):
             return outcome.demo
         return replay_demo(task, stored)
 
-    def _load(self, item: WorkItem) -> TaskEnvironment:
-        if self._arm != item.arm:
-            self.close()
-        if self._task is None or self._loaded != item.task:
-            if self._environment is None:
-                self._environment, self._arm = self.config.environment(*item.arm), item.arm
-            self._task, self._loaded = self._environment.get_task(_task_of(item)), item.task
-        return self._task
+    def _all_can(self, item: WorkItem, attempt: int, failures: list[str]) -> bool:
+        """Whether the paired arms demonstrate the attempt as well."""
+        for robot in item.paired:
+            task = self._load(item, robot)
+            outcome = task.try_demo(seed=item.seed, variation=item.variation, attempt=attempt, record=False)
+            if not outcome.success:
+                failures.append(f"{robot}: {outcome.cause}")
+                return False
+        return True
+
+    def _load(self, item: WorkItem, robot: str) -> TaskEnvironment:
+        if self._loaded != (item.task, item.limits):
+            if self._loaded is not None and self._loaded[1] != item.limits:
+                self.close()
+            self._tasks, self._loaded = {}, (item.task, item.limits)
+        if robot not in self._environments:
+            self._environments[robot] = self.config.environment(*item.limits, robot)
+        if robot not in self._tasks:
+            self._tasks[robot] = self._environments[robot].get_task(_task_of(item))
+        return self._tasks[robot]
 
 
 def _task_of(item: WorkItem) -> type[Task]:

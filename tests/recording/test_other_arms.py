@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from rlbench_pin.cli.main import main
 from rlbench_pin.datasets import Episode, episode_files, read_demo, read_manifest
 from rlbench_pin.datasets.formats.lerobot import export_lerobot
 from rlbench_pin.datasets.formats.robomimic import export_robomimic
@@ -68,6 +69,19 @@ def test_exports_carry_its_joint_names(recorded: Path, tmp_path: Path) -> None:
     assert info["features"]["action"]["names"] == [*SUPPORTED_ROBOTS[ROBOT].arm_joints, "gripper"]
     with h5py.File(export_robomimic(recorded, tmp_path / "one.hdf5")) as file:
         assert json.loads(file["data"].attrs["env_args"])["env_kwargs"] == {"robot": ROBOT}
+
+
+@pytest.mark.simulation
+def test_paired_arms_share_seeds_and_attempts(tmp_path: Path) -> None:
+    """Two datasets of the same episodes; an attempt that one arm cannot do counts for none."""
+    command = ["record", "pick_and_lift", "--paired", "panda,jaco", "--episodes", "3", "--products", "--workers", "0"]
+    assert main([*command, "--out", str(tmp_path)]) == 0
+    entries = {robot: read_manifest(tmp_path / robot, "pick_and_lift") for robot in ("panda", "jaco")}
+    episodes = {robot: [(e.variation, e.episode, e.random_seed, e.attempt) for e in found] for robot, found in entries.items()}
+    assert episodes["panda"] == episodes["jaco"]
+    assert {robot: {entry.robot for entry in found} for robot, found in entries.items()} == {"panda": {"panda"}, "jaco": {"jaco"}}
+    assert read_recording(tmp_path / "jaco").paired == ("panda",)
+    assert main(["record", "--resume", "--out", str(tmp_path / "jaco")]) == 0
 
 
 @pytest.mark.simulation
