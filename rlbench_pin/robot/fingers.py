@@ -171,6 +171,6 @@ def _travel(values: FloatArray, positions: FloatArray, description: RobotDescrip
             f"joints turn; they have to go from shut, 0 m, to `gripper_open`, {description.gripper_open} m."
         )
     ends = [0.0, description.gripper_open]
-    inside = (positions > ends[0]) & (positions < ends[1])
     low, high = np.interp(ends, positions, values)
+    inside = (positions > ends[0]) & (positions < ends[1]) & (values != low)  # some pads stop just short of the middle
     return Travel(np.array([low, *values[inside], high]), np.array([ends[0], *positions[inside], ends[1]]))
