@@ -41,7 +41,7 @@ def test_tip_poses_agree(model: RobotModel, configurations: np.ndarray) -> None:
 
 
 def test_gravity_torques_agree(model: RobotModel, configurations: np.ndarray) -> None:
-    """Within 1e-6 of the largest torque (5e-5 where fingers turn: their way is interpolated) at 1,000 random configurations, fingers open."""
+    """Within 1e-6 of the largest torque at 1,000 random configurations, fingers open; 5e-5 where fingers turn."""
     description = model.description
     fingers = fingers_of(description).joint_values(np.full(2, description.gripper_open)).tolist()
     tolerance = 5e-5 if fingers_of(description).travels else 1e-6
