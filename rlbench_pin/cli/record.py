@@ -121,32 +121,31 @@ class Record:
         if self.known.are_used:
             return self._in_our_names().run()
         check_at_least(self, workers=0)
-        if not self.paired:
-            return self._record()
         worst = 0
-        for robot in split_names(self.paired):
-            code = replace(self, robot=robot, out=self.out / robot)._record()
+        arms = {robot: self.out / robot for robot in split_names(self.paired)} or {self.robot: self.out}
+        for robot, out in arms.items():
+            code = self._record(robot, out)
             if code == INTERRUPTED:
                 return code
             worst = max(worst, code)
         return worst
 
-    def _record(self) -> int:
+    def _record(self, robot: str, out: Path) -> int:
         from rlbench_pin.cli.progress import RecordBar, stopping_gently
         from rlbench_pin.recording.record import record
 
-        config, engine = self._config(), make_engine(self.engine, self.workers)
+        config, engine = self._config(robot, out), make_engine(self.engine, self.workers)
         with stopping_gently() as stop, closing(RecordBar("record")) as bar:
             report = record(
                 config,
-                self.out,
+                out,
                 engine=engine,
                 resume=self.resume,
                 on_progress=bar,
                 stop=stop,
                 trust_task_files=self.trust_task_files,
             )
-        code = print_report(report, self.out, self._resume_command(), as_json=self.json)
+        code = print_report(report, out, self._resume_command(out), as_json=self.json)
         return INTERRUPTED if code and stop.is_set() else code
 
     def _in_our_names(self) -> Record:
@@ -195,12 +194,12 @@ class Record:
         changed = [(name, types[name], field(default=value)) for name, value in defaults.items()]
         return make_dataclass("Record", changed, bases=(Record,), frozen=True)
 
-    def _config(self) -> RecordConfig:
+    def _config(self, robot: str, out: Path) -> RecordConfig:
         from rlbench_pin.recording.config import RECORDING, ImageConfig, RecordConfig, read_recording
 
         tasks, before = named_tasks(self.tasks), None
-        if self.resume and (not tasks or (self.out / RECORDING).exists()):
-            before = read_recording(self.out)
+        if self.resume and (not tasks or (out / RECORDING).exists()):
+            before = read_recording(out)
         return RecordConfig(
             tasks=tasks if tasks or before is None else before.tasks,
             draw_variations=before is None or before.draw_variations,
@@ -211,7 +210,7 @@ class Record:
             max_attempts=self.max_attempts,
             max_velocity=self.arm_max_velocity,
             max_acceleration=self.arm_max_acceleration,
-            robot=self.robot,
+            robot=robot,
             paired=split_names(self.paired) if self.paired or before is None else before.paired,
             images=ImageConfig(
                 cameras=self.cameras,
@@ -223,11 +222,11 @@ class Record:
             ),
         )
 
-    def _resume_command(self) -> str:
+    def _resume_command(self, out: Path) -> str:
         engine = [] if self.engine == "processes" else ["--engine", self.engine]
         own_files = any(word.endswith(".py") for word in self.tasks)  # the folder has kept what was named here
         trust = ["--trust-task-files"] if own_files or self.trust_task_files else []
-        words = ["rlbench-pin", "record", "--resume", "--out", str(self.out), "--workers", str(self.workers)]
+        words = ["rlbench-pin", "record", "--resume", "--out", str(out), "--workers", str(self.workers)]
         return shlex.join([*words, *engine, *trust])
 
 

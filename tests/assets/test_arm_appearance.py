@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
 
@@ -51,6 +52,7 @@ def test_a_ball_stays_round_and_shines_as_before() -> None:
     assert (normals * outwards).sum(axis=2).min() > 0.99
 
 
+@pytest.mark.simulation
 def test_pieces_share_the_triangles_and_keep_their_colours() -> None:
     """A closed drum and a dark plate above it: both stay, the sharp rim of the drum too, and what the plate hides may go."""
     drum = weld(cylinder(0.05, 0.1, 200), 5)

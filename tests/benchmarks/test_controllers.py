@@ -19,6 +19,7 @@ from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.errors import UnknownName
 
 
+@pytest.mark.simulation
 def test_every_controller_follows(reach: TaskEnvironment) -> None:
     """All reach the end of a free motion within limits and touch nothing."""
     trials = list(follow_demo(reach, 0, tuple(FOLLOWERS), most=1))

@@ -25,6 +25,7 @@ def test_a_task_file_is_explained_as_well(tmp_path: Path) -> None:
     assert line == "touch_it seed 0 variation 0 attempt 0: the demonstration succeeds."
 
 
+@pytest.mark.simulation
 def test_a_failure_is_explained_and_drawn(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """The reason, what is known, and the scene at that moment."""
 

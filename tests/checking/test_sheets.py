@@ -49,6 +49,7 @@ def test_events(motion: Poses, holds: list[bool], touches: list[bool], expected:
     assert list(found) == list(expected)
 
 
+@pytest.mark.simulation
 @pytest.mark.parametrize(("name", "body", "joint"), [("pick_and_lift", "block", None), ("open_drawer", "chest", "drawer_bottom")])
 def test_the_task_is_in_the_image(name: str, body: str, joint: str | None) -> None:
     """Moving links, before and after, and small bodies are in the image of the task view, and fill much of it."""

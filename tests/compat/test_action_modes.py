@@ -365,6 +365,7 @@ def play(scene: Scene) -> bool:
     return bool(scene.task.success()[0])
 
 
+@pytest.mark.simulation
 @pytest.mark.parametrize("task", [ReachTarget, TakeLidOffSaucepan, PickAndLift, OpenDrawer])
 def test_a_program_plays_a_demonstration_by_itself(environment: Environment, task: type) -> None:
     """Paths, fingers and grasps suffice to reach the goals of tasks."""

@@ -147,14 +147,6 @@ def test_default_configs_are_not_shared() -> None:
     assert second._obs_config.front_camera.rgb and second._obs_config.joint_positions
 
 
-def test_other_arms_are_refused_at_launch() -> None:
-    """Their names are known; the error says which arms there are."""
-    for name in ("jaco", "ur5"):
-        environment = make(robot_setup=name)
-        with pytest.raises(UnsupportedCall, match="the catalogue has panda"):
-            environment.launch()
-
-
 def test_no_window_opens(task: TaskEnvironment, monkeypatch: pytest.MonkeyPatch) -> None:
     """The environment of these tests was made with `headless=False`; it works without a screen."""
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):

@@ -18,6 +18,7 @@ WHERE = "import importlib.util as u; s = u.find_spec('rlbench'); print(None if s
 OURS = str(ROOT / "rlbench_pin" / "compat" / "packages" / "rlbench" / "__init__.py")
 
 
+@pytest.mark.simulation
 def test_the_names_are_not_there_by_default() -> None:
     """Neither rlbench_pin nor its compat package brings them; `install()` does, and a second call changes nothing."""
     said = python("-c", f"import rlbench_pin, rlbench_pin.compat\n{WHERE}")
@@ -62,6 +63,7 @@ def test_a_real_package_beside_the_program(tmp_path: Path) -> None:
 # python -m rlbench_pin.compat -------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.simulation
 def test_help_teaches() -> None:
     """All three ways stand in it; without arguments it is an error."""
     said = compat("--help")
@@ -93,6 +95,7 @@ def test_a_program_runs_as_with_plain_python(tmp_path: Path) -> None:
     assert f"['{program}', 'a', '--help'] __main__" in ours.stdout
 
 
+@pytest.mark.simulation
 @pytest.mark.parametrize(
     ("text", "code", "last"),
     [
@@ -118,6 +121,7 @@ def test_exit_codes_and_tracebacks_are_those_of_plain_python(text: str, code: in
     assert ours.stderr.strip().splitlines()[-1:] == ([last] if last else [])
 
 
+@pytest.mark.simulation
 def test_modules_packages_folders_and_text(tmp_path: Path) -> None:
     """`-m module`, `-m package`, `folder` and `-c text` as python takes them."""
     show = f"{FOUND}; import sys; from pathlib import Path; print(Path(sys.argv[0]).name, sys.argv[1:], __name__)"
@@ -235,6 +239,7 @@ def test_the_start_file_is_one_line_that_imports_os_first() -> None:
     assert "os" in site.__dict__  # loaded at every start, so that the import costs nothing
 
 
+@pytest.mark.simulation
 def test_programs_of_the_first_releases_are_told_what_changed() -> None:
     """They import enumerations of modes; the error shows the way that modes are written now."""
     said = compat("-c", "from rlbench.action_modes import ArmActionMode, ActionMode")

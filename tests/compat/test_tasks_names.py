@@ -64,6 +64,7 @@ def test_tools_list_the_library() -> None:
     assert all(hasattr(importlib.import_module(f"rlbench.tasks.{name}"), camel_case(name)) for name in listed)
 
 
+@pytest.mark.simulation
 def test_a_module_can_be_reloaded() -> None:
     """As keyframe agents do with the file names of tasks; the new class is as good as the old one."""
     code = (
@@ -116,6 +117,7 @@ def test_a_wrong_name_proposes_the_nearest() -> None:
         getattr(tasks, "ReachTarg" + "te")
 
 
+@pytest.mark.simulation
 def test_importing_the_names_imports_no_task() -> None:
     """Only what is used is read."""
     code = (

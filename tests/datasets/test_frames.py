@@ -101,6 +101,7 @@ def samples_of(dataset: FrameDataset, indices: range) -> list[bytes]:
     return [b"".join(np.asarray(dataset[i][name]).tobytes() for name in ("front_rgb", "action")) for i in indices]
 
 
+@pytest.mark.simulation
 @pytest.mark.parametrize("method", ["fork", "spawn"])
 def test_worker_processes_read_the_same(root: Path, method: str) -> None:
     """Processes get a dataset that was used before, by fork or by pickle, and open files of their own."""
@@ -125,6 +126,7 @@ class Inherited:
         return samples_of(cls.dataset, range(index, index + 1))
 
 
+@pytest.mark.simulation
 def test_forked_workers_do_not_share_files(root: Path) -> None:
     """Several that read at once what their parent had opened get what it reads."""
     Inherited.dataset = FrameDataset(root)

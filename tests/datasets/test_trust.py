@@ -163,6 +163,7 @@ def test_a_link_out_of_the_folder_is_not_merged(root: Path, tmp_path: Path) -> N
         merge_datasets([root], tmp_path / "out")
 
 
+@pytest.mark.simulation
 def test_a_file_that_reads_other_files_is_refused(root: Path, tmp_path: Path) -> None:
     """Links and storage outside the episode file are not followed."""
     with h5py.File(tmp_path / "secret.h5", "w") as file:

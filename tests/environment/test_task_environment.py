@@ -156,6 +156,7 @@ def test_a_demo_with_the_state_of_a_generator_starts_from_its_snapshot(lift: Tas
     assert replay_succeeds(lift, demo)
 
 
+@pytest.mark.simulation
 def test_demo_i_starts_from_seed_plus_i(lift: TaskEnvironment) -> None:
     """Two demos from seed 20 are the demos of seeds 20 and 21."""
     both = lift.get_demos(2, live_demos=True, seed=20)

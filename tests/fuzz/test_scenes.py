@@ -65,6 +65,7 @@ def _is_read(path: Path) -> bool:
     return True
 
 
+@pytest.mark.simulation
 def test_scene_files(tally: Tally, seed: int, elsewhere: Path) -> None:
     """A few changes of each."""
     try_scenes(tally, elsewhere, seed, 16, 0.0)

@@ -96,6 +96,7 @@ def test_collisions_can_be_ignored(planner: MotionPlanner, boxes: Boxes, rng: np
     assert plan.report.method == "straight"
 
 
+@pytest.mark.simulation
 def test_a_motion_that_ignores_collisions_never_folds_the_arm_into_itself(model: RobotModel, planner: MotionPlanner) -> None:
     """Where the joints' line would, another way is found; what the world has there does not matter."""
     checker, rng, found = MotionPlanner(model).collision, np.random.default_rng(3), 0

@@ -80,6 +80,7 @@ def started_by(child: ChildProcess) -> list[int]:
     return [int(word) for word in said.removeprefix(b"X").split()]
 
 
+@pytest.mark.simulation
 def test_a_child_ends_with_its_owner() -> None:
     """However that ends: here it is killed; what the child has started ends too."""
     owner = subprocess.Popen(

@@ -126,6 +126,7 @@ def test_an_interrupt_leaves_a_sound_dataset(tmp_path: Path, undisturbed: Path) 
     assert manifest(tmp_path) == manifest(undisturbed)
 
 
+@pytest.mark.simulation
 def test_what_a_killed_writer_left_does_not_count(tmp_path: Path, undisturbed: Path) -> None:
     """Parts are removed; a file that was written but not listed, listed but deleted, or cut off is made again."""
     record(CONFIG, tmp_path, engine=MadeUpEngine(retried=[1]))
@@ -146,6 +147,7 @@ def test_what_a_killed_writer_left_does_not_count(tmp_path: Path, undisturbed: P
     assert task_faults(tmp_path, TASK) == []
 
 
+@pytest.mark.simulation
 def test_a_dataset_can_grow(tmp_path: Path) -> None:
     """More episodes or tasks are added to what is there; what is there stays as it is."""
     record(CONFIG, tmp_path, engine=MadeUpEngine())

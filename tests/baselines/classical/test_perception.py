@@ -81,6 +81,7 @@ def test_the_first_of_cells_are_in_the_order_of_the_cells() -> None:
     assert len(first_of_cells(np.zeros((0, 3)), 0.1)) == 0
 
 
+@pytest.mark.simulation
 def test_point_clouds_need_no_registration_library() -> None:
     """Without small_gicp the baselines that only see points work, and the classical one says which extra it needs."""
     program = (
@@ -113,6 +114,7 @@ def test_colours_keep_their_names_in_the_light(name: str) -> None:
     assert name_of(lit_color(rgb * shades)) == name
 
 
+@pytest.mark.simulation
 @pytest.mark.parametrize("yaw", [-2.0, 0.4, 3.0])
 def test_a_known_model_is_found_where_it_stands(yaw: float) -> None:
     """The half of a laptop that is seen from one side is registered to 5 mm and 2 degrees, its screen at the right angle."""

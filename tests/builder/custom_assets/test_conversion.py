@@ -38,6 +38,7 @@ def _make(name: str, data: bytes, act: Callable[[Conversion], object] = id, time
     return found[0], notes
 
 
+@pytest.mark.simulation
 def test_a_mesh_is_made_in_a_process() -> None:
     """With notes on the way."""
     asset, notes = _make("angle.obj", obj(angle()))
@@ -61,6 +62,7 @@ def test_what_kills_the_process_is_told() -> None:
     assert "SIGSEGV" in str(killed)
 
 
+@pytest.mark.simulation
 def test_what_is_refused_is_told() -> None:
     """The reason comes from the process."""
     refused, _ = _make("a.stl", b"solid nothing")
@@ -80,6 +82,7 @@ time.sleep(600)
 """
 
 
+@pytest.mark.simulation
 def test_no_process_outlives_a_killed_builder() -> None:
     """A mesh that keeps the library busy for minutes ends with whoever asked."""
     owner = subprocess.Popen([sys.executable, "-c", _OWNER], stdout=subprocess.PIPE, text=True)

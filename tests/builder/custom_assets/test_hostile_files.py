@@ -166,6 +166,7 @@ def test_links_and_locks_in_an_archive_are_refused() -> None:
         read_archive("a.zip", bytes(locked), (".obj",))
 
 
+@pytest.mark.simulation
 def test_bombs_are_refused() -> None:
     """By what they say, by what they hold, and by their number."""
     with pytest.raises(UploadRefused, match="too large|more than"):

@@ -10,6 +10,8 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
+
 from rlbench_pin.builder.document import TaskDocument
 from rlbench_pin.tasks.registry import LIBRARY
 from tests.builder.view.conftest import Show, press, settle, text
@@ -30,6 +32,7 @@ for k in range(10**6):
 """
 
 
+@pytest.mark.simulation
 def test_a_killed_builder_leaves_its_edits(tmp_path: Path, show: Show) -> None:
     """SIGKILL in the middle of edits; the files are as saved, the draft has the edits but for the last second."""
     for ending in (".toml", ".py"):

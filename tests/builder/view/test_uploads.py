@@ -43,6 +43,7 @@ def told(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return messages
 
 
+@pytest.mark.simulation
 def test_a_custom_urdf_is_in_the_scene(copied: Copied, show: Show) -> None:
     """Its files are beside the task, its joints have sliders, it is undone in one step, and what is saved can be read."""
     document = copied("pick_and_lift")
@@ -65,6 +66,7 @@ def test_a_custom_urdf_is_in_the_scene(copied: Copied, show: Show) -> None:
     assert document.text == before
 
 
+@pytest.mark.simulation
 def test_others_edit_while_a_file_is_made(copied: Copied, show: Show, told: list[str]) -> None:
     """One file at a time; edits go on, what is done is shown, and it can be stopped."""
     document = copied("pick_and_lift")
@@ -84,6 +86,7 @@ def test_others_edit_while_a_file_is_made(copied: Copied, show: Show, told: list
     assert not (document.folder / "angle").exists()
 
 
+@pytest.mark.simulation
 def test_a_hostile_file_is_told_in_the_page(copied: Copied, show: Show, told: list[str]) -> None:
     """Nothing is written, the scene stays, and the next file is taken."""
     document = copied("pick_and_lift")

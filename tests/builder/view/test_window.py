@@ -64,6 +64,7 @@ def test_a_drag_is_one_step_on_the_grid(copied: Copied, show: Show) -> None:
     assert document.text == before
 
 
+@pytest.mark.simulation
 def test_a_dragged_waypoint_takes_the_arm_along(copied: Copied, show: Show) -> None:
     """The worker is asked to follow, from the configuration of the waypoint."""
     worker = WorkerStandIn(("waypoint0", "waypoint1", "waypoint2", "waypoint3"))

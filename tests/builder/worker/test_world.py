@@ -22,6 +22,7 @@ def _played(world: TaskWorld, seed: int) -> Recording:
     return replace(world.demonstrate(seed, 0, frames.append), frames=tuple(frames))
 
 
+@pytest.mark.simulation
 @pytest.mark.parametrize("name", TASKS)
 def test_a_task_is_opened_and_demonstrated(copied: Copied, opened: Opened, world: TaskWorld, name: str) -> None:
     """It says what it holds; the demonstration of a seed is that of the library, tick by tick."""
@@ -66,6 +67,7 @@ def test_a_reset_is_one_frame(copied: Copied, opened: Opened, world: TaskWorld) 
     assert not np.array_equal(frame.poses["button/cap"], other.frames[0].poses["button/cap"])
 
 
+@pytest.mark.simulation
 def test_a_reset_that_is_refused_says_why(copied: Copied, opened: Opened, world: TaskWorld) -> None:
     """A footprint that fits nowhere, a variation that there is not, and code that raises, with its line."""
     text = copied("push_button")
@@ -115,6 +117,7 @@ def test_time_goes_on_with_the_arm_held_still(copied: Copied, opened: Opened, wo
     assert np.abs(frames[-1].arm - frames[0].arm).max() < 1e-3
 
 
+@pytest.mark.simulation
 def test_looking_does_not_change_what_is_played(copied: Copied, opened: Opened, world: TaskWorld) -> None:
     """After a demonstration, reach and paths are about its start, and the world stays at its end."""
     opened(copied("take_lid_off_saucepan"))

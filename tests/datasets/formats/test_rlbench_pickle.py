@@ -164,6 +164,7 @@ def test_masks_over_three_channels_are_written(tmp_path: Path) -> None:
     assert all(np.array_equal(a.front_mask, b) for a, b in zip(read_folder(folder), ids))  # type: ignore[arg-type]
 
 
+@pytest.mark.simulation
 def test_pickle_has_one_home() -> None:
     """No module but the one for this foreign format reads pickles; errors ask pickle whether their evidence can travel."""
     package = Path(__file__).parents[3] / "rlbench_pin"

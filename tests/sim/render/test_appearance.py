@@ -244,6 +244,7 @@ def test_a_still_scene_does_not_flicker(world):
         assert all(picture.tobytes() == taken[0].tobytes() for picture in taken)
 
 
+@pytest.mark.simulation
 def test_what_rests_is_drawn_once_and_nothing_changes_by_that():
     """The arm moves, cubes move, are painted and stop, links hide: images with shadows are those of a renderer without a past."""
     above = CameraView(pose=look_at((0.2, -0.5, 1.6), (0.3, 0.0, 0.8)), fov=0.8, size=(64, 64), near=0.05, far=6.0)
