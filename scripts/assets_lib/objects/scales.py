@@ -67,10 +67,10 @@ def _tray_link() -> Link:
     slab = box_shape((x, y, SLAB), (0.0, 0.0, SLAB / 2.0))
     rims = [box_shape((RIM, y, z - SLAB), (s * (x - RIM) / 2.0, 0.0, (z + SLAB) / 2.0)) for s in (-1.0, 1.0)]
     rims += [box_shape((x - 2.0 * RIM, RIM, z - SLAB), (0.0, s * (y - RIM) / 2.0, (z + SLAB) / 2.0)) for s in (-1.0, 1.0)]
-    post = rod((0.0, 0.0, -TRAVEL - 0.02), (0.0, 0.0, 0.001), 0.02, 16)
+    post = lathe([(0.024, -TRAVEL - 0.02), (0.024, -0.004), (0.034, -0.0005), (0.0, -0.0005)], 24)
     visuals = (
         Visual(mesh_shape("tray", merge(box(shape.size, shape.xyz) for shape in (slab, *rims))), patterned(STEEL, "brushed")),
-        Visual(mesh_shape("post", post), DARK),
+        Visual(mesh_shape("post", post), STEEL),
     )
     return Link("tray_link", 0.2, visuals, (slab, *rims), friction=0.9)
 
@@ -92,11 +92,13 @@ def _scales() -> Model:
         lathe([(DIAL_RADIUS + 0.003, 0.0), (DIAL_RADIUS + 0.003, 0.005), (DIAL_RADIUS, 0.005), (DIAL_RADIUS, 0.0)], 24), 0.0
     )
     far_rim = rim.moved(rpy=(0.0, 0.0, np.pi))
+    collar = lathe([(0.036, BODY[2]), (0.035, BODY[2] + 0.0025), (0.024, BODY[2] + 0.0025)], 24)
     visuals = (
         Visual(mesh_shape("shell", _shell()), SHELL, crease=0.3),
         Visual(mesh_shape("dial", merge([dial, dial.moved(rpy=(0.0, 0.0, np.pi))])), CREAM),
         Visual(mesh_shape("marks", merge([marks, behind])), DARK),
         Visual(mesh_shape("rims", merge([rim, far_rim])), STEEL),
+        Visual(mesh_shape("collar", collar), DARK),
     )
     base = Link("scales", 3.0, visuals, (box_shape(BODY, (0.0, 0.0, BODY[2] / 2.0)),))
     tray = Joint("tray", "prismatic", "scales", "tray_link", (0.0, 0.0, TRAY_HEIGHT), (0.0, 0.0, -1.0), 0.0, TRAVEL)
