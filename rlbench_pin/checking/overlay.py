@@ -22,6 +22,8 @@ _STEP = 0.03
 """Difference of depth between two pixels of the arm that has an outline [m]."""
 _SHORT = 0.001
 """Lines with a smaller share of all pixels are left out, as cracks between parts of a link."""
+_HOLE = 25
+"""Gaps in the arm that are narrower are closed [px]."""
 _BLUR = 1.2
 """Softness of edges and lines [px]."""
 
@@ -48,7 +50,7 @@ def with_veil(
     distance = float(np.median(bare.depth[is_body] if is_body.any() else bare.depth))
     nearness = np.clip((whole.depth / distance - _NEAR[0]) / (_NEAR[1] - _NEAR[0]), 0.0, 1.0)
     shown = np.where(is_arm, nearness * nearness * (3.0 - 2.0 * nearness), 0.0).astype(np.float32)
-    shown = np.where(ndimage.binary_closing(is_arm, iterations=4), ndimage.grey_closing(shown, 9), shown)
+    shown = np.where(_without_holes(is_arm), ndimage.grey_closing(shown, _HOLE), shown)
     opacity = _soft(np.where(is_finger, _FINGERS, np.where(is_body, _OVER_BODIES, _OVER_ROOM)) * shown)[..., None]
     own = _soft(is_finger)[..., None]
     image = bare.rgb * (1.0 - opacity) + (_GREY * (1.0 - own) + whole.rgb * own) * opacity
@@ -56,6 +58,13 @@ def with_veil(
     line = np.maximum(_drawn(steps) * _OUTLINE, _drawn(seams) * _SEAM) * ndimage.grey_dilation(shown, 5)
     image += (_LINE - image) * line[..., None]
     return np.round(image).clip(0, 255).astype(np.uint8)
+
+
+def _without_holes(is_arm: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return the arm (h, w) without cracks and small holes."""
+    closed = ndimage.binary_closing(is_arm, iterations=4)
+    holes, _ = ndimage.label(~closed)
+    return closed | (np.bincount(holes.ravel()) < _HOLE**2)[holes]
 
 
 def _edges(

@@ -131,7 +131,8 @@ def _printed(
     square = rectangle(CELL, CELL)  # of a piece that is not beside the empty place no more is seen than its seams
     bodies = []
     for piece in pieces:
-        outline = grown(_outline(*piece), -0.0002) if np.abs(np.subtract(piece, EMPTY)).sum() < 2 else square
+        steps = np.abs(np.subtract(piece, EMPTY)).sum()
+        outline = square if steps > 1 else grown(_outline(*piece), 0.0 if steps else -0.0002)
         bodies.append(body(outline, top).moved((*_center(*piece), 0.0)))
     visuals = [Visual(mesh_shape("pieces", merge(bodies).moved(shift)), SEAMS, crease=0.3)]
     for layer, (name, color, areas) in enumerate((("sky", SKY, (rectangle(2.0 * X + 0.02, 2.0 * Y + 0.02),)), *IMAGE), start=1):

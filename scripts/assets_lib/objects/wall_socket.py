@@ -127,7 +127,7 @@ def _panel() -> Model:
         f"front faces -x; wall face at x = 0, socket plate to x = {-PLATE_THICKNESS}, top at z = {HEIGHT}",
         f"two holes {HOLE} wide, {DEPTH} deep at y = -{PITCH / 2.0} and {PITCH / 2.0}, z = {SOCKET_HEIGHT}; a charger fits, "
         f"pushed home its origin is at x = {-PLATE_THICKNESS - BODY[0] / 2.0}",
-        f"link `light`, two lights in front and a sign on the back: coloured {LIVE} it shines",
+        f"link `light`, two domes in front and a sign on the back: coloured {LIVE} it shines",
     )
     holder = Joint("light_holder", "fixed", "socket_panel", "light", (0.0, 0.0, 0.0))
     return Model("socket_panel", "objects/socket_panel", "middle of the lower front edge", (link, _light()), (holder,), notes)
