@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
+from rlbench_pin.checking.overlay import with_veil
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.environment.presets import clear_view, low_dim_config, make_environment
 from rlbench_pin.errors import DemoError
 from rlbench_pin.observation import CAMERAS, Demo, Observation
 from rlbench_pin.robot.geometry import bounds, box_corners, visual_geometry
-from rlbench_pin.sim import Body, CameraView, Request, World, WorldState, framed
+from rlbench_pin.sim import Body, CameraView, Images, Request, ShadowMap, World, WorldState, framed
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import Task
 
@@ -29,8 +30,8 @@ _AFTER = 1.0
 _RELEASED, _FALLEN = 0.5, 0.03
 """Time for which the gripper opens [s], and motion by which a body that it held has fallen then [m]."""
 _HIDDEN = ", arm hidden on the left"
-_SHOWN = 0.35
-"""Opacity of the arm in views of the task."""
+_SHADOW = 0.4
+"""How much of the arm's shadow is seen where the arm is translucent."""
 _LARGE = 0.35
 """From this longest side on a body is not framed whole [m]."""
 _NEAR = 0.16
@@ -414,12 +415,32 @@ def _moment(task: TaskEnvironment, label: str, frame: Frame, view: CameraView, *
     views = {name: task.runtime.cameras[name].view() for name in CAMERAS}
     views[OVERVIEW] = clear_view()[OVERVIEW].view(world, task.runtime.description)
     cameras = rendered(world, list(views.values()), small)
-    (whole,) = rendered(world, [view], size)
+    whole, shadows = _fine(world, view), world.renderer.shadow_map()
     _hide_arm(world)
-    (without,) = rendered(world, [view], size)
-    image = without if hides_arm else Image.blend(without, whole, _SHOWN)
+    shaded = _fine(world, view, shadows)  # before `bare`: the renderer takes stationary links with their own shadows next time
+    bare = _fine(world, view)
+    image = bare.rgb if hides_arm else _translucent(task, bare, whole, shaded)
     world.restore(frame.state)
-    return Moment(label, view, hides_arm, image, whole, dict(zip(views, cameras, strict=True)))
+    shown, with_arm = (_reduced(rgb, size) for rgb in (image, whole.rgb))
+    return Moment(label, view, hides_arm, shown, with_arm, dict(zip(views, cameras, strict=True)))
+
+
+def _translucent(task: TaskEnvironment, bare: Images, whole: Images, shaded: Images) -> NDArray[np.uint8]:
+    """Return what a camera sees through the arm.
+
+    Args:
+        task: The task.
+        bare: Its image without the arm.
+        whole: With the arm.
+        shaded: With the arm's shadow, but without the arm.
+    """
+    world, names = task.world, task.world.masks
+    assert bare.rgb is not None and shaded.rgb is not None
+    bodies = [number for number, name in names.items() if name.split("/")[0] in world.bodies]
+    arm = [number for number, name in names.items() if number not in bodies and name not in world.room]
+    fingers = [number for number in arm if names[number].split("/")[-1] in task.runtime.description.finger_links]
+    mixed = np.round(bare.rgb + _SHADOW * (shaded.rgb.astype(np.float32) - bare.rgb)).astype(np.uint8)
+    return with_veil(replace(bare, rgb=mixed), whole, arm, fingers, bodies)
 
 
 def _hide_arm(world: World) -> None:
@@ -431,4 +452,22 @@ def rendered(world: World, views: Sequence[CameraView], size: int) -> list[Image
     """Return what square cameras see now, of `size` px, with smooth edges: rendered three times as large, then reduced."""
     fine = [replace(view, size=(_FINER * size, _FINER * size)) for view in views]
     images = world.renderer.render_all([Request(view, depth=False, mask=False, shadows=True, antialiasing=True) for view in fine])
-    return [Image.fromarray(image.rgb).resize((size, size), Image.Resampling.LANCZOS) for image in images]
+    return [_reduced(image.rgb, size) for image in images]
+
+
+def _fine(world: World, view: CameraView, shadows: ShadowMap | None = None) -> Images:
+    """Return colours, depth and mask of a camera, several times as large as they are shown.
+
+    Args:
+        world: The world.
+        view: The camera.
+        shadows: The shadows; those of this instant when None.
+    """
+    larger = replace(view, size=(_FINER * view.size[0], _FINER * view.size[1]))
+    return world.renderer.render_all([Request(larger, shadows=True, antialiasing=True)], shadows)[0]
+
+
+def _reduced(rgb: NDArray[np.uint8] | None, size: int) -> Image.Image:
+    """Return an image of `size` px of a larger one."""
+    assert rgb is not None
+    return Image.fromarray(rgb).resize((size, size), Image.Resampling.LANCZOS)

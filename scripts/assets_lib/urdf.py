@@ -122,6 +122,11 @@ def plastic(color: Vec3) -> Paint:
     return Paint(color, (0.05, 0.05, 0.05))
 
 
+def glossy(paint: Vec3 | Paint, share: float = 0.1) -> Paint:
+    """Return a colour or a finish that mirrors a share of the light, in white."""
+    return replace(paint if isinstance(paint, Paint) else Paint(paint), gloss=(share, share, share))
+
+
 @dataclass(frozen=True)
 class Visual:
     """A coloured part that is seen."""

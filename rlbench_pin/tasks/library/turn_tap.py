@@ -6,7 +6,7 @@ import numpy as np
 
 from rlbench_pin.tasks import JointMoved, Task
 
-RUNNING, SHUT = (0.15, 0.52, 0.98, 0.7), (0.15, 0.52, 0.98, 0.0)
+RUNNING, SHUT = (0.60, 0.82, 0.96, 0.6), (0.60, 0.82, 0.96, 0.0)
 
 
 class TurnTap(Task):

@@ -40,7 +40,7 @@ class WaterPlants(Task):
             self.poured = True
             for drop, (x, y) in zip(self.drops, self.places.tolist(), strict=True):
                 pose = (x, y, 0.0, 0.0, 0.0, 0.0, 1.0)
-                spec = BodySpec(name=drop, asset="objects/drop/drop.urdf", parent="outlet", pose=pose, color=(0.1, 0.1, 0.9))
+                spec = BodySpec(name=drop, asset="objects/drop/drop.urdf", parent="outlet", pose=pose, color=(0.55, 0.80, 0.98))
                 self.world.add_body(drop, spec)
         if self.poured:
             self.missing[:] = [drop for drop in self.drops if not self.soil.detects(drop)]

@@ -6,48 +6,60 @@ import numpy as np
 
 from assets_lib.cabinets import bevelled_box
 from assets_lib.mesh import icosphere, lathe
-from assets_lib.urdf import Link, Model, Visual, box_shape, mesh_shape
+from assets_lib.urdf import Link, Model, Visual, box_shape, glossy, mesh_shape, plastic
 
-RED = (0.9, 0.1, 0.1)
+RED, PALE = (0.9, 0.1, 0.1), (1.0, 0.62, 0.55)
 CUBES = (("cube", 0.05, 0.1), ("cube_small", 0.04, 0.05), ("cube_45", 0.045, 0.06), ("block_60", 0.06, 0.12))
 """Name, side [m], mass [kg]."""
-EDGE = 0.002
+EDGE = 0.0025
 """Bevel of a cube [m]."""
 BALL = 0.05
 """Diameter of the ball [m]."""
 RING, TUBE = 0.041, 0.007
 """Radius of the circle in the middle of the ring, and half its thickness [m]; a cube of 0.045 passes through at every yaw."""
+THIN = 0.0045
+"""Half the thickness of the ring across its circle, as it is seen [m]."""
 
 
 def cube(name: str, side: float, mass: float) -> Model:
     """Return a plain cube, its edges bevelled for the eye."""
     size = (side, side, side)
     seen = mesh_shape("cube", bevelled_box(size, bevel=EDGE))
-    link = Link(name, mass, (Visual(seen, RED, crease=0.1),), (box_shape(size),), friction=0.8)
+    link = Link(name, mass, (Visual(seen, plastic(RED), crease=0.1),), (box_shape(size),), friction=0.8)
     return Model(name, f"objects/{name}", "centre", (link,), notes=(f"rests with its origin at {side / 2} m",))
 
 
 def ball_marker() -> Model:
     """Return a ball that is only seen."""
-    shape = mesh_shape("ball", icosphere(BALL / 2.0, 2))
-    link = Link("ball_marker", 0.01, (Visual(shape, RED, crease=3.0),))
+    angles = np.linspace(-np.pi / 2.0, np.pi / 2.0, 15)[1:-1]
+    outline = [(BALL / 2.0 * float(np.cos(a)), BALL / 2.0 * float(np.sin(a))) for a in angles]
+    shape = mesh_shape("ball", lathe([(0.0, -BALL / 2.0), *outline, (0.0, BALL / 2.0)], 28))
+    spread = mesh_shape("", icosphere(BALL / 2.0, 2))
+    link = Link("ball_marker", 0.01, (Visual(shape, glossy(RED), crease=3.0),), weighs=(spread,))
     return Model("ball_marker", "objects/ball_marker", "centre", (link,), notes=("visual only: use it with fixed = true",))
 
 
 def ring_marker() -> Model:
     """Return a level ring that is only seen, the place that something is lifted to."""
     angles = np.pi / 3.0 * np.arange(7)
-    section = [(RING + TUBE * float(np.cos(a)), TUBE * float(np.sin(a))) for a in angles]
-    link = Link("ring_marker", 0.01, (Visual(mesh_shape("ring", lathe(section, 20)), RED, crease=3.0),))
+    spread = [(RING + TUBE * float(np.cos(a)), TUBE * float(np.sin(a))) for a in angles]
+    high = TUBE * float(np.sin(np.pi / 3.0))
+    section = [(RING + TUBE - THIN + THIN * float(np.cos(a)), high * float(np.sin(a))) for a in np.pi / 4.0 * np.arange(9)]
+    shape = mesh_shape("ring", lathe(section, 48))
+    link = Link("ring_marker", 0.01, (Visual(shape, plastic(PALE), crease=3.0),), weighs=(mesh_shape("", lathe(spread, 20)),))
     across = 2.0 * (RING + TUBE)
-    notes = (f"visual only: use it with fixed = true; level, {across:.3f} across, {2.0 * (RING - TUBE):.3f} inside",)
+    notes = (f"visual only: use it with fixed = true; level, {across:.3f} across, {across - 4.0 * THIN:.3f} inside",)
     return Model("ring_marker", "objects/ring_marker", "centre", (link,), notes=notes)
 
 
 def target_square() -> Model:
     """Return a flat green square that is only seen."""
-    shape = box_shape((0.10, 0.10, 0.002), (0.0, 0.0, 0.001))
-    link = Link("target_square", 0.01, (Visual(shape, (0.1, 0.75, 0.2)),))
+    half, high, groove = 0.05, 0.002, 0.0012
+    outline = [(half, 0.0), (half, 0.0014), (half - 0.0006, high), (half - 0.004, high), (half - 0.0042, high - groove)]
+    outline += [(half - 0.0054, high - groove), (half - 0.0056, high), (0.0, high)]
+    mat = lathe([(r * 2.0**0.5, z) for r, z in outline], 4, phase=np.pi / 4.0)
+    spread = box_shape((0.10, 0.10, 0.002), (0.0, 0.0, 0.001))
+    link = Link("target_square", 0.01, (Visual(mesh_shape("mat", mat), (0.1, 0.75, 0.2), crease=0.1),), weighs=(spread,))
     notes = ("visual only: use it with fixed = true", "its upper side is 2 mm above the table")
     return Model("target_square", "objects/target_square", "bottom centre", (link,), notes=notes)
 

@@ -5,9 +5,11 @@ What is flat and wider than the ring cannot press it; fingertips can.
 
 from __future__ import annotations
 
-from assets_lib.mesh import Mesh, box, cylinder, lathe, merge
+import numpy as np
+
+from assets_lib.mesh import Mesh, cylinder, lathe, merge
 from assets_lib.objects.saucepan import wall_boxes
-from assets_lib.urdf import Joint, Link, Model, Visual, box_shape, cylinder_shape, mesh_shape, plastic
+from assets_lib.urdf import Joint, Link, Model, Visual, box_shape, cylinder_shape, glossy, mesh_shape, plastic
 
 SIDE, HEIGHT, FLOOR = 0.08, 0.03, 0.018
 """Pedestal width, its height and the height of the floor of its well [m]."""
@@ -32,13 +34,16 @@ def _pedestal() -> tuple[Mesh, tuple[tuple[tuple[float, float, float], tuple[flo
     inner, outer = GUARD_RADIUS - GUARD_WALL, GUARD_RADIUS
     ring = lathe([(inner, HEIGHT), (outer + 0.002, HEIGHT), (outer, GUARD_TOP), (inner, GUARD_TOP), (inner, HEIGHT)], 32)
     flange = lathe([(0.0395, HEIGHT), (0.0389, HEIGHT + 0.0008), (outer, HEIGHT + 0.0008)], 32)  # over the corners of the well
-    return merge([*(box(size, center) for size, center in boxes), ring, flange]), boxes
+    half, soft = SIDE / 2.0, 0.002
+    outline = [(0.0, 0.0), (half, 0.0), (half, HEIGHT - soft), (half - soft, HEIGHT), (WELL / 2.0, HEIGHT), (WELL / 2.0, FLOOR)]
+    block = lathe([(r * 2.0**0.5, z) for r, z in (*outline, (0.0, FLOOR))], 4, phase=np.pi / 4.0)
+    return merge([block, ring, flange]), boxes
 
 
 def _cap() -> Mesh:
     """Return the seen cap and collar; the origin is the centre of the cap's top."""
-    cap = cylinder(0.0175, 0.012, 24, bevel=0.002).moved((0.0, 0.0, -0.006))
-    collar = lathe([(0.0, -0.016), (0.025, -0.016), (0.025, -0.011), (0.0235, -0.0095), (0.0175, -0.0095), (0.0175, -0.012)], 24)
+    cap = cylinder(0.0175, 0.012, 32, bevel=0.002).moved((0.0, 0.0, -0.006))
+    collar = lathe([(0.0, -0.016), (0.025, -0.016), (0.025, -0.011), (0.0235, -0.0095), (0.0175, -0.0095), (0.0175, -0.012)], 32)
     return merge([cap, collar])
 
 
@@ -47,9 +52,9 @@ def models() -> tuple[Model, ...]:
     mesh, boxes = _pedestal()
     guard = wall_boxes(GUARD_RADIUS, GUARD_TOP, GUARD_WALL, HEIGHT, GUARD_SEGMENTS)
     shapes = (*(box_shape(s, c) for s, c in boxes), *guard)
-    base = Link("base", 0.5, (Visual(mesh_shape("pedestal", mesh), (0.5, 0.0, 0.0)),), shapes)
+    base = Link("base", 0.5, (Visual(mesh_shape("pedestal", mesh), plastic((0.5, 0.0, 0.0))),), shapes)
     parts = (cylinder_shape(0.0175, 0.012, (0.0, 0.0, -0.006)), cylinder_shape(0.025, 0.0065, (0.0, 0.0, -0.01275)))
-    cap = Link("cap", 0.02, (Visual(mesh_shape("cap", _cap()), plastic((1.0, 0.0, 0.0))),), parts)
+    cap = Link("cap", 0.02, (Visual(mesh_shape("cap", _cap()), glossy((1.0, 0.0, 0.0))),), parts)
     joint = Joint("cap_joint", "prismatic", "base", "cap", (0.0, 0.0, 0.042), (0.0, 0.0, -1.0), 0.0, TRAVEL, damping=1.0)
     notes = (
         "link `cap` has its origin at the centre of the cap's top, 0.042 m above the table; cap_joint grows when it is pressed",

@@ -2,38 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from assets_lib.mesh import Mesh, box, icosphere, lathe, merge
+from assets_lib.mesh import Mesh, box, hull_of, icosphere, lathe, merge
 from assets_lib.objects.draughts import board
-from assets_lib.prisms import Point, prism, regular_polygon
+from assets_lib.prisms import Point, grown, prism, regular_polygon
 from assets_lib.urdf import Link, Model, Vec3, Visual, box_shape, mesh_shape, plastic
 
 SQUARE = 0.0479
 FOOT, WAIST, NECK, HEAD = 0.015, 0.0075, 0.006, 0.0095
 """Radii of the foot, of the narrowest place, below the head and of the head [m]."""
 HEIGHTS = {"pawn": 0.052, "rook": 0.056, "knight": 0.060, "bishop": 0.064, "queen": 0.070, "king": 0.076}
+KNIGHT_FOOT = 0.014
+"""Height of the foot of a knight, below the neck of the horse [m]."""
 TOP = 0.018
 """Height of the part that the fingers hold [m]."""
 COLUMN = 0.009
 """Half the width of what collides above the foot [m]."""
 COLORS: dict[str, Vec3] = {"white": (0.95, 0.93, 0.86), "black": (0.26, 0.18, 0.13)}
-ACCENTS: dict[str, Vec3] = {
-    "rook": (0.20, 0.45, 0.75),
-    "knight": (0.25, 0.60, 0.25),
-    "bishop": (0.85, 0.40, 0.12),
-    "queen": (0.62, 0.22, 0.62),
-    "king": (0.90, 0.70, 0.15),
-}
+ACCENTS: dict[str, Vec3] = {"white": (0.80, 0.66, 0.40), "black": (0.62, 0.47, 0.28)}
+"""Colour of crowns, mitres, battlements and manes, by that of the man."""
 SEGMENTS = 14
 CREASE = 0.6
 
 
-def _body(height: float) -> Mesh:
-    """Return the turned part up to the head."""
-    neck = height - TOP
+def _body(kind: str) -> Mesh:
+    """Return the turned part up to the head; that of a knight is a foot."""
+    neck = HEIGHTS[kind] - TOP
+    if kind == "knight":
+        neck = KNIGHT_FOOT
+        foot = [(0.0, 0.0), (FOOT, 0.0), (FOOT, 0.004), (FOOT - 0.003, 0.007), (FOOT - 0.004, neck - 0.002)]
+        return lathe([*foot, (0.0105, neck), (0.0, neck)], SEGMENTS)
     outline = [
         (0.0, 0.0), (FOOT, 0.0), (FOOT, 0.004), (FOOT - 0.003, 0.007), (FOOT - 0.004, 0.010), (WAIST, 0.018),
         (NECK, neck - 0.003), (HEAD, neck - 0.001), (HEAD, neck + 0.001), (NECK, neck + 0.003), (0.0, neck + 0.003),
@@ -52,22 +53,44 @@ def _rook(z: float) -> tuple[Mesh, Mesh | None]:
 
 
 def _knight(z: float) -> tuple[Mesh, Mesh | None]:
-    """The head of a horse, seen from the side: neck, mane, ears, muzzle."""
-    outline: list[Point] = [
-        (-0.007, 0.0),
-        (0.006, 0.0),
-        (0.005, 0.006),
-        (0.011, 0.006),
-        (0.0125, 0.010),
-        (0.003, 0.018),
-        (-0.006, 0.015),
-        (-0.009, 0.007),
+    """The head and neck of a horse, seen from the side: chest, muzzle, ears, and a mane behind."""
+    low, high = KNIGHT_FOOT - 0.001, z + TOP
+    neck = [
+        (-0.0085, low),
+        (0.0085, low),
+        (0.0075, low + 0.010),
+        (0.0025, high - 0.016),
+        (-0.0005, high - 0.006),
+        (-0.0085, high - 0.012),
     ]
-    head = prism(np.array(outline), -0.0045, 0.0045, center=(-0.001, 0.007), bevel=0.001).moved(
-        (0.0, 0.0, z), (np.pi / 2.0, 0.0, 0.0)
-    )
-    mane = box((0.003, 0.004, 0.014), (-0.0085, 0.0, z + 0.0085))
-    return head, mane
+    head = [
+        (0.0025, high - 0.017),
+        (0.0115, high - 0.0185),
+        (0.0130, high - 0.0145),
+        (0.0050, high - 0.0045),
+        (-0.0035, high - 0.003),
+    ]
+    head += [(-0.0070, high - 0.009), (-0.0030, high - 0.013)]
+    parts = [_sideways(neck, 0.0045, 0.0012), _sideways(head, 0.0048, 0.0012)]
+    ears = ((-0.0045, high - 0.005), (0.0005, high - 0.0045), (-0.0030, high))
+    parts += [_sideways(ears, 0.0012, 0.0003).moved((0.0, side * 0.0028, 0.0)) for side in (-1.0, 1.0)]
+    crest = [
+        (-0.0115, low + 0.008),
+        (-0.0080, low + 0.006),
+        (-0.0080, high - 0.012),
+        (-0.0040, high - 0.003),
+        (-0.0065, high - 0.002),
+    ]
+    crest += [(-0.0110, high - 0.011)]
+    return merge(parts), _sideways(crest, 0.0018, 0.0004)
+
+
+def _sideways(outline: Sequence[Point], half: float, bevel: float) -> Mesh:
+    """Return a plate with an outline (x, z), its edges on both sides bevelled."""
+    points = np.array(outline)
+    flat = [(x, z, side * half) for x, z in grown(points, -bevel) for side in (-1.0, 1.0)]
+    edge = [(x, z, side * (half - bevel)) for x, z in points for side in (-1.0, 1.0)]
+    return hull_of(np.round(np.array(flat + edge), 6)).moved(rpy=(np.pi / 2.0, 0.0, 0.0))
 
 
 def _bishop(z: float) -> tuple[Mesh, Mesh | None]:
@@ -99,11 +122,11 @@ def man(color: str, kind: str) -> Model:
     top, accent = TOPS[kind](height - TOP)
     paint = plastic(COLORS[color])
     visuals = [
-        Visual(mesh_shape("body", _body(height)), paint, crease=CREASE),
+        Visual(mesh_shape("body", _body(kind)), paint, crease=CREASE),
         Visual(mesh_shape("top", top), paint, crease=CREASE),
     ]
     if accent is not None:
-        visuals.append(Visual(mesh_shape("accent", accent), plastic(ACCENTS[kind]), crease=CREASE))
+        visuals.append(Visual(mesh_shape("accent", accent), plastic(ACCENTS[color]), crease=CREASE))
     foot = (2.0 * FOOT, 0.8 * FOOT)
     lifted = 0.0002
     column = prism(regular_polygon(COLUMN / np.cos(np.pi / 8.0), 8, np.pi / 8.0), 0.007, height)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from assets_lib.mesh import Mesh, box, cylinder, hull_of, icosphere, lathe, merge, rod
-from assets_lib.urdf import Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape
+from assets_lib.cabinets import bevelled_box
+from assets_lib.mesh import Mesh, box, cylinder, hull_of, lathe, merge, rod
+from assets_lib.prisms import mark, regular_polygon
+from assets_lib.urdf import Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, patterned
 
 SPONGE = (0.09, 0.055, 0.035)
 STAIN = (0.012, 0.001)
@@ -24,31 +26,43 @@ PANS = {"dustpan": PAN[2], "dustpan_tall": 0.09}
 def _sponge() -> Model:
     x, y, z = SPONGE
     scourer = 0.009
-    rng = np.random.default_rng(5)
-    soft = box((x, y, z - scourer), (0.0, 0.0, -scourer / 2.0))
-    pores = []
-    for _ in range(26):
-        u, v = rng.uniform(-0.45, 0.45, 2)
-        side, radius = int(rng.integers(0, 4)), rng.uniform(0.0015, 0.0032)
-        w = rng.uniform(-z / 2.0 + 0.004, z / 2.0 - scourer - 0.004)
-        place = ((u * x, y / 2.0, w), (u * x, -y / 2.0, w), (x / 2.0, v * y, w), (-x / 2.0, v * y, w))[side]
-        pores.append(icosphere(radius, 0).moved(place))
+    soft = bevelled_box((x, y, z - scourer), (0.0, 0.0, -scourer / 2.0), 0.003)
+    scouring = bevelled_box((x, y, scourer), (0.0, 0.0, (z - scourer) / 2.0), 0.002)
     visuals = (
-        Visual(mesh_shape("soft", soft), (0.98, 0.83, 0.22), crease=0.1),
-        Visual(mesh_shape("pores", merge(pores)), (0.80, 0.62, 0.10)),
-        Visual(mesh_shape("scourer", box((x, y, scourer), (0.0, 0.0, (z - scourer) / 2.0))), (0.16, 0.45, 0.20), crease=0.1),
+        Visual(mesh_shape("soft", soft), (1.0, 0.86, 0.36), crease=0.9),
+        Visual(mesh_shape("pores", _pores()), (0.72, 0.52, 0.10)),
+        Visual(mesh_shape("scourer", scouring), patterned((0.16, 0.45, 0.20), "cloth"), crease=0.9),
     )
     link = Link("sponge", 0.04, visuals, (box_shape(SPONGE),), friction=0.8)
     notes = (f"long side along x; rests with its origin at {z / 2.0} m; grasp across y ({y} wide)",)
     return Model("sponge", "objects/sponge", "centre", (link,), notes=notes)
 
 
+def _pores() -> Mesh:
+    """Return the pores in the sides of the sponge as flat marks."""
+    x, y, z = SPONGE
+    low, high = -z / 2.0 + 0.006, z / 2.0 - 0.016
+    rng = np.random.default_rng(5)
+    pores = []
+    for depth, width, yaw, count in ((x, y, 0.0, 7), (y, x, np.pi / 2.0, 12), (x, y, np.pi, 7), (y, x, -np.pi / 2.0, 12)):
+        for n in range(count):
+            along = width * ((n + rng.uniform(0.25, 0.75)) / count - 0.5) * 0.86
+            radii = rng.uniform(0.7, 1.0, 8) * rng.uniform(0.0010, 0.0024)
+            pore = regular_polygon(1.0, 8) * radii[:, None] * (1.3, 1.0) + (along, rng.uniform(low, high))
+            pores.append(mark(pore, depth / 2.0 + 0.0002, "x").moved(rpy=(0.0, 0.0, yaw)))
+    return merge(pores)
+
+
 def _stain() -> Model:
     """Return a round stain, a flat cone of few triangles, since fifty are drawn."""
     across, tall = STAIN
-    visual = Visual(mesh_shape("blot", lathe([(across / 2.0, -tall / 2.0), (0.0, tall / 2.0)], 8)), BROWN)
+
+    def blot(sides: int) -> Shape:
+        return mesh_shape("blot", lathe([(across / 2.0, -tall / 2.0), (0.0, tall / 2.0)], sides))
+
+    stain = Link("stain", 0.001, (Visual(blot(16), BROWN),), weighs=(blot(8),))
     notes = (f"visual only, {across} across and {tall} high",)
-    return Model("stain", "objects/stain", "centre", (Link("stain", 0.001, (visual,)),), notes=notes)
+    return Model("stain", "objects/stain", "centre", (stain,), notes=notes)
 
 
 def _crumb() -> Model:

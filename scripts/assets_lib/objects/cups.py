@@ -5,7 +5,20 @@ from __future__ import annotations
 import numpy as np
 
 from assets_lib.mesh import icosphere, lathe
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, plastic, sphere_shape
+from assets_lib.urdf import (
+    Joint,
+    Link,
+    Model,
+    Shape,
+    Visual,
+    box_shape,
+    cylinder_shape,
+    glass,
+    glossy,
+    mesh_shape,
+    plastic,
+    sphere_shape,
+)
 
 SEGMENTS = 12
 DROP, SWELL = 0.005, 0.0025
@@ -53,7 +66,7 @@ def _cup(name: str, bottom: float, top: float, height: float, wall: float, *, ne
     lip = wall / 2.0
     outer = [(0.0, 0.0), (bottom - 0.002, 0.0), (bottom, 0.002), (top, height - lip), (top - lip, height)]
     inner = [(top - wall, height - lip), (bottom - wall + (top - bottom) * floor / height, floor), (0.0, floor)]
-    body = Visual(mesh_shape("cup", lathe([*outer, *inner], 24)), plastic((0.85, 0.20, 0.18)))
+    body = Visual(mesh_shape("cup", lathe([*outer, *inner], 32)), glossy((0.85, 0.20, 0.18)), crease=0.9)
     foot = cylinder_shape(bottom * float(np.cos(np.pi / SEGMENTS)), floor, (0.0, 0.0, floor / 2.0))
     if nests:
         shapes = (foot, *leaning_walls(bottom, top, height, wall - THINNER, FLOOR, segments=16, nests=True))
@@ -80,16 +93,16 @@ def _lining(inner: list[tuple[float, float]], top: float, height: float, wall: f
     angles = np.linspace(-0.25 * np.pi, 1.75 * np.pi, 5)
     tube = wall / 2.0 + 0.0012
     rim = [(top - wall / 2.0 + tube * float(np.cos(a)), height - wall / 2.0 + tube * float(np.sin(a))) for a in angles]
-    ring = mesh_shape("rim", lathe(rim, 24))
+    ring, spread = (mesh_shape("rim", lathe(rim, sides)) for sides in (32, 24))
     visuals = (Visual(ring, plastic(RIM), crease=1.2),)
-    return Link("lining", 0.001, visuals, center=(0.0, 0.0, 0.4 * height), weighs=(mesh_shape("", lathe(inside, 14)), ring))
+    return Link("lining", 0.001, visuals, center=(0.0, 0.0, 0.4 * height), weighs=(mesh_shape("", lathe(inside, 14)), spread))
 
 
 def _drop() -> Model:
     """Return a drop, seen a little larger than it is, so that drops in a cup look like one liquid."""
     seen = mesh_shape("drop", icosphere(DROP + SWELL, 1))
     link = Link(
-        "drop", 0.001, (Visual(seen, WATER, crease=3.0),), (sphere_shape(DROP),), friction=0.1, rolling=0.0002, spins=True
+        "drop", 0.001, (Visual(seen, glass(WATER), crease=3.0),), (sphere_shape(DROP),), friction=0.1, rolling=0.0002, spins=True
     )
     notes = (f"diameter {2 * DROP}; seen {SWELL} larger all round, less than the wall of a cup is thick",)
     return Model("drop", "objects/drop", "centre", (link,), notes=notes)

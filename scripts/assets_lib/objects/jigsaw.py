@@ -26,7 +26,9 @@ TAB = (0.0052, 0.0012)
 """Radius of the tabs, and how far the middle of their arc lies inside the edge [m]."""
 SKIN = 0.001
 """Skin that PyBullet puts around collision meshes [m]."""
-SKY, WOOD = (0.56, 0.75, 0.90), (0.62, 0.44, 0.27)
+SEAM = 0.0006
+"""Width of the edge of a piece without an image [m]."""
+SKY, WOOD, SEAMS = (0.56, 0.75, 0.90), (0.62, 0.44, 0.27), (0.36, 0.38, 0.40)
 X, Y = ROWS * CELL / 2.0, COLUMNS * CELL / 2.0
 IMAGE: tuple[tuple[str, Vec3, tuple[FloatArray, ...]], ...] = (
     ("sun", (0.97, 0.80, 0.30), (0.018 * regular_polygon(1.0, 20) + (0.045, 0.075),)),
@@ -99,7 +101,7 @@ def _painted(row: int, column: int, area: FloatArray, height: float) -> list[Mes
     if np.cross(area[1] - area[0], area[2] - area[1]) < 0.0:
         area = area[::-1]
     center = _center(row, column)
-    corners = grown(_outline(row, column), -0.0009) + center
+    corners = grown(_outline(row, column), -SEAM) + center
     found = []
     for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
         part = _clipped(np.array([center, a, b]), area)
@@ -126,9 +128,14 @@ def _printed(
 ) -> tuple[Visual, ...]:
     """Return pieces, each with its body and the image on it, in the axes of a point of the image."""
     shift = (-around[0], -around[1], 0.0)
-    bodies = [body(grown(_outline(*piece), -0.0002), top).moved((*_center(*piece), 0.0)) for piece in pieces]
-    visuals = [Visual(mesh_shape("sky", merge(bodies).moved(shift)), SKY, crease=0.3)]
-    for layer, (name, color, areas) in enumerate(IMAGE, start=1):
+    square = rectangle(CELL, CELL)  # of a piece that is not beside the empty place no more is seen than its seams
+    bodies = []
+    for piece in pieces:
+        steps = np.abs(np.subtract(piece, EMPTY)).sum()
+        outline = square if steps > 1 else grown(_outline(*piece), 0.0 if steps else -0.0002)
+        bodies.append(body(outline, top).moved((*_center(*piece), 0.0)))
+    visuals = [Visual(mesh_shape("pieces", merge(bodies).moved(shift)), SEAMS, crease=0.3)]
+    for layer, (name, color, areas) in enumerate((("sky", SKY, (rectangle(2.0 * X + 0.02, 2.0 * Y + 0.02),)), *IMAGE), start=1):
         parts = [part for piece in pieces for area in areas for part in _painted(*piece, area, top + 0.0001 * layer)]
         if parts:
             visuals.append(Visual(mesh_shape(name, merge(parts).moved(shift)), color, crease=0.1))

@@ -19,7 +19,7 @@ SLOT = (0.10, 0.035, 0.010)
 BLOCK_LENGTH, BLOCK_WIDTH, ABOVE, BELOW, LOW_EDGE, FOOT = 0.125, 0.10, 0.035, 0.075, 0.06, 0.02
 """Of the block along the slots and across, over and under the open slot; its front ends so high, and the foot is set back [m]."""
 BOARD, BOARD_BEVEL = (0.24, 0.16, 0.015), 0.003
-WALNUT, MAPLE, GROOVE = patterned((0.36, 0.21, 0.12), "wood"), patterned((0.86, 0.72, 0.50), "wood"), (0.62, 0.47, 0.29)
+WALNUT, MAPLE, GROOVE = patterned((0.50, 0.31, 0.18), "wood"), patterned((0.86, 0.72, 0.50), "wood"), (0.62, 0.47, 0.29)
 GRIP, STEEL, EDGE, DARK = plastic((0.09, 0.09, 0.10)), metal((0.78, 0.80, 0.83)), metal((0.92, 0.93, 0.95)), (0.05, 0.03, 0.02)
 
 
@@ -94,7 +94,9 @@ def _upright(points: np.ndarray, half: float) -> list[Vec3]:
 
 
 def _body() -> Mesh:
+    """Return what is seen of the block: a wedge that stands on its whole length, where what collides stands on less."""
     outline, bevel = _profile(ABOVE), 0.003
+    outline[:2] = (outline[-1, 0], 0.0), (outline[2, 0], 0.0)
     half = BLOCK_WIDTH / 2.0
     return hull_of(np.round(np.array(_upright(outline, half - bevel) + _upright(grown(outline, -bevel), half)), 6))
 

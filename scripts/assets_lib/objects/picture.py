@@ -98,7 +98,7 @@ def _wall() -> Model:
     panel: Box = (WALL, (t / 2.0, 0.0, h / 2.0))
     feet = tuple(((0.14, 0.04, 0.02), (t + 0.07, s * (w / 2.0 - 0.05), 0.01)) for s in (-1, 1))
     visuals = (
-        Visual(mesh_shape("panel", box(*panel)), (0.62, 0.70, 0.64)),
+        Visual(mesh_shape("panel", box(*panel)), (0.84, 0.87, 0.83)),
         Visual(mesh_shape("base", merge([box((0.004, w, 0.04), (-0.002, 0.0, 0.02)), _merged(feet)])), WHITE),
         Visual(mesh_shape("plate", cylinder(0.02, 0.002, 16).moved((-0.001, 0.0, PEG_ROOT), (0.0, HALF_PI, 0.0))), WHITE),
         Visual(mesh_shape("peg", rod((0.0, 0.0, PEG_ROOT), end, PEG_RADIUS, 14)), BRASS),

@@ -15,7 +15,7 @@ SEGMENTS = 12
 def _shell() -> Mesh:
     """Return the hollow bin with a thick rim."""
     outer = [(0.0, 0.0), (BOTTOM, 0.0), (TOP - 0.002, HEIGHT - 0.012), (TOP, HEIGHT - 0.012), (TOP, HEIGHT)]
-    return lathe([*outer, (TOP - WALL, HEIGHT), (BOTTOM - WALL, FLOOR), (0.0, FLOOR)], 24)
+    return lathe([*outer, (TOP - WALL, HEIGHT), (BOTTOM - WALL, FLOOR), (0.0, FLOOR)], 40)
 
 
 def _bands() -> Mesh:
@@ -24,7 +24,7 @@ def _bands() -> Mesh:
     for z in (0.045, 0.12):
         r = BOTTOM + (TOP - 0.002 - BOTTOM) * z / (HEIGHT - 0.012)
         inner, outer = r - 0.001, r + 0.0012
-        rings.append(lathe([(inner, z - 0.004), (outer, z - 0.004), (outer, z + 0.004), (inner, z + 0.004)], 24))
+        rings.append(lathe([(inner, z - 0.004), (outer, z - 0.004), (outer, z + 0.004), (inner, z + 0.004)], 40))
     return merge(rings)
 
 

@@ -23,6 +23,8 @@ from assets_lib.urdf import (
 BODY = (0.18, 0.20, 0.14)
 TRAY = (0.20, 0.24, 0.015)
 SLAB, RIM = 0.006, 0.006
+NECK = 0.12
+"""Width of the neck that bears the tray, which sinks into the housing [m]."""
 TRAVEL = 0.03
 TRAY_HEIGHT = BODY[2] + TRAVEL + 0.004
 """Height of the tray's underside at joint value 0 [m]."""
@@ -67,10 +69,11 @@ def _tray_link() -> Link:
     slab = box_shape((x, y, SLAB), (0.0, 0.0, SLAB / 2.0))
     rims = [box_shape((RIM, y, z - SLAB), (s * (x - RIM) / 2.0, 0.0, (z + SLAB) / 2.0)) for s in (-1.0, 1.0)]
     rims += [box_shape((x - 2.0 * RIM, RIM, z - SLAB), (0.0, s * (y - RIM) / 2.0, (z + SLAB) / 2.0)) for s in (-1.0, 1.0)]
-    post = rod((0.0, 0.0, -TRAVEL - 0.02), (0.0, 0.0, 0.001), 0.02, 16)
+    side = NECK * 2.0**0.5 / 2.0
+    post = lathe([(side, -TRAVEL - 0.02), (side, -0.004), (side + 0.01, -0.0005), (0.0, -0.0005)], 4, phase=np.pi / 4.0)
     visuals = (
         Visual(mesh_shape("tray", merge(box(shape.size, shape.xyz) for shape in (slab, *rims))), patterned(STEEL, "brushed")),
-        Visual(mesh_shape("post", post), DARK),
+        Visual(mesh_shape("post", post), STEEL),
     )
     return Link("tray_link", 0.2, visuals, (slab, *rims), friction=0.9)
 
@@ -92,11 +95,14 @@ def _scales() -> Model:
         lathe([(DIAL_RADIUS + 0.003, 0.0), (DIAL_RADIUS + 0.003, 0.005), (DIAL_RADIUS, 0.005), (DIAL_RADIUS, 0.0)], 24), 0.0
     )
     far_rim = rim.moved(rpy=(0.0, 0.0, np.pi))
+    edge = NECK * 2.0**0.5 / 2.0
+    collar = lathe([(edge + 0.008, BODY[2]), (edge + 0.007, BODY[2] + 0.0025), (edge, BODY[2] + 0.0025)], 4, phase=np.pi / 4.0)
     visuals = (
         Visual(mesh_shape("shell", _shell()), SHELL, crease=0.3),
         Visual(mesh_shape("dial", merge([dial, dial.moved(rpy=(0.0, 0.0, np.pi))])), CREAM),
         Visual(mesh_shape("marks", merge([marks, behind])), DARK),
         Visual(mesh_shape("rims", merge([rim, far_rim])), STEEL),
+        Visual(mesh_shape("collar", collar), DARK),
     )
     base = Link("scales", 3.0, visuals, (box_shape(BODY, (0.0, 0.0, BODY[2] / 2.0)),))
     tray = Joint("tray", "prismatic", "scales", "tray_link", (0.0, 0.0, TRAY_HEIGHT), (0.0, 0.0, -1.0), 0.0, TRAVEL)

@@ -8,7 +8,7 @@ import numpy as np
 
 from assets_lib.mesh import FloatArray, Mesh, box, cylinder, merge
 from assets_lib.prisms import Rectangle, bevelled_box, grown, hull_prism, pieces_around, prism, rectangle, regular_polygon
-from assets_lib.urdf import Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape
+from assets_lib.urdf import Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, plastic
 
 LOW, TALL = 0.025, 0.05
 """Heights of the pieces to lift and of those to sort [m]."""
@@ -22,7 +22,7 @@ CLEARANCE = {"cube": 0.0025, "cylinder": 0.0025, "prism": 0.0025, "star": 0.0035
 """Gap between a shape and its hole [m]; a finger comes to rest more or less deep in a notch of the star."""
 SKIN = 0.001
 """Skin that PyBullet puts around collision meshes [m]."""
-BLUE = (0.05, 0.15, 0.95)
+BLUE = plastic((0.08, 0.20, 0.90))
 SIDE, HEIGHT, WALL, LID, FLOOR = 0.16, 0.10, 0.006, 0.008, 0.004
 WOOD = (0.87, 0.72, 0.50)
 
@@ -117,7 +117,7 @@ def _solid(name: str, height: float) -> tuple[Mesh, tuple[Shape, ...]]:
     if name == "cube":
         return bevelled_box((CUBE, CUBE, height), 0.002).moved((0.0, 0.0, low)), (box_shape((CUBE, CUBE, height)),)
     if name == "cylinder":
-        return cylinder(DIAMETER / 2.0, height, 24, bevel=0.002), (cylinder_shape(DIAMETER / 2.0, height),)
+        return cylinder(DIAMETER / 2.0, height, 40, bevel=0.002), (cylinder_shape(DIAMETER / 2.0, height),)
     inner = (low + SKIN, high - SKIN)
     if name == "moon":
         pieces = _moon_pieces(*inner)

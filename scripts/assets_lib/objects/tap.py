@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from assets_lib.mesh import Mesh, box, cylinder, lathe, merge, rod
+from assets_lib.mesh import Mesh, box, cylinder, lathe, merge
 from assets_lib.urdf import (
     Joint,
     Link,
@@ -35,7 +35,7 @@ CERAMIC, GLAZE, CHROME, GRATE = (
     metal((0.80, 0.82, 0.86)),
     (0.30, 0.31, 0.33),
 )
-WATER = (0.15, 0.52, 0.98)
+WATER = (0.60, 0.82, 0.96)
 RED, BLUE, WHITE = (0.86, 0.10, 0.08), (0.08, 0.22, 0.80), (0.97, 0.97, 0.97)
 
 
@@ -78,14 +78,29 @@ def _spout_pieces() -> list[tuple[Vec3, Vec3]]:
 
 def _fittings() -> Mesh:
     """Return the spout with its foot, and the stems with theirs."""
-    feet = [cylinder(0.022, 0.012, 10).moved((0.0, y, RIM + 0.006)) for y in (-STEM_Y, 0.0, STEM_Y)]
-    low, high = RIM, HANDLE_Z - THICK / 2.0 - 0.002
-    stems = [
-        lathe([(0.0, low), (0.016, low), (STEM_RADIUS, high), (0.0, high)], 12).moved((0.0, y, 0.0)) for y in (-STEM_Y, STEM_Y)
-    ]
-    pieces = [rod(start, end, SPOUT_RADIUS, 9) for start, end in _spout_pieces()]
-    collar = cylinder(SPOUT_RADIUS + 0.003, 0.014, 12).moved((MOUTH[0], 0.0, MOUTH[1]))
-    return merge([*feet, *stems, *pieces, collar])
+    foot = [(0.022, RIM), (0.022, RIM + 0.009), (0.019, RIM + 0.012), (0.0, RIM + 0.012)]
+    feet = [lathe(foot, 16).moved((0.0, y, 0.0)) for y in (-STEM_Y, 0.0, STEM_Y)]
+    low, high = RIM + 0.012, HANDLE_Z - THICK / 2.0 - 0.002
+    stems = [lathe([(0.0155, low), (STEM_RADIUS, high), (0.0, high)], 14).moved((0.0, y, 0.0)) for y in (-STEM_Y, STEM_Y)]
+    x, z = MOUTH
+    collar = lathe([(0.0, z - 0.007), (0.0125, z - 0.007), (0.014, z - 0.005), (0.014, z + 0.005), (SPOUT_RADIUS, z + 0.007)], 16)
+    return merge([*feet, *stems, _tube(), collar.moved((x, 0.0, 0.0))])
+
+
+def _tube(sides: int = 12) -> Mesh:
+    """Return the spout as one bent tube."""
+    line = np.array(_spout_line())
+    along = np.gradient(line, axis=0)
+    along[0], along[-1] = (0.0, 1.0), (0.0, -1.0)
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    angles = 2.0 * np.pi * np.arange(sides) / sides
+    out, aside = SPOUT_RADIUS * np.cos(angles), SPOUT_RADIUS * np.sin(angles)
+    rings = [np.column_stack([x - out * dz, aside, z + out * dx]) for (x, z), (dx, dz) in zip(line, along, strict=True)]
+    faces = []
+    for ring in range(0, (len(rings) - 1) * sides, sides):
+        for a, b in zip(range(sides), [*range(1, sides), 0], strict=True):
+            faces += [(ring + a, ring + sides + b, ring + b), (ring + a, ring + sides + a, ring + sides + b)]
+    return Mesh(np.concatenate(rings), np.array(faces))
 
 
 def _spout_shapes() -> tuple[Shape, ...]:
@@ -126,8 +141,19 @@ def _stream_link() -> Link:
     ]
     solid = lathe(outline, 14).moved((x, 0.0, 0.0))
     top = MOUTH[1] - 0.006
-    rings = [(0.060, low), (0.058, low + 0.004), (0.033, low + 0.0048), (0.009, low + 0.004), (0.007, top)]
-    water = lathe(rings, 24).moved((x, 0.0, 0.0))
+    pool = [
+        (0.052, low - 0.0024),
+        (0.050, low - 0.0010),
+        (0.036, low),
+        (0.031, low + 0.0012),
+        (0.026, low),
+        (0.016, low + 0.0012),
+    ]
+    water = lathe([*pool, (0.0075, low + 0.004), (0.0060, low + 0.02), (0.0065, top)], 20)
+    angles = np.arctan2(water.vertices[:, 1], water.vertices[:, 0])
+    outside = np.hypot(water.vertices[:, 0], water.vertices[:, 1]) > 0.045
+    spread = 1.0 + outside * (0.10 * np.sin(2.0 * angles + 0.4) + 0.06 * np.sin(3.0 * angles))
+    water = Mesh(water.vertices * np.column_stack([spread, spread, np.ones(len(spread))]), water.faces).moved((x, 0.0, 0.0))
     seen = Visual(mesh_shape("stream", water), pane(WATER, 0.0))
     return Link("stream", 0.001, (seen,), center=(x, 0.0, FLOOR), weighs=(mesh_shape("", solid),))
 
@@ -159,7 +185,7 @@ def models() -> tuple[Model, ...]:
         f"the spout points to -x, over a hollow basin with its rim at z = {RIM}; left and right are those of a viewer in front",
         f"links `left_handle` (red) and `right_handle` (blue) turn about upright axes at y = {STEM_Y} and {-STEM_Y}; "
         f"each is a cross of two arms {SPAN} x {ARM} x {THICK}, along x and y at 0, its middle at z = {HANDLE_Z}",
-        f"link `stream` is water that is not seen: colour it ({WATER[0]}, {WATER[1]}, {WATER[2]}, 0.7) when it runs",
+        f"link `stream` is water that is not seen: colour it ({WATER[0]}, {WATER[1]}, {WATER[2]}, 0.6) when it runs",
         "fingers that close along a diagonal of a cross come to rest between its arms",
     )
     stream = Joint("stream_holder", "fixed", "basin", "stream", (0.0, 0.0, 0.0))

@@ -88,7 +88,7 @@ def _pan() -> Link:
     brackets = merge(box((0.016, 0.016, 0.012), (HINGE[0] + 0.002, y, RIM + 0.006)) for y in (-0.055, 0.055))
     water = _loft([(*level[:3], z) for level, z in ((INNER[-1], WATER - 0.001), (INNER[-1], WATER + 0.001))], count=16)
     visuals = (
-        Visual(mesh_shape("bowl", _loft((*OUTER, *INNER))), CERAMIC),
+        Visual(mesh_shape("bowl", _loft((*OUTER, *INNER), count=28)), CERAMIC),
         Visual(mesh_shape("cistern", cistern), CERAMIC),
         Visual(mesh_shape("plinth", _loft([(-0.088, 0.128, 0.065, 0.0), (-0.088, 0.128, 0.065, 0.008)], count=16)), SHADE),
         Visual(mesh_shape("water", water), BLUE),
@@ -113,7 +113,7 @@ def _seat() -> Link:
     hole = [inset(SEAT_HOLE, by, z) for by, z in ((-soft, half), (0.0, half - soft), (0.0, -half))]
     pins = merge(rod((0.0, y - 0.014, 0.0), (0.0, y + 0.014, 0.0), half, 8) for y in (-0.055, 0.055))
     visuals = (
-        Visual(mesh_shape("seat", _loft([*outer, *hole, outer[0]], ends=False)), SEAT_COLOR),
+        Visual(mesh_shape("seat", _loft([*outer, *hole, outer[0]], ends=False, count=28)), SEAT_COLOR),
         Visual(mesh_shape("pins", pins), CHROME),
     )
     pieces = _around("seat_piece", [(*SEAT_OUTER, z) for z in (-half, half)], [(*SEAT_HOLE, z) for z in (-half, half)], 12)

@@ -4,9 +4,22 @@ from __future__ import annotations
 
 import numpy as np
 
-from assets_lib.mesh import Mesh, box, cylinder, hull_of, merge, rod
-from assets_lib.prisms import bevelled_box, mark, regular_polygon
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic, shining
+from assets_lib.mesh import Mesh, box, cylinder, hull_of, lathe, merge, rod
+from assets_lib.prisms import bevelled_box, mark
+from assets_lib.urdf import (
+    Joint,
+    Link,
+    Model,
+    Shape,
+    Visual,
+    box_shape,
+    cylinder_shape,
+    glossy,
+    mesh_shape,
+    metal,
+    plastic,
+    shining,
+)
 
 WIDTH, HEIGHT, THICKNESS = 0.24, 0.20, 0.03
 FOOT = (0.09, 0.24, 0.012)
@@ -22,7 +35,9 @@ WALL, TRIM, WHITE, BLACK, METAL = (
     (0.08, 0.08, 0.09),
     metal((0.92, 0.92, 0.95)),
 )
-CASE, YELLOW, LIVE = plastic((0.16, 0.16, 0.19)), (0.98, 0.80, 0.10), (0.15, 0.95, 0.25)
+CASE, YELLOW, LIVE = plastic((0.24, 0.25, 0.29)), (0.98, 0.80, 0.10), (0.15, 0.95, 0.25)
+
+SIGN_HEIGHT = SOCKET_HEIGHT - 0.018
 
 Span = tuple[tuple[float, float], tuple[float, float], tuple[float, float]]
 """Lowest and highest x, y, z [m]."""
@@ -53,29 +68,40 @@ def _wall_around_plate(x: tuple[float, float]) -> tuple[Shape, ...]:
     return tuple(_box((x, y, z)) for y, z in (*sides, *middle))
 
 
-def _back() -> tuple[Visual, ...]:
-    """Return what the back of the wall shows: the box behind the socket, its cable, and a sign that warns of electricity."""
-    x, z, left, right = THICKNESS, SOCKET_HEIGHT - 0.018, -0.055, 0.055
-    cover = box((0.002, 0.085, 0.085), (x + 0.001, right, z))
-    pipe = rod((x, right, FOOT[2]), (x, right, z - 0.04), 0.005, 6)
-    holes = [mark(regular_polygon(0.008, 8) + (right + side * 0.013, z), x + 0.0032, "x") for side in (-1.0, 1.0)]
+def _bolt() -> Visual:
+    """Return the bolt on the sign on the back that warns of electricity."""
+    x, z, left = THICKNESS, SIGN_HEIGHT, 0.0
     upper = ((left - 0.004, z + 0.022), (left + 0.006, z + 0.022), (left - 0.012, z - 0.012), (left + 0.002, z - 0.006))
     lower = ((left - 0.002, z - 0.004), (left + 0.013, z - 0.002), (left - 0.004, z - 0.034))
-    bolt = [mark(points, x + 0.0012, "x") for points in (upper, lower)]
-    return (
-        Visual(mesh_shape("back_box", merge([cover, pipe])), TRIM),
-        Visual(mesh_shape("back_socket", mark(regular_polygon(0.031, 16) + (right, z), x + 0.0026, "x")), WHITE),
-        Visual(mesh_shape("back_marks", merge([*holes, *bolt])), BLACK),
-    )
+    return Visual(mesh_shape("bolt", merge(mark(points, x + 0.0012, "x") for points in (upper, lower))), BLACK)
+
+
+def lamp_outline(radius: float) -> list[tuple[float, float]]:
+    """Return the outline (radius, height) of a domed lamp on a wall, from below [m]."""
+    angles = (0.0, 0.25, 0.5, 0.75, 1.0)
+    dome = [(radius * float(np.cos(a * np.pi / 2.0)), 0.7 * radius * float(np.sin(a * np.pi / 2.0))) for a in angles[:-1]]
+    return [*dome, (0.0, 0.7 * radius)]
 
 
 def _light() -> Link:
     """Return the sign on the back and two lights beside the socket, which a task lights while the socket is in use."""
-    z, left = SOCKET_HEIGHT - 0.018, -0.055
-    triangle = ((left - 0.05, z - 0.04), (left + 0.05, z - 0.04), (left, z + 0.045))
-    sign = mark(triangle, THICKNESS + 0.0006, "x")
-    lights = [cylinder(0.012, 0.006, 12).moved((-0.002, s * 0.075, SOCKET_HEIGHT), (0.0, np.pi / 2.0, 0.0)) for s in (-1.0, 1.0)]
-    return Link("light", 0.001, (Visual(mesh_shape("light", merge([sign, *lights])), shining(YELLOW, emission=LIVE)),))
+    turned, places = (0.0, np.pi / 2.0, 0.0), [(-0.002, s * 0.075, SOCKET_HEIGHT) for s in (-1.0, 1.0)]
+
+    def sign(y: float) -> Mesh:
+        z = SIGN_HEIGHT
+        return mark(((y - 0.05, z - 0.04), (y + 0.05, z - 0.04), (y, z + 0.045)), THICKNESS + 0.0006, "x")
+
+    domes, sides = (
+        merge(lathe(outline, 24).moved((0.0, y, z), (0.0, -np.pi / 2.0, 0.0)) for _, y, z in places)
+        for outline in (lamp_outline(0.012)[1:], lamp_outline(0.012)[:2])
+    )
+    lit = glossy(shining(YELLOW, emission=LIVE))
+    visuals = (
+        Visual(mesh_shape("light", merge([sign(0.0), domes])), lit),
+        Visual(mesh_shape("light_sides", sides), plastic(YELLOW)),
+    )
+    spread = merge([sign(-0.055), *(cylinder(0.012, 0.006, 12).moved(place, turned) for place in places)])
+    return Link("light", 0.001, visuals, weighs=(mesh_shape("", spread),))
 
 
 def _panel() -> Model:
@@ -94,25 +120,28 @@ def _panel() -> Model:
         ),
         Visual(mesh_shape("plate", merge(box(s.size, s.xyz) for s in plate)), WHITE),
         Visual(mesh_shape("hole_rims", ring), BLACK),
-        *_back(),
+        _bolt(),
     )
     link = Link("socket_panel", 3.0, visuals, (*wall, back, foot, *plate), friction=0.6)
     notes = (
         f"front faces -x; wall face at x = 0, socket plate to x = {-PLATE_THICKNESS}, top at z = {HEIGHT}",
         f"two holes {HOLE} wide, {DEPTH} deep at y = -{PITCH / 2.0} and {PITCH / 2.0}, z = {SOCKET_HEIGHT}; a charger fits, "
         f"pushed home its origin is at x = {-PLATE_THICKNESS - BODY[0] / 2.0}",
-        f"link `light`, two lights in front and a sign on the back: coloured {LIVE} it shines",
+        f"link `light`, two domes in front and a sign on the back: coloured {LIVE} it shines",
     )
     holder = Joint("light_holder", "fixed", "socket_panel", "light", (0.0, 0.0, 0.0))
     return Model("socket_panel", "objects/socket_panel", "middle of the lower front edge", (link, _light()), (holder,), notes)
 
 
 def _case() -> Mesh:
-    """Return the charger's case, rounded towards its back."""
+    """Return the charger's case, its edges round, more so towards its back."""
     x, y, z = (s / 2.0 for s in BODY)
-    ends = ((x, 0.0), (-x + 0.008, 0.0), (-x, 0.007))
-    points = [(px, sy * (y - b), sz * (z - b)) for px, b in ends for sy in (-1, 1) for sz in (-1, 1)]
-    return hull_of(np.array(points))
+    radius, points = 0.007, []
+    for px, inset in ((x, 0.0015), (x - 0.0015, 0.0), (-x + 0.009, 0.0), (-x + 0.003, 0.0025), (-x, 0.008)):
+        for angle in np.linspace(0.0, np.pi / 2.0, 5):
+            py, pz = (y - radius - inset + radius * np.cos(angle), z - radius - inset + radius * np.sin(angle))
+            points += [(px, sy * py, sz * pz) for sy in (-1, 1) for sz in (-1, 1)]
+    return hull_of(np.round(np.array(points), 6))
 
 
 def _charger() -> Model:
@@ -121,7 +150,7 @@ def _charger() -> Model:
     cable = rod((-BODY[0] / 2.0 - 0.016, 0.0, -0.004), (-BODY[0] / 2.0 + 0.002, 0.0, -0.004), 0.004, 10)
     mark = box((0.016, 0.006, 0.0006), (-0.004, 0.0, BODY[2] / 2.0 + 0.0002))
     visuals = (
-        Visual(mesh_shape("case", _case()), CASE, crease=0.3),
+        Visual(mesh_shape("case", _case()), CASE),
         Visual(mesh_shape("pins", seen), METAL),
         Visual(mesh_shape("cable", cable), (0.85, 0.85, 0.82)),
         Visual(mesh_shape("mark", mark), (0.25, 0.95, 0.45)),

@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from assets_lib.mesh import FloatArray, Mesh, box, hull_of, lathe, merge, rod
-from assets_lib.objects.wall_socket import BLACK, FOOT, THICKNESS, TRIM, WALL, WHITE, WIDTH, YELLOW
+from assets_lib.objects.wall_socket import BLACK, FOOT, THICKNESS, TRIM, WALL, WHITE, WIDTH, YELLOW, lamp_outline
 from assets_lib.prisms import mark, regular_polygon
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, mesh_shape, shining
+from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, glossy, mesh_shape, plastic, shining
 
 HEIGHT, SWITCH_HEIGHT = 0.18, 0.13
 """Height of the wall and of the axle [m]; the hand passes over the wall."""
@@ -63,13 +63,21 @@ def _back() -> tuple[Visual, ...]:
 def _lamp() -> Link:
     """Return the lamps on the back and beside the switch, which a task paints dark or bright as the switch asks for."""
 
-    def lamps(round_: int, sides: int) -> Mesh:
-        bulb = mark(regular_polygon(0.026, round_) + (-0.055, 0.095), THICKNESS + 0.0012, "x")
-        dome = lathe([(0.019, 0.0), (0.016, 0.006), (0.0, 0.009)], sides).moved(rpy=(0.0, -np.pi / 2.0, 0.0))
-        return merge([bulb, *(dome.moved((0.0, side * 0.08, SWITCH_HEIGHT)) for side in (-1.0, 1.0))])
+    def bulb(sides: int) -> Mesh:
+        return mark(regular_polygon(0.026, sides) + (-0.055, 0.095), THICKNESS + 0.0012, "x")
 
-    seen = Visual(mesh_shape("lamps", lamps(32, 32)), shining(YELLOW, emission=(1.0, 0.85, 0.2)))
-    return Link("lamp", 0.001, (seen,), weighs=(mesh_shape("", lamps(16, 14)),))
+    def domes(outline: list[tuple[float, float]], sides: int) -> Mesh:
+        dome = lathe(outline, sides).moved(rpy=(0.0, -np.pi / 2.0, 0.0))
+        return merge(dome.moved((0.0, side * 0.08, SWITCH_HEIGHT)) for side in (-1.0, 1.0))
+
+    outline = lamp_outline(0.019)
+    lit = glossy(shining(YELLOW, emission=(1.0, 0.85, 0.2)))
+    visuals = (
+        Visual(mesh_shape("lamps", merge([bulb(32), domes(outline[1:], 28)])), lit),
+        Visual(mesh_shape("lamp_sides", domes(outline[:2], 28)), plastic(YELLOW)),
+    )
+    spread = merge([bulb(16), domes([(0.019, 0.0), (0.016, 0.006), (0.0, 0.009)], 14)])
+    return Link("lamp", 0.001, visuals, weighs=(mesh_shape("", spread),))
 
 
 def _lamp_rims() -> Mesh:
