@@ -97,7 +97,7 @@ def _crumpled(ball: Mesh, rng: np.random.Generator) -> Mesh:
     waves = rng.standard_normal((3, 3))
     waves *= 1.6 / np.linalg.norm(waves, axis=1, keepdims=True)
     folds = np.cos(ball.vertices / 0.036 @ waves.T * 2.0 + rng.uniform(0.0, 6.0, 3)).sum(axis=1)
-    return Mesh(ball.vertices * (1.0 + 0.06 * folds)[:, None], ball.faces)
+    return Mesh(ball.vertices * (1.0 + 0.11 * folds)[:, None], ball.faces)
 
 
 def _laundry() -> tuple[Mesh, ...]:
