@@ -36,8 +36,9 @@ _LARGE = 0.35
 """From this longest side on a body is not framed whole [m]."""
 _NEAR = 0.16
 """Distance from the links that move at which large bodies are framed [m]."""
-_WHOLE = 1.4
-"""Large bodies are framed whole where all that is framed becomes no longer than by this factor."""
+_WHOLE, _TINY = 1.4, 0.15
+"""Large bodies are framed whole where all that is framed becomes no longer than by this factor, and where the longest link that
+moves keeps this share of its length."""
 _AROUND = 0.04
 """Room around all that is framed [m]."""
 _LEVER = 0.1
@@ -56,9 +57,13 @@ _SMALL = 96
 """Side of the masks by which the direction is chosen [px]."""
 _ENOUGH = 0.7
 """A view that shows so much of what the best one shows of a link is as good in that."""
+_WELL = 0.3
+"""A view that shows so much of what the best one shows of a link shows it well."""
 _PAST_ARM, _REVEALED, _APART = 0.4, 3.0, 1.5
 """Weights of what is seen past the arm, of what a door or a lid hides, and of the distance in the image between what has been
 taken away and the rest."""
+_STEEP = 0.25
+"""What a view loses for each step by which it looks down more steeply than the flattest."""
 _MARGIN, _GAP, _CAPTION, _TITLE = 8, 8, 18, 54
 _INK, _PAPER, _FAINT = (30, 30, 30), (255, 255, 255), (110, 110, 110)
 
@@ -323,16 +328,20 @@ def task_view(world: World, frames: Sequence[Frame], size: int) -> CameraView:
         world.restore(frame.state)
         _hide_arm(world)
         masks.append([world.render(view, rgb=False, depth=False).mask for view in views])
-    return replace(views[_clearest(np.array(masks), with_arm, moving or still, still)], size=(size, size))
+    score = _clearness(np.array(masks), with_arm, moving or still, still)
+    tilts = sorted({tilt for _, tilt in _DIRECTIONS})
+    score -= _STEEP * np.array([tilts.index(tilt) for _, tilt in _DIRECTIONS])
+    return replace(views[int(np.argmax(score))], size=(size, size))
 
 
-def _clearest(
+def _clearness(
     masks: NDArray[np.int32], with_arm: NDArray[np.int32], moving: Sequence[tuple[str, int]], still: Sequence[tuple[str, int]]
-) -> int:
-    """Return the number of the view that shows most of the links that move, above all at the last frame, and of their motion.
+) -> FloatArray:
+    """Return how well each view (views,) shows the links that move, above all at the last frame, and their motion.
 
-    It also shows most of what a door or a lid hides at the first or at the last frame, and of the other links at both. What has
-    been taken away is not before or behind the rest at the last frame, if there is such a view.
+    It also counts what is seen of what a door or a lid hides at the first or at the last frame, more than of the door, and of the
+    other links at both. What has been taken away should not be before or behind the rest at the last frame, if a view that shows
+    it well is like that.
 
     Args:
         masks: Masks (frames, views, h, w) without the arm.
@@ -341,6 +350,7 @@ def _clearest(
         still: Body and mask id of the others.
     """
     score = np.zeros(masks.shape[1])
+    doors = {body for body, _ in moving} & {body for body, _ in still}
     for body, number in moving:
         shown = masks == number
         pixels = shown.sum(axis=(2, 3))
@@ -348,12 +358,13 @@ def _clearest(
         changed = (shown[0] != shown[-1]).sum(axis=(1, 2))
         for weight, part in ((1.0, pixels.mean(axis=0)), (1.0, pixels[0]), (_PAST_ARM, past_arm), (1.0, changed)):
             score += weight * _log_share(part) / len(moving)
-        score += 2.0 * _log_share(pixels[-1], enough=1.0) / len(moving)
+        at_last = _log_share(pixels[-1]) if body in doors else 2.0 * _log_share(pixels[-1], enough=1.0)
+        score += at_last / len(moving)
         rest = np.isin(masks[0], [other for name, other in still if name != body])
         before = (shown[-1] & rest).sum(axis=(1, 2)) / np.maximum(pixels[-1], 1)
-        if before[pixels[-1] > 0].min(initial=1.0) < 0.02:
+        if before[pixels[-1] > _WELL * pixels[-1].max()].min(initial=1.0) < 0.02:
             score += _APART * np.log(1.1 - np.minimum(4.0 * before, 1.0)) / len(moving)
-    for body in {body for body, _ in moving} & {body for body, _ in still}:
+    for body in doors:
         before, after = (
             [np.isin(masks[k], [number for name, number in group if name == body]) for group in (moving, still)] for k in (0, -1)
         )
@@ -362,7 +373,7 @@ def _clearest(
     for _, number in still:
         for k in (0, -1):
             score += 0.5 * _log_share((masks[k] == number).sum(axis=(1, 2))) / len(still)
-    return int(np.argmax(score))
+    return score
 
 
 def _log_share(pixels: NDArray[np.int_], enough: float = _ENOUGH) -> FloatArray:
@@ -380,9 +391,11 @@ def _points_to_frame(links: Sequence[tuple[Body, str]], poses: Sequence[FloatArr
     low, high = moving.min(axis=0) - _NEAR, moving.max(axis=0) + _NEAR
     near = [own for own in corners if (own.min(axis=0) < high).all() and (own.max(axis=0) > low).all()]
     points = np.concatenate([*whole, *(own.clip(low, high) for own in near)])
+    sizes = [np.ptp(box, axis=0).max() for box, is_moving in zip(boxes, moves, strict=True) if is_moving or not moves.any()]
     for own in sorted(near, key=lambda own: float(np.ptp(own, axis=0).max())):
         longer = np.concatenate([points, own])
-        if np.linalg.norm(np.ptp(longer, axis=0)) <= _WHOLE * np.linalg.norm(np.ptp(points, axis=0)):
+        length = np.linalg.norm(np.ptp(longer, axis=0))
+        if length <= min(_WHOLE * np.linalg.norm(np.ptp(points, axis=0)), max(sizes) / _TINY):
             points = longer
     return np.concatenate([points + _AROUND * side for side in (*np.eye(3), *-np.eye(3))])
 

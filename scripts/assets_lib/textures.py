@@ -164,9 +164,9 @@ def patterns(size: int = 64) -> dict[str, NDArray[np.uint8]]:
     shades = {
         "wood": 0.07 * (rings**2 - 0.4) + 0.03 * _noise(rng, size, size, (32, 3)) + 0.04 * _noise(rng, size, size, (3, 2)),
         "brushed": 0.07 * _noise(rng, size, size, (size, 2)) + 0.04 * _noise(rng, size, size, (16, 1)),
-        "cardboard": 0.03 * np.sin(tau * 16.0 * x)
-        + 0.06 * _noise(rng, size, size, (16, 16))
-        + 0.04 * _noise(rng, size, size, (3, 3)),
+        "cardboard": 0.015 * np.sin(tau * 16.0 * x)
+        + 0.03 * _noise(rng, size, size, (16, 16))
+        + 0.02 * _noise(rng, size, size, (3, 3)),
         "cloth": 0.10 * np.sin(tau * 8.0 * x) * np.sin(tau * 8.0 * y) + 0.05 * _noise(rng, size, size, (8, 8)),
     }
     tints = {"wood": (0.6, 1.0, 1.5)}

@@ -101,8 +101,6 @@ _SHARP, _SOFT = 0.02, 0.30
 _LOW, _HIGH = (0.0, 0.012), (0.018, 0.088)
 """Between these heights above the table objects begin to darken it, and cease to [m]."""
 _DARKENING = np.float32(1.1)
-_TAPS = tuple((row, column) for row in range(-2, 3) for column in range(-2, 3) if (row + column) % 2 == 0)
-"""Every other texel of 5 x 5."""
 
 
 def light_view(light: Light) -> CameraView:
@@ -206,9 +204,10 @@ class ShadowMap:
         self.image[rows, columns] = blocked.depth[_moved(rows, blocked.row), _moved(columns, blocked.column)]
 
     def lit(self, spots: LightSpots, bias: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Share (n,) of the key light that reaches points of moving objects, 0..1: how many of 13 texels around it passes.
+        """Share (n,) of the key light that reaches points of moving objects, 0..1: of the 3 x 3 texels around each, the part
+        that it passes.
 
-        Most points lie beyond all of 5 x 5 texels or before them all, which two look-ups show.
+        Most points lie beyond all texels around them or before them all, which two look-ups show.
 
         Args:
             spots: The points.
@@ -216,10 +215,12 @@ class ShadowMap:
         """
         if self._is_same and self._under is not None:
             return self._under.lit(spots, bias)
-        column, row = (
-            np.minimum(np.maximum(values, np.float32(2.0)), np.float32(_SIZE - 3)).astype(np.int64)
+        # the texels above and to the left of the points
+        right, down = (
+            np.minimum(np.maximum(values - np.float32(0.5), np.float32(1.0)), np.float32(_SIZE - 3))
             for values in (spots.right, spots.down)
         )
+        column, row = right.astype(np.int64), down.astype(np.int64)
         block = row >> 2
         block *= _BLOCKS
         block += column >> 2
@@ -229,15 +230,38 @@ class ShadowMap:
         share = is_free.astype(np.float32)
         reached = (~is_free).nonzero()[0]
         edge = reached.take((greatest.take(block.take(reached)) >= limit.take(reached)).nonzero()[0])
-        share[edge] = self._share(row.take(edge) * _SIZE + column.take(edge), limit.take(edge))
+        column, row = column.take(edge), row.take(edge)
+        x, y = (values.take(edge) - whole.astype(np.float32) for values, whole in ((right, column), (down, row)))
+        share[edge] = self._share(row * _SIZE + column, x, y, limit.take(edge))
         return share
 
-    def _share(self, texel: NDArray[np.int64], limit: NDArray[np.float32]) -> NDArray[np.float32]:
-        depth, first = self.image.ravel(), texel - (2 * _SIZE + 2)
-        free = np.zeros(len(texel), dtype=np.uint8)
-        for row, column in _TAPS:
-            free += depth[(row + 2) * _SIZE + column + 2 :].take(first) >= limit
-        return free * np.float32(1.0 / len(_TAPS))
+    def _share(
+        self, texel: NDArray[np.int64], x: NDArray[np.float32], y: NDArray[np.float32], limit: NDArray[np.float32]
+    ) -> NDArray[np.float32]:
+        """Part (k,) of squares of 3 x 3 texels that is free: of 4 x 4 texels the outer ones count in part.
+
+        Args:
+            texel: Second texel of the second row (k,).
+            x: Share of the last column that counts (k,).
+            y: Share of the last row (k,).
+            limit: From which depth on a texel is free (k,) [m].
+        """
+        depth, first = self.image.ravel(), texel - (_SIZE + 1)
+        is_free = np.empty((4, 4, len(texel)), dtype=np.bool_)
+        for row in range(4):
+            for column in range(4):
+                np.greater_equal(depth[row * _SIZE + column :].take(first), limit, out=is_free[row, column])
+        free = is_free.view(np.int8)
+        # over the rows the sum is a + b y, over the columns likewise
+        level, slope = free[0] + free[1] + free[2], free[3] - free[0]
+        share = (slope[3] - slope[0]) * y
+        share += level[3] - level[0]
+        share *= x
+        along = (slope[0] + slope[1] + slope[2]) * y
+        along += level[0] + level[1] + level[2]
+        share += along
+        share *= np.float32(1.0 / 9.0)
+        return share
 
     @cached_property
     def extremes(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:

@@ -319,8 +319,8 @@ _WINDOWS = np.float32(0.35)
 _OTHERS = np.array([[1, 2], [0, 2], [0, 1]])
 _SKY = np.float32(0.06)
 """By how much more of the ambient light what looks upwards gets, and by how much less what looks downwards."""
-_BRIGHT = np.float32(1.25)
-"""Light on what shines by itself."""
+_RIM, _MIDDLE = np.float32(1.0), np.float32(0.5)
+"""Light of what shines by itself where it is seen along its surface, and how much more of it where it faces the camera."""
 _LAMP, _WARM = np.float32(0.75), np.array([1.0, 0.86, 0.58], dtype=np.float32)
 """How bright a lamp is, and its colour."""
 LinkFrame = Callable[[int, int], NDArray[np.float32]]
@@ -423,7 +423,9 @@ def colors_in_light(
             light /= np.float32(lighting.ambient) + cosine * np.float32(lighting.key.intensity)
         if shadows is not None and lamps:
             light = light + _lamp_light(_in_world(shot), normals, lamps)
-        light[..., shot.shining] = _BRIGHT
+        if len(shot.shining):
+            cosine = (_rays(shot, shot.shining) * normals.take(shot.shining, axis=1)).sum(axis=0)
+            light[..., shot.shining] = _RIM + _MIDDLE * cosine * cosine
         colors *= light
     glossy = shot.glossy
     if shadows is not None and len(glossy):

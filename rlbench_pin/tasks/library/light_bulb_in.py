@@ -6,11 +6,11 @@ import numpy as np
 
 from rlbench_pin.tasks import COLORS, Detected, NothingGrasped, SpawnBoundary, Task, distractor_colors
 
-LIT, UNLIT = (1.0, 1.0, 0.0), (1.0, 1.0, 1.0)
+LIT, UNLIT = (1.0, 0.91, 0.66), (1.0, 1.0, 1.0)
 
 
 class LightBulbIn(Task):
-    """The bulb of the asked holder must stand in the socket of the lamp, let go; there it glows yellow.
+    """The bulb of the asked holder must stand in the socket of the lamp, let go; there it glows warm white.
 
     The colour of the asked holder varies, and the places and the colour of the two holders. Each has a bulb in it.
     """

@@ -6,7 +6,7 @@ import numpy as np
 
 from rlbench_pin.tasks import COLORS, Detected, NothingGrasped, SpawnBoundary, Task, Waypoint, distractor_colors
 
-LIT, UNLIT = (1.0, 1.0, 0.0), (1.0, 1.0, 1.0)
+LIT, UNLIT = (1.0, 0.91, 0.66), (1.0, 1.0, 1.0)
 HANDS = {"waypoint1": np.pi, "waypoint4": 0.3735}
 """Yaw of the gripper that points down, about the vertical, at the waypoints that do not turn with the task [rad]."""
 

@@ -22,6 +22,13 @@ RED, DARK, GREEN, COPPER = (0.80, 0.12, 0.10), (0.14, 0.14, 0.16), (0.10, 0.62, 
 OFF, ON = (0.30, 0.30, 0.32), (0.15, 0.95, 0.25)
 
 
+def _dome() -> list[tuple[float, float]]:
+    """Return the outline of the lamp: a dome on a ring."""
+    angles = np.linspace(0.0, np.pi / 2.0, 7)[:-1]
+    dome = [(0.012 * float(np.cos(a)), 0.006 + 0.014 * float(np.sin(a))) for a in angles]
+    return [(0.0, 0.0), (0.014, 0.0), (0.014, 0.005), *dome, (0.0, 0.020)]
+
+
 def _base() -> Model:
     x, y, z = PLATE
     post_x, bar_z = ROD_LENGTH / 2.0 + 0.005, ROD_HEIGHT - GRIP[2] / 2.0
@@ -30,7 +37,8 @@ def _base() -> Model:
     props = tuple(box_shape((0.02, 0.012, bar_z), (CRADLE_X, v, bar_z / 2.0)) for v in (-0.055, -0.12))
     beam = box_shape((0.024, 0.085, z), (CRADLE_X, -0.0825, z / 2.0))
     stripes = merge(box((0.03, y - 0.002, 0.0006), (0.06 * i, 0.0, z + 0.0003)) for i in range(-2, 3))
-    lamp = cylinder(0.013, 0.020, 16, bevel=0.005).moved((post_x, 0.0, z + POST_TALL + 0.010))
+    solid_lamp = cylinder(0.013, 0.020, 16, bevel=0.005).moved((post_x, 0.0, z + POST_TALL + 0.010))
+    lamp = lathe(_dome(), 20).moved((post_x, 0.0, z + POST_TALL))
     inner = ROD_LENGTH / 2.0 - FREE
     sleeves = [rod((s * inner, 0.0, ROD_HEIGHT), (s * post_x, 0.0, ROD_HEIGHT), ROD_RADIUS + 0.0008, 12) for s in (-1.0, 1.0)]
     visuals = (
@@ -51,7 +59,12 @@ def _base() -> Model:
     )
     links = (
         Link("buzz_base", 2.0, visuals, shapes, friction=0.4),
-        Link("lamp", 0.001, (Visual(mesh_shape("lamp", lamp), shining(OFF, emission=ON)),)),
+        Link(
+            "lamp",
+            0.001,
+            (Visual(mesh_shape("lamp", lamp), shining(OFF, emission=ON), crease=0.6),),
+            weighs=(mesh_shape("lamp", solid_lamp),),
+        ),
     )
     holder = Joint("lamp_holder", "fixed", "buzz_base", "lamp", (0.0, 0.0, 0.0))
     return Model("buzz_base", "objects/buzz_base", "bottom centre", links, (holder,), notes)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from assets_lib.cabinets import bevelled, bevelled_box
 from assets_lib.mesh import Mesh, box, merge
+from assets_lib.prisms import Point, mark
 from assets_lib.urdf import Joint, Link, Model, Visual, box_shape, mesh_shape, patterned
 
 DEPTH, WIDTH, HEIGHT, WALL = 0.16, 0.22, 0.10, 0.005
@@ -14,9 +17,9 @@ GAP = 0.001
 """Between the walls and the shut lid [m]."""
 HINGE = (DEPTH / 2.0, 0.0, HEIGHT)
 CARDBOARD, INSIDE, LID_COLOR, TAPE, INK = (
-    patterned((0.80, 0.65, 0.47), "cardboard"),
-    patterned((0.68, 0.52, 0.36), "cardboard"),
-    patterned((0.86, 0.72, 0.54), "cardboard"),
+    patterned((0.72, 0.62, 0.49), "cardboard"),
+    patterned((0.60, 0.50, 0.38), "cardboard"),
+    patterned((0.78, 0.68, 0.55), "cardboard"),
     (0.93, 0.87, 0.66),
     (0.30, 0.16, 0.09),
 )
@@ -54,27 +57,32 @@ def _lining() -> tuple[Box, ...]:
     )
 
 
-def _print() -> tuple[Box, ...]:
-    """Return the marks printed on front and sides: two arrows that point up over a line."""
-    t, front = 0.0008, -DEPTH / 2.0 - 0.0004
-    marks: list[Box] = []
+def _print() -> Mesh:
+    """Return the marks printed on front and sides: two arrows that point up over a line, two bars, and a field on each side."""
+    marks = []
     for y in (0.045, 0.075):
-        marks.append(((t, 0.006, 0.026), (front, y, 0.045)))
-        marks += [((t, 0.018 - 0.005 * i, 0.005), (front, y, 0.0595 + 0.005 * i)) for i in range(3)]
-    marks.append(((t, 0.06, 0.004), (front, 0.06, 0.026)))
-    marks += [((t, 0.07, 0.008), (front, -0.055, 0.06)), ((t, 0.05, 0.006), (front, -0.065, 0.042))]
-    marks += [((0.07, t, 0.03), (0.0, side * (WIDTH / 2.0 + 0.0004), 0.05)) for side in (-1, 1)]
-    return tuple(marks)
+        marks.append(_bar((y, 0.045), (0.006, 0.026)))
+        marks.append([(y - 0.010, 0.056), (y + 0.010, 0.056), (y, 0.074)])
+    marks += [_bar((0.06, 0.026), (0.06, 0.004)), _bar((-0.055, 0.06), (0.07, 0.008)), _bar((-0.065, 0.042), (0.05, 0.006))]
+    front = [mark([(-y, z) for y, z in corners], DEPTH / 2.0 + 0.0006, "x").moved(rpy=(0.0, 0.0, np.pi)) for corners in marks]
+    field = mark(_bar((0.0, 0.05), (0.07, 0.03)), WIDTH / 2.0 + 0.0006, "x")
+    return merge([*front, *(field.moved(rpy=(0.0, 0.0, side * np.pi / 2.0)) for side in (-1, 1))])
+
+
+def _bar(middle: Point, size: Point) -> list[Point]:
+    """Return the corners of a rectangle."""
+    return [(middle[0] + sx * size[0] / 2.0, middle[1] + sy * size[1] / 2.0) for sx in (-1, 1) for sy in (-1, 1)]
 
 
 def _lid_link() -> Link:
     x, z = -LID[0] / 2.0, GAP + LID[2] / 2.0
-    top = GAP + LID[2] + 0.0004
+    top = GAP + LID[2] + 0.0006
+    inside = mark(_bar((x, 0.0), (LID[0] - 0.01, LID[1] - 0.012)), 0.0004, "z").moved((0.0, 0.0, GAP), (np.pi, 0.0, 0.0))
     visuals = (
         Visual(mesh_shape("lid", bevelled_box(LID, (x, 0.0, z), 0.002)), LID_COLOR),
-        Visual(mesh_shape("lid_tape", box((LID[0], 0.036, 0.0008), (x, 0.0, top))), TAPE),
-        Visual(mesh_shape("lid_label", box((0.05, 0.06, 0.0008), (x, -0.062, top))), (0.95, 0.95, 0.93)),
-        Visual(mesh_shape("lid_inside", box((LID[0] - 0.01, LID[1] - 0.012, 0.0006), (x, 0.0, GAP - 0.0003))), INSIDE),
+        Visual(mesh_shape("lid_tape", mark(_bar((x, 0.0), (LID[0] - 0.005, 0.036)), top, "z")), TAPE),
+        Visual(mesh_shape("lid_label", mark(_bar((x, -0.062), (0.05, 0.06)), top, "z")), (0.95, 0.95, 0.93)),
+        Visual(mesh_shape("lid_inside", inside), INSIDE),
     )
     return Link("lid", 0.06, visuals, (box_shape(LID, (x, 0.0, z)),), friction=1.0)
 
@@ -84,7 +92,7 @@ def models() -> tuple[Model, ...]:
     visuals = (
         Visual(mesh_shape("walls", bevelled(_walls(), 0.002)), CARDBOARD),
         Visual(mesh_shape("lining", _merged(_lining())), INSIDE),
-        Visual(mesh_shape("print", _merged(_print())), INK),
+        Visual(mesh_shape("print", _print()), INK),
     )
     carton = Link("carton", 1.0, visuals, tuple(box_shape(size, center) for size, center in _walls()))
     joint = Joint("lid_hinge", "revolute", "carton", "lid", HINGE, (0.0, 1.0, 0.0), 0.0, 2.85, damping=0.01)

@@ -7,7 +7,20 @@ import numpy as np
 from assets_lib.mesh import Mesh, box, cylinder, hull_of, lathe, merge, rod
 from assets_lib.objects.numbered_blocks import BASE, DIGITS, S, Stroke, T
 from assets_lib.prisms import mark
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic, sphere_shape
+from assets_lib.urdf import (
+    Joint,
+    Link,
+    Model,
+    Shape,
+    Visual,
+    box_shape,
+    cylinder_shape,
+    mesh_shape,
+    metal,
+    plastic,
+    shining,
+    sphere_shape,
+)
 
 RADIUS, DEPTH, AXLE_Z = 0.11, 0.04, 0.16
 """Radius and depth of the case, and height of the axle [m]."""
@@ -22,7 +35,7 @@ WING, WING_X = (0.02, 0.015, 0.04), 0.055
 HALF_PI = 1.57079633
 RED, PALE, INK, BRASS, PLATE = (
     plastic((0.72, 0.13, 0.11)),
-    (1.0, 0.99, 0.95),
+    (0.66, 0.65, 0.62),
     (0.02, 0.02, 0.03),
     metal((0.92, 0.70, 0.20)),
     (0.28, 0.30, 0.34),
@@ -47,13 +60,21 @@ NUMERALS: dict[int, tuple[tuple[Stroke, ...], ...]] = {0: (DIGITS[1], DIGITS[2])
 def _case() -> Mesh:
     """Return the case with its rim, open towards the dial."""
     back, front, inner = DEPTH / 2.0, FACE - RIM, RADIUS - 0.008
-    outline = [(0.0, -back), (RADIUS - 0.006, -back), (RADIUS, -back + 0.006), (RADIUS, -front), (inner, -front), (inner, -FACE)]
-    return lathe(outline, 28).moved((0.0, 0.0, AXLE_Z), (0.0, -HALF_PI, 0.0))
+    outline = [
+        (0.0, -back),
+        (RADIUS - 0.006, -back),
+        (RADIUS, -back + 0.006),
+        (RADIUS, -front - 0.003),
+        (RADIUS - 0.003, -front),
+        (inner, -front),
+        (inner, -FACE),
+    ]
+    return lathe(outline, 48).moved((0.0, 0.0, AXLE_Z), (0.0, -HALF_PI, 0.0))
 
 
 def _dial() -> Mesh:
     """Return the flat dial."""
-    return lathe([(RADIUS - 0.006, 0.0), (0.0, 0.0)], 28).moved((FACE - 0.0005, 0.0, AXLE_Z), (0.0, -HALF_PI, 0.0))
+    return lathe([(RADIUS - 0.006, 0.0), (0.0, 0.0)], 48).moved((FACE - 0.0005, 0.0, AXLE_Z), (0.0, -HALF_PI, 0.0))
 
 
 def _marks() -> Mesh:
@@ -83,12 +104,13 @@ def _stand() -> Mesh:
 
 def _bells() -> Mesh:
     """Return the two bells on top, each on a stalk."""
-    half = [(0.0, 0.0), (0.028, 0.0), (0.026, 0.010), (0.017, 0.020), (0.0, 0.024)]
+    angles = np.linspace(0.0, np.pi / 2.0, 6)
+    half = [(0.026, 0.0), *((0.028 * float(np.cos(a)), 0.002 + 0.024 * float(np.sin(a))) for a in angles[:-1]), (0.0, 0.026)]
     parts = []
     for side in (-1, 1):
         turn = -side * 0.55
         place = (0.0, side * float(np.sin(0.55)) * (RADIUS + 0.006), AXLE_Z + float(np.cos(0.55)) * (RADIUS + 0.006))
-        parts.append(lathe(half, 24).moved(place, (turn, 0.0, 0.0)))
+        parts.append(lathe([(0.0, 0.0), *half], 20).moved(place, (turn, 0.0, 0.0)))
         parts.append(cylinder(0.005, 0.02, 6).moved(place, (turn, 0.0, 0.0)))
     return merge(parts)
 
@@ -115,7 +137,7 @@ def _case_link() -> Link:
     marks = _marks().moved((-FACE, 0.0, 0.0)).moved((0.0, 0.0, AXLE_Z), (0.0, 0.0, np.pi))
     visuals = (
         Visual(mesh_shape("case", _case()), RED),
-        Visual(mesh_shape("dial", _dial()), PALE),
+        Visual(mesh_shape("dial", _dial()), shining(PALE)),
         Visual(mesh_shape("marks", marks), INK),
         Visual(mesh_shape("short_hand", _short_hand()), HOUR_BLUE),
         Visual(mesh_shape("stand", _stand()), PLATE),

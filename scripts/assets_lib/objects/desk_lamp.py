@@ -39,7 +39,9 @@ CABLE: tuple[Vec3, ...] = (
 )
 """Along x, to a button whose pedestal ends there."""
 ENAMEL, BRASS, BLACK = plastic((0.05, 0.22, 0.26)), metal((0.83, 0.62, 0.20)), (0.12, 0.12, 0.13)
-WHITE, CLOTH = (1.0, 1.0, 1.0), (0.50, 0.42, 0.34)
+FROSTED, CLOTH = (0.80, 0.79, 0.76), (0.82, 0.74, 0.62)
+GLOW, LIT_CLOTH = (1.0, 0.97, 0.88), (0.88, 0.71, 0.44)
+"""Colours of the bulb and the shade while they shine."""
 
 
 def _foot() -> Mesh:
@@ -55,7 +57,7 @@ def _stem() -> Mesh:
     spokes = []
     (low_radius, low_height), (top_radius, top_height) = SHADE_LOW, SHADE_TOP
     height = SOCKET_LOW + 0.014
-    reach = low_radius + (top_radius - low_radius) * (height - low_height) / (top_height - low_height)
+    reach = low_radius + (top_radius - low_radius) * (height - low_height) / (top_height - low_height) - SHADE_WALL
     for k in range(3):
         angle = 2.0 * np.pi * k / 3.0
         spokes.append(rod((0.0, 0.0, height), (reach * np.cos(angle), reach * np.sin(angle), height), 0.0015, 5))
@@ -102,8 +104,8 @@ def models() -> tuple[Model, ...]:
         cylinder_shape(STEM_RADIUS, SOCKET_LOW - FOOT_HEIGHT, (0.0, 0.0, (SOCKET_LOW + FOOT_HEIGHT) / 2.0)),
         cylinder_shape(SOCKET_RADIUS, SOCKET_TOP - SOCKET_LOW, (0.0, 0.0, (SOCKET_TOP + SOCKET_LOW) / 2.0)),
     )
-    shade = Visual(mesh_shape("shade", _shade()), patterned(shining(CLOTH, emission=(1.0, 0.91, 0.5)), "cloth"))
-    bulb = Visual(mesh_shape("bulb", _bulb()), shining(WHITE, reach=0.28), crease=1.2)
+    shade = Visual(mesh_shape("shade", _shade()), patterned(shining(CLOTH, emission=LIT_CLOTH), "cloth"))
+    bulb = Visual(mesh_shape("bulb", _bulb()), shining(FROSTED, emission=GLOW, reach=0.28), crease=1.2)
     links = (
         Link("stand", 1.2, visuals, solid, friction=0.5),
         Link(

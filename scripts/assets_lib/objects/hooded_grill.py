@@ -56,8 +56,18 @@ def _boards() -> tuple[Box, ...]:
 def _grate() -> Mesh:
     """Return the bars of the grate."""
     x, y = DEPTH / 2.0 - WALL, WIDTH / 2.0 - WALL
-    bars = [box((2 * x, 0.005, 0.005), (0.0, place, GRATE - 0.0025)) for place in np.linspace(-y + 0.012, y - 0.012, 15)]
-    return merge([*bars, *(box((0.005, 2 * y, 0.005), (side * 0.09, 0.0, GRATE - 0.006)) for side in (-1, 1))])
+    bars = [box((2 * x - 0.012, 0.005, 0.005), (0.0, place, GRATE - 0.0025)) for place in np.linspace(-y + 0.012, y - 0.012, 15)]
+    return merge([*bars, *(box((0.005, 2 * y - 0.012, 0.005), (side * 0.09, 0.0, GRATE - 0.006)) for side in (-1, 1))])
+
+
+def _lip() -> tuple[Box, ...]:
+    """Return a thin edge on the walls of the tub that closes the slit below the shut hood; it stands within the hood."""
+    x, y, wall, low, high = DEPTH / 2.0 - 0.012, WIDTH / 2.0 - 0.0105, 0.003, HEIGHT - 0.02, HEIGHT + 0.007
+    tall, z = high - low, (low + high) / 2.0
+    return (
+        *(((wall, 2.0 * y, tall), (side * x, 0.0, z)) for side in (-1, 1)),
+        *(((2.0 * x, wall, tall), (0.0, side * y, z)) for side in (-1, 1)),
+    )
 
 
 def _coals() -> Mesh:
@@ -120,7 +130,7 @@ def _body_link() -> Link:
     x, y = DEPTH / 2.0 - WALL, WIDTH / 2.0 - WALL
     knobs = [cylinder(0.015, 0.016, 10).moved((-DEPTH / 2.0 - 0.008, p, 0.12), (0.0, HALF_PI, 0.0)) for p in (-0.08, 0.0, 0.08)]
     visuals = (
-        Visual(mesh_shape("tub", _merged(_tub())), IRON),
+        Visual(mesh_shape("tub", _merged((*_tub(), *_lip()))), IRON),
         Visual(mesh_shape("legs", _merged(_legs())), IRON),
         Visual(mesh_shape("boards", _merged(_boards())), WOOD),
         Visual(mesh_shape("grate", _grate()), STEEL),

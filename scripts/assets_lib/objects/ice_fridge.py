@@ -4,7 +4,20 @@ from __future__ import annotations
 
 from assets_lib.cabinets import bevelled_box, cabinet
 from assets_lib.mesh import Mesh, box, lathe, merge, rod
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic, shining
+from assets_lib.urdf import (
+    Joint,
+    Link,
+    Model,
+    Shape,
+    Visual,
+    box_shape,
+    cylinder_shape,
+    glass,
+    mesh_shape,
+    metal,
+    plastic,
+    shining,
+)
 
 FRONT, BACK, HALF, FOOT, HEIGHT = -0.12, 0.12, 0.20, 0.012, 0.60
 """x of the front and the back, half of the width, height of the feet and of the top [m]."""
@@ -18,6 +31,7 @@ HANDLE, STAND_OFF = (0.08, 0.28), 0.02
 TONGUE, AXLE, TURN = (0.01, 0.03, 0.06), (-0.07, 0.435), 0.35
 """Size of the tongue, x and z of its axle, how far it turns [m, rad]."""
 STEEL, DARK, CHROME, GRILLE = plastic((0.74, 0.77, 0.80)), (0.13, 0.14, 0.15), metal((0.84, 0.85, 0.88)), (0.42, 0.44, 0.46)
+HANDLES = plastic((0.20, 0.21, 0.23))
 ICE = (0.80, 0.93, 1.0)
 
 
@@ -68,6 +82,18 @@ def _cubes() -> Mesh:
     return merge(bevelled_box((0.003, 0.023, 0.021), (FRONT - 0.0035, MIDDLE + y, z), 0.0014) for y, z in places)
 
 
+def _ice() -> Mesh:
+    """Return ice cubes that lie at the back of the niche."""
+    floor, side, back = NICHE[1][0] + 0.003, 0.017, FRONT + DEEP - 0.015
+    places = ((-0.052, 0.0, 0.2), (-0.032, 0.004, -0.5), (-0.010, -0.001, 0.6), (0.013, 0.003, -0.2), (0.035, 0.0, 0.4))
+    cubes = [(back - inwards, y, 0.0, turn) for y, inwards, turn in places]
+    cubes += [(back, -0.042, side, 0.9), (back + 0.001, -0.001, side, 0.1), (back, 0.022, side, -0.6)]
+    return merge(
+        bevelled_box((side, side, side), bevel=0.003).moved((x, MIDDLE + y, floor + side / 2.0 + z), (0.0, 0.0, turn))
+        for x, y, z, turn in cubes
+    )
+
+
 def _fridge() -> Link:
     bars, bar_shapes = _bars()
     nozzle = cylinder_shape(0.016, 0.02, (-0.095, MIDDLE, NICHE[1][1] - 0.01))
@@ -82,9 +108,11 @@ def _fridge() -> Link:
         Visual(mesh_shape("shell", shell), STEEL, crease=0.1),
         Visual(mesh_shape("lining", _lining()), DARK, crease=0.1),
         Visual(mesh_shape("dark", merge([*feet, panel, *seams, *vents])), DARK, crease=0.1),
-        Visual(mesh_shape("bars", merge([bars, tube.moved(nozzle.xyz)])), CHROME),
+        Visual(mesh_shape("bars", bars), HANDLES),
+        Visual(mesh_shape("tube", tube.moved(nozzle.xyz)), CHROME),
         Visual(mesh_shape("grille", merge(grille)), GRILLE, crease=0.1),
         Visual(mesh_shape("cubes", _cubes()), ICE, crease=0.1),
+        Visual(mesh_shape("ice", _ice()), glass(ICE), crease=0.1),
     )
     return Link("ice_fridge", 25.0, visuals, (*_solid(), *bar_shapes, nozzle))
 

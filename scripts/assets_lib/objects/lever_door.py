@@ -5,7 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from assets_lib.mesh import Mesh, box, cylinder, merge, rod
+import numpy as np
+
+from assets_lib.cabinets import bevelled_box
+from assets_lib.mesh import Mesh, box, cylinder, hull_of, merge, rod
 from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic
 
 OPENING = (0.34, 0.50)
@@ -20,11 +23,13 @@ PIVOT = (-LEAF[0] / 2.0, -LEAF[1] + 0.05, 0.0)
 """Of the lever, in the leaf's frame [m]."""
 REACH, STANDOFF, RADIUS = 0.10, 0.05, 0.007
 """Length of a lever, distance of its middle line from the leaf, radius [m]."""
+FIELD = (0.007, 0.018)
+"""How far the fields of the leaf stand out, and how wide the slope around them is [m]."""
 SWING, SHORT_SWING = 1.2, 0.9
 """How far the leaf opens, and how far where a stop on the table holds it [rad]."""
 STOP = (0.012, 0.03, 0.28)
 """Radius and height of the stop, and how far from the hinge the leaf meets it [m]."""
-FRAME_COLOR, LEAF_COLOR, PANEL = (0.93, 0.92, 0.88), plastic((0.16, 0.42, 0.52)), (0.22, 0.53, 0.63)
+FRAME_COLOR, LEAF_COLOR, PANEL = (0.93, 0.92, 0.88), plastic((0.16, 0.42, 0.52)), plastic((0.20, 0.49, 0.59))
 BRASS, DARK = metal((0.85, 0.68, 0.25)), (0.2, 0.2, 0.2)
 
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]
@@ -45,13 +50,27 @@ def _merged(boxes: tuple[Box, ...]) -> Mesh:
 
 def _panels() -> Mesh:
     """Return two fields on each side of the leaf; the leaf's origin is on the hinge."""
-    x, y = -LEAF[0] / 2.0, -LEAF[1] / 2.0
-    return merge(box((LEAF[0] + 0.003, 0.17, h), (x, y + 0.01, z)) for z, h in ((0.125, 0.17), (-0.105, 0.21)))
+    x, y, wide = -LEAF[0] / 2.0, -LEAF[1] / 2.0 + 0.01, 0.17
+    return merge(_field((wide, tall), side).moved((x, y, z)) for z, tall in ((0.125, 0.17), (-0.105, 0.21)) for side in (-1, 1))
+
+
+def _field(size: tuple[float, float], side: int) -> Mesh:
+    """Return a raised field of a size along y and z on one side of the leaf: its edge rises in a step and a slope."""
+    foot, step, top = (LEAF[0] / 2.0 + height for height in (-0.001, 0.002, FIELD[0]))
+    inset = FIELD[1]
+    levels = ((0.0, foot), (0.0, step), (inset, top))
+    corners = [
+        (side * x, sy * (size[0] / 2.0 - inwards), sz * (size[1] / 2.0 - inwards))
+        for inwards, x in levels
+        for sy in (-1, 1)
+        for sz in (-1, 1)
+    ]
+    return hull_of(np.round(np.array(corners), 6))
 
 
 def _plates() -> Mesh:
     """Return the plates behind the levers, with keyholes left to the eye."""
-    return merge([box((LEAF[0] + 0.004, 0.032, 0.11), (-LEAF[0] / 2.0, PIVOT[1], -0.015))])
+    return bevelled_box((LEAF[0] + 0.006, 0.032, 0.11), (-LEAF[0] / 2.0, PIVOT[1], -0.015), 0.002)
 
 
 def _hinges() -> Mesh:
@@ -94,7 +113,7 @@ def _leaf_link() -> Link:
     middle = (-LEAF[0] / 2.0, -LEAF[1] / 2.0, 0.0)
     visuals = (
         Visual(mesh_shape("leaf", box(LEAF, middle)), LEAF_COLOR),
-        Visual(mesh_shape("panels", _panels()), PANEL),
+        Visual(mesh_shape("panels", _panels()), PANEL, crease=0.1),
         Visual(mesh_shape("plates", _plates()), BRASS),
         Visual(mesh_shape("hinges", _hinges()), DARK),
     )

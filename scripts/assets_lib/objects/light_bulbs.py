@@ -24,6 +24,8 @@ NECK_RADIUS = 0.0145
 SEATED = -THREAD_TOP + THREAD_LENGTH
 """Height of the bulb's origin above the floor of a socket in which it stands [m]."""
 DARK, BRASS, WHITE = (0.16, 0.17, 0.20), metal((0.83, 0.62, 0.20)), (1.0, 1.0, 1.0)
+GLOW = (1.0, 0.91, 0.66)
+"""Colour of the glass while it shines."""
 ENAMEL, GREEN = plastic((0.93, 0.92, 0.86)), (0.05, 0.38, 0.30)
 
 
@@ -122,9 +124,7 @@ def _thread_mesh() -> Mesh:
 
 
 def _bulb() -> Model:
-    pear = Visual(
-        mesh_shape("glass", lathe(_glass_outline(), 20)), replace(glass(WHITE), emission=(1.0, 1.0, 0.0), reach=0.25), crease=1.2
-    )
+    pear = Visual(mesh_shape("glass", lathe(_glass_outline(), 20)), replace(glass(WHITE), emission=GLOW, reach=0.25), crease=1.2)
     top = THREAD_TOP + COLLAR
     neck = cylinder_shape(NECK_RADIUS, -0.016 - top, (0.0, 0.0, (top - 0.016) / 2.0))
     ball = Link("glass", 0.03, (pear,), (sphere_shape(GLASS), neck), friction=1.0)

@@ -92,10 +92,18 @@ def _rim() -> Mesh:
     return lathe(profile, 32).moved((FRONT - 0.0005, 0.0, MIDDLE), (0.0, -HALF_PI, 0.0))
 
 
+def _crumpled(ball: Mesh, rng: np.random.Generator) -> Mesh:
+    """Return a ball with folds: waves along its surface in random directions."""
+    waves = rng.standard_normal((3, 3))
+    waves *= 1.6 / np.linalg.norm(waves, axis=1, keepdims=True)
+    folds = np.cos(ball.vertices / 0.036 @ waves.T * 2.0 + rng.uniform(0.0, 6.0, 3)).sum(axis=1)
+    return Mesh(ball.vertices * (1.0 + 0.11 * folds)[:, None], ball.faces)
+
+
 def _laundry() -> tuple[Mesh, ...]:
     """Return the crumpled clothes at the bottom of the drum, three of them."""
     rng = np.random.default_rng(3)
-    lumps = [icosphere(0.034, 0).scaled(1.0 + 0.3 * rng.random(3)) for _ in range(5)]
+    lumps = [_crumpled(icosphere(0.036, 1), rng).scaled(1.0 + 0.3 * rng.random(3)) for _ in range(5)]
     places = [(-0.06 + 0.03 * (i % 2), -0.05 + 0.025 * i, MIDDLE - HOLE + 0.036) for i in range(5)]
     placed = [lump.moved(place) for lump, place in zip(lumps, places, strict=True)]
     return merge(placed[0:4:3]), merge(placed[1:5:3]), placed[2]
@@ -122,7 +130,7 @@ def _body_link() -> Link:
         Visual(mesh_shape("drum", _merged(_drum())), (0.55, 0.57, 0.60)),
         Visual(mesh_shape("rim", _rim()), CHROME),
         *(
-            Visual(mesh_shape(f"laundry{i}", cloth), patterned(color, "cloth"), crease=1.0)
+            Visual(mesh_shape(f"laundry{i}", cloth), patterned(color, "cloth"), crease=2.0)
             for i, (cloth, color) in enumerate(
                 zip(_laundry(), ((0.86, 0.22, 0.30), (0.95, 0.93, 0.88), (0.98, 0.76, 0.20)), strict=True)
             )

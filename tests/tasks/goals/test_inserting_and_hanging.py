@@ -9,7 +9,7 @@ from rlbench_pin.tasks import COLORS
 from tests.tasks.goals.goal import Goal, goal_of
 from tests.tasks.running import running
 
-LIT = (1.0, 1.0, 0.0)
+LIT = (1.0, 0.91, 0.66)
 
 
 def asked(goal: Goal, names: tuple[str, ...]) -> str:
