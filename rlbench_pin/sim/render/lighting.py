@@ -215,12 +215,10 @@ class ShadowMap:
         """
         if self._is_same and self._under is not None:
             return self._under.lit(spots, bias)
-        # the texels above and to the left of the points
-        right, down = (
-            np.minimum(np.maximum(values - np.float32(0.5), np.float32(1.0)), np.float32(_SIZE - 3))
+        column, row = (
+            np.minimum(np.maximum(values, np.float32(2.0)), np.float32(_SIZE - 3)).astype(np.int64)
             for values in (spots.right, spots.down)
         )
-        column, row = right.astype(np.int64), down.astype(np.int64)
         block = row >> 2
         block *= _BLOCKS
         block += column >> 2
@@ -230,36 +228,38 @@ class ShadowMap:
         share = is_free.astype(np.float32)
         reached = (~is_free).nonzero()[0]
         edge = reached.take((greatest.take(block.take(reached)) >= limit.take(reached)).nonzero()[0])
-        column, row = column.take(edge), row.take(edge)
-        x, y = (values.take(edge) - whole.astype(np.float32) for values, whole in ((right, column), (down, row)))
-        share[edge] = self._share(row * _SIZE + column, x, y, limit.take(edge))
+        share[edge] = self._share(spots.right.take(edge), spots.down.take(edge), limit.take(edge))
         return share
 
-    def _share(
-        self, texel: NDArray[np.int64], x: NDArray[np.float32], y: NDArray[np.float32], limit: NDArray[np.float32]
-    ) -> NDArray[np.float32]:
+    def _share(self, right: NDArray[np.float32], down: NDArray[np.float32], limit: NDArray[np.float32]) -> NDArray[np.float32]:
         """Part (k,) of squares of 3 x 3 texels that is free: of 4 x 4 texels the outer ones count in part.
 
         Args:
-            texel: Second texel of the second row (k,).
-            x: Share of the last column that counts (k,).
-            y: Share of the last row (k,).
+            right: Column of the middles of the squares (k,), the middle of the first texel at 0.5; overwritten.
+            down: Row (k,); overwritten.
             limit: From which depth on a texel is free (k,) [m].
         """
-        depth, first = self.image.ravel(), texel - (_SIZE + 1)
-        is_free = np.empty((4, 4, len(texel)), dtype=np.bool_)
+        first = np.zeros(len(limit), dtype=np.int64)
+        for values, step in ((down, _SIZE), (right, 1)):
+            values -= np.float32(1.5)
+            np.maximum(values, np.float32(0.0), out=values)
+            np.minimum(values, np.float32(_SIZE - 4), out=values)
+            whole = values.astype(np.int64)
+            values -= whole
+            first += whole * step
+        depth = self.image.ravel()
+        is_free = np.empty((4, 4, len(first)), dtype=np.bool_)
         for row in range(4):
             for column in range(4):
-                np.greater_equal(depth[row * _SIZE + column :].take(first), limit, out=is_free[row, column])
+                np.greater_equal(depth[row * _SIZE + column :][first], limit, out=is_free[row, column])
         free = is_free.view(np.int8)
-        # over the rows the sum is a + b y, over the columns likewise
+        # summed over rows and columns, a + b x + c y + d x y
         level, slope = free[0] + free[1] + free[2], free[3] - free[0]
-        share = (slope[3] - slope[0]) * y
-        share += level[3] - level[0]
-        share *= x
-        along = (slope[0] + slope[1] + slope[2]) * y
-        along += level[0] + level[1] + level[2]
-        share += along
+        share = (slope[3] - slope[0]) * right
+        share += slope[0] + slope[1] + slope[2]
+        share *= down
+        share += (level[3] - level[0]) * right
+        share += level[0] + level[1] + level[2]
         share *= np.float32(1.0 / 9.0)
         return share
 

@@ -7,7 +7,7 @@ import numpy as np
 from rlbench_pin.tasks import JointMoved, Task
 
 BRIGHT = {"bulb": (1.0, 0.97, 0.88), "shade": (0.88, 0.71, 0.44)}
-DARK = {"bulb": (0.80, 0.79, 0.76), "shade": (0.82, 0.74, 0.62)}
+DARK = {"bulb": (0.80, 0.79, 0.76), "shade": (0.93, 0.85, 0.73)}
 """Link of the lamp -> its colour while it shines, and while it does not."""
 ENAMEL = (0.05, 0.22, 0.26)
 """The pedestal of the button, as the foot of the lamp."""

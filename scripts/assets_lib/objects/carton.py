@@ -17,9 +17,9 @@ GAP = 0.001
 """Between the walls and the shut lid [m]."""
 HINGE = (DEPTH / 2.0, 0.0, HEIGHT)
 CARDBOARD, INSIDE, LID_COLOR, TAPE, INK = (
-    patterned((0.72, 0.62, 0.49), "cardboard"),
-    patterned((0.60, 0.50, 0.38), "cardboard"),
-    patterned((0.78, 0.68, 0.55), "cardboard"),
+    patterned((0.63, 0.53, 0.42), "cardboard"),
+    patterned((0.52, 0.43, 0.33), "cardboard"),
+    patterned((0.68, 0.58, 0.46), "cardboard"),
     (0.93, 0.87, 0.66),
     (0.30, 0.16, 0.09),
 )
@@ -77,7 +77,7 @@ def _bar(middle: Point, size: Point) -> list[Point]:
 def _lid_link() -> Link:
     x, z = -LID[0] / 2.0, GAP + LID[2] / 2.0
     top = GAP + LID[2] + 0.0006
-    inside = mark(_bar((x, 0.0), (LID[0] - 0.01, LID[1] - 0.012)), 0.0004, "z").moved((0.0, 0.0, GAP), (np.pi, 0.0, 0.0))
+    inside = mark(_bar((x, 0.0), (LID[0] - 0.01, LID[1] - 0.012)), 0.0001, "z").moved(rpy=(np.pi, 0.0, 0.0))
     visuals = (
         Visual(mesh_shape("lid", bevelled_box(LID, (x, 0.0, z), 0.002)), LID_COLOR),
         Visual(mesh_shape("lid_tape", mark(_bar((x, 0.0), (LID[0] - 0.005, 0.036)), top, "z")), TAPE),

@@ -69,12 +69,12 @@ def _case() -> Mesh:
         (inner, -front),
         (inner, -FACE),
     ]
-    return lathe(outline, 48).moved((0.0, 0.0, AXLE_Z), (0.0, -HALF_PI, 0.0))
+    return lathe(outline, 36).moved((0.0, 0.0, AXLE_Z), (0.0, -HALF_PI, 0.0))
 
 
 def _dial() -> Mesh:
     """Return the flat dial."""
-    return lathe([(RADIUS - 0.006, 0.0), (0.0, 0.0)], 48).moved((FACE - 0.0005, 0.0, AXLE_Z), (0.0, -HALF_PI, 0.0))
+    return lathe([(RADIUS - 0.006, 0.0), (0.0, 0.0)], 36).moved((FACE - 0.0005, 0.0, AXLE_Z), (0.0, -HALF_PI, 0.0))
 
 
 def _marks() -> Mesh:
@@ -104,13 +104,13 @@ def _stand() -> Mesh:
 
 def _bells() -> Mesh:
     """Return the two bells on top, each on a stalk."""
-    angles = np.linspace(0.0, np.pi / 2.0, 6)
-    half = [(0.026, 0.0), *((0.028 * float(np.cos(a)), 0.002 + 0.024 * float(np.sin(a))) for a in angles[:-1]), (0.0, 0.026)]
+    angles = np.linspace(0.0, np.pi / 2.0, 5)[:-1]
+    half = [(0.0, 0.0), *((0.028 * float(np.cos(a)), 0.025 * float(np.sin(a))) for a in angles), (0.0, 0.025)]
     parts = []
     for side in (-1, 1):
         turn = -side * 0.55
         place = (0.0, side * float(np.sin(0.55)) * (RADIUS + 0.006), AXLE_Z + float(np.cos(0.55)) * (RADIUS + 0.006))
-        parts.append(lathe([(0.0, 0.0), *half], 20).moved(place, (turn, 0.0, 0.0)))
+        parts.append(lathe(half, 16).moved(place, (turn, 0.0, 0.0)))
         parts.append(cylinder(0.005, 0.02, 6).moved(place, (turn, 0.0, 0.0)))
     return merge(parts)
 

@@ -39,7 +39,7 @@ CABLE: tuple[Vec3, ...] = (
 )
 """Along x, to a button whose pedestal ends there."""
 ENAMEL, BRASS, BLACK = plastic((0.05, 0.22, 0.26)), metal((0.83, 0.62, 0.20)), (0.12, 0.12, 0.13)
-FROSTED, CLOTH = (0.80, 0.79, 0.76), (0.82, 0.74, 0.62)
+FROSTED, CLOTH = (0.80, 0.79, 0.76), (0.93, 0.85, 0.73)
 GLOW, LIT_CLOTH = (1.0, 0.97, 0.88), (0.88, 0.71, 0.44)
 """Colours of the bulb and the shade while they shine."""
 

@@ -84,10 +84,10 @@ def _cubes() -> Mesh:
 
 def _ice() -> Mesh:
     """Return ice cubes that lie at the back of the niche."""
-    floor, side, back = NICHE[1][0] + 0.003, 0.017, FRONT + DEEP - 0.015
-    places = ((-0.052, 0.0, 0.2), (-0.032, 0.004, -0.5), (-0.010, -0.001, 0.6), (0.013, 0.003, -0.2), (0.035, 0.0, 0.4))
+    floor, side, back = NICHE[1][0] + 0.003, 0.019, FRONT + DEEP - 0.015
+    places = ((-0.044, 0.0, 0.2), (-0.021, 0.005, -0.5), (0.003, -0.001, 0.6), (0.028, 0.003, -0.2))
     cubes = [(back - inwards, y, 0.0, turn) for y, inwards, turn in places]
-    cubes += [(back, -0.042, side, 0.9), (back + 0.001, -0.001, side, 0.1), (back, 0.022, side, -0.6)]
+    cubes += [(back, -0.031, side, 0.9), (back + 0.001, 0.015, side, 0.3)]
     return merge(
         bevelled_box((side, side, side), bevel=0.003).moved((x, MIDDLE + y, floor + side / 2.0 + z), (0.0, 0.0, turn))
         for x, y, z, turn in cubes

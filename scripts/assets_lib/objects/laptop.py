@@ -64,8 +64,8 @@ def _lines() -> Mesh:
 def _emblem() -> tuple[Mesh, Mesh]:
     """Return the raised emblem of the lid: a ring, and a bevelled disc in it."""
     x, z = -SCREEN[0] / 2.0, SCREEN[2] / 2.0
-    ring = lathe([(0.021, -0.0005), (0.021, 0.0010), (0.020, 0.0016), (0.017, 0.0016), (0.016, 0.0010), (0.016, -0.0005)], 24)
-    disc = lathe([(0.010, -0.0005), (0.010, 0.0008), (0.0085, 0.0016), (0.0, 0.0016)], 20)
+    ring = lathe([(0.021, 0.0), (0.021, 0.0010), (0.020, 0.0016), (0.017, 0.0016), (0.016, 0.0)], 20)
+    disc = lathe([(0.010, 0.0), (0.010, 0.0008), (0.0085, 0.0016), (0.0, 0.0016)], 16)
     return ring.moved((x, 0.0, z)), disc.moved((x, 0.0, z))
 
 

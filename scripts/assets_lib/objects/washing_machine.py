@@ -26,6 +26,8 @@ FRONT = -DEPTH / 2.0
 """x of the front panel [m]."""
 HOLE = 0.095
 """Half the edge of the square hole in the front that the door covers [m]."""
+LUMP = 0.042
+"""Radius of a crumpled piece of laundry [m]."""
 MIDDLE = 0.215
 """Height of the middle of the door [m]."""
 RADIUS, THICK, GAP = 0.12, 0.024, 0.002
@@ -96,17 +98,16 @@ def _crumpled(ball: Mesh, rng: np.random.Generator) -> Mesh:
     """Return a ball with folds: waves along its surface in random directions."""
     waves = rng.standard_normal((3, 3))
     waves *= 1.6 / np.linalg.norm(waves, axis=1, keepdims=True)
-    folds = np.cos(ball.vertices / 0.036 @ waves.T * 2.0 + rng.uniform(0.0, 6.0, 3)).sum(axis=1)
+    folds = np.cos(ball.vertices / LUMP @ waves.T * 2.0 + rng.uniform(0.0, 6.0, 3)).sum(axis=1)
     return Mesh(ball.vertices * (1.0 + 0.11 * folds)[:, None], ball.faces)
 
 
 def _laundry() -> tuple[Mesh, ...]:
     """Return the crumpled clothes at the bottom of the drum, three of them."""
     rng = np.random.default_rng(3)
-    lumps = [_crumpled(icosphere(0.036, 1), rng).scaled(1.0 + 0.3 * rng.random(3)) for _ in range(5)]
-    places = [(-0.06 + 0.03 * (i % 2), -0.05 + 0.025 * i, MIDDLE - HOLE + 0.036) for i in range(5)]
-    placed = [lump.moved(place) for lump, place in zip(lumps, places, strict=True)]
-    return merge(placed[0:4:3]), merge(placed[1:5:3]), placed[2]
+    lumps = [_crumpled(icosphere(LUMP, 1), rng).scaled((1.0, 1.15, 0.95)) for _ in range(3)]
+    places = [(-0.06 + 0.03 * (i % 2), 0.048 * (i - 1), MIDDLE - HOLE + 0.042 - 0.004 * (i % 2)) for i in range(3)]
+    return tuple(lump.moved(place) for lump, place in zip(lumps, places, strict=True))
 
 
 def _merged(boxes: tuple[Box, ...]) -> Mesh:
