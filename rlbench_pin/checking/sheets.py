@@ -36,7 +36,7 @@ _LARGE = 0.35
 """From this longest side on a body is not framed whole [m]."""
 _NEAR = 0.16
 """Distance from the links that move at which large bodies are framed [m]."""
-_WHOLE, _TINY = 1.4, 0.15
+_WHOLE, _TINY = 1.4, 0.1
 """Large bodies are framed whole where all that is framed becomes no longer than by this factor, and where the longest link that
 moves keeps this share of its length."""
 _AROUND = 0.04

@@ -12,7 +12,7 @@ HANDS = {"waypoint1": np.pi, "waypoint4": 0.3735}
 
 
 class LightBulbOut(Task):
-    """The bulb must stand in the asked one of two holders, let go. It glows yellow while it is in the lamp.
+    """The bulb must stand in the asked one of two holders, let go. It glows warm white while it is in the lamp.
 
     The colour of the asked holder varies, and the places and the colour of the two holders.
     """

@@ -10,6 +10,8 @@ from rlbench_pin.tasks import COLORS
 from tests.tasks.goals.goal import Goal, goal_of
 from tests.tasks.running import running
 
+LIT = (1.0, 0.91, 0.66)
+
 
 @goal_of("meat_on_grill", 0, 1)
 def test_the_asked_meat_has_to_lie_on_the_grate(goal: Goal) -> None:
@@ -103,8 +105,8 @@ def test_the_bulb_has_to_stand_in_the_asked_holder(goal: Goal) -> None:
 
 
 def glows(goal: Goal) -> bool:
-    """Whether the glass of the bulb is yellow."""
-    return (1.0, 1.0, 0.0) in (color[:3] for color in goal.world.body("bulb").colors.values())
+    """Whether the glass of the bulb shines."""
+    return LIT in (color[:3] for color in goal.world.body("bulb").colors.values())
 
 
 @goal_of("light_bulb_out", 0, 10, 19)
