@@ -106,7 +106,7 @@ class Record:
     """Limit of the acceleration along the joint-space path [rad/s^2]."""
     robot: RobotName = "panda"
     """Name of the arm."""
-    paired: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ARM...")] = ()
+    paired: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ARM...", help_behavior_hint="")] = ()
     """Arms, separated by spaces or commas: one dataset for each, in a folder of `--out` with its name, of those episodes that all
     of them demonstrate at the same attempt of the same seed."""
     out: Path = DEFAULT_OUT
