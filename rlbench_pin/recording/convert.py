@@ -169,14 +169,13 @@ def _timed(moments: Sequence[_Moment], path: Sequence[FloatArray], robot: RobotM
     """Return the moments of a path (ticks, n) from home, with as many ticks as the joints need."""
     q, v = robot.home, np.zeros(robot.size)
     largest = SPEED_SHARE * dt * np.minimum(robot.limits.velocity, LARGEST_SPEED)
-    timed: list[_Moment] = []
+    amount, timed = 1.0, list[_Moment]()
     for m, goal in zip(moments, path, strict=True):
         count = max(1, int(np.ceil(np.max(np.abs(goal - q) / largest))))
         begin = q
         for k in range(1, count + 1):
             target = begin + (goal - begin) * k / count
-            moves = m.gripper_moves and k == count
-            amount = m.amount if moves or not m.gripper_moves else 1.0 - m.amount
+            amount, moves = (m.amount, m.gripper_moves) if k == count else (amount, False)
             timed.append(_Moment(q, v, target, amount, moves))
             q, v = target, np.zeros(robot.size) if moves else (target - q) / dt
     return timed

@@ -91,19 +91,18 @@ class RawPage:
 
     def told(self, words: str) -> str:
         """Return the notification that has some words, or fail."""
-        return str(self._wait(words, "NotificationShowMessage")["body"])
+        return str(self._wait("NotificationShowMessage", "props", words)["body"])
 
     def updated(self, words: str) -> None:
         """Wait until an element has got some words, or fail."""
-        self._wait(words, "GuiUpdateMessage")
+        self._wait("GuiUpdateMessage", "updates", words)
 
-    def _wait(self, words: str, kind: str) -> dict[str, Any]:
+    def _wait(self, kind: str, part: str, words: str) -> dict[str, Any]:
         end = time.monotonic() + 20.0
         while time.monotonic() < end:
             for message in tuple(self._heard):
-                changes = message.get("props" if kind == "NotificationShowMessage" else "updates")
-                if message["type"] == kind and re.search(words, str(changes)):
-                    return changes
+                if message["type"] == kind and re.search(words, str(message[part])):
+                    return message[part]
             time.sleep(0.02)
         raise AssertionError(f"no {kind} with '{words}'")
 

@@ -351,6 +351,14 @@ def _rays(shot: Shot, chosen: NDArray[np.int64]) -> NDArray[np.float32]:
     return rays
 
 
+def _facing(shot: Shot, normals: NDArray[np.float32], chosen: NDArray[np.int64]) -> NDArray[np.float32]:
+    """Cosine (k,) between the normals of some pixels and the direction in which their camera looks; a plane has one value."""
+    own, facing = normals.take(chosen, axis=1), np.empty(len(chosen), dtype=np.float32)
+    for _, view, part in shot.parts(chosen):
+        facing[part] = view.extrinsics()[:3, 2].astype(np.float32) @ own[:, part]
+    return facing
+
+
 def _points(view: CameraView, shot: Shot, part: slice) -> NDArray[np.float32]:
     """Where the pixels of one camera are (3, k), in its frame [m]."""
     k = view.intrinsics().astype(np.float32)
@@ -424,8 +432,8 @@ def colors_in_light(
         if shadows is not None and lamps:
             light = light + _lamp_light(_in_world(shot), normals, lamps)
         if len(shot.shining):
-            cosine = (_rays(shot, shot.shining) * normals.take(shot.shining, axis=1)).sum(axis=0)
-            light[..., shot.shining] = _RIM + _MIDDLE * cosine * cosine
+            facing = _facing(shot, normals, shot.shining)
+            light[..., shot.shining] = _RIM + _MIDDLE * facing * facing
         colors *= light
     glossy = shot.glossy
     if shadows is not None and len(glossy):

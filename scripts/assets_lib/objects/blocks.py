@@ -11,7 +11,7 @@ from assets_lib.urdf import Link, Model, Visual, box_shape, glossy, mesh_shape, 
 RED, PALE = (0.9, 0.1, 0.1), (1.0, 0.62, 0.55)
 CUBES = (("cube", 0.05, 0.1), ("cube_small", 0.04, 0.05), ("cube_45", 0.045, 0.06), ("block_60", 0.06, 0.12))
 """Name, side [m], mass [kg]."""
-EDGE = 0.0025
+EDGE = 0.002
 """Bevel of a cube [m]."""
 BALL = 0.05
 """Diameter of the ball [m]."""
@@ -31,11 +31,8 @@ def cube(name: str, side: float, mass: float) -> Model:
 
 def ball_marker() -> Model:
     """Return a ball that is only seen."""
-    angles = np.linspace(-np.pi / 2.0, np.pi / 2.0, 15)[1:-1]
-    outline = [(BALL / 2.0 * float(np.cos(a)), BALL / 2.0 * float(np.sin(a))) for a in angles]
-    shape = mesh_shape("ball", lathe([(0.0, -BALL / 2.0), *outline, (0.0, BALL / 2.0)], 28))
-    spread = mesh_shape("", icosphere(BALL / 2.0, 2))
-    link = Link("ball_marker", 0.01, (Visual(shape, glossy(RED), crease=3.0),), weighs=(spread,))
+    shape = mesh_shape("ball", icosphere(BALL / 2.0, 2))
+    link = Link("ball_marker", 0.01, (Visual(shape, glossy(RED), crease=3.0),))
     return Model("ball_marker", "objects/ball_marker", "centre", (link,), notes=("visual only: use it with fixed = true",))
 
 
