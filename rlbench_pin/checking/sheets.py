@@ -63,7 +63,7 @@ _PAST_ARM, _REVEALED, _APART = 0.4, 3.0, 1.5
 """Weights of what is seen past the arm, of what a door or a lid hides, and of the distance in the image between what has been
 taken away and the rest."""
 _STEEP = 0.25
-"""What a view loses for each step by which it looks down more steeply than the flattest."""
+"""Loss of a view for each step of tilt above the flattest."""
 _MARGIN, _GAP, _CAPTION, _TITLE = 8, 8, 18, 54
 _INK, _PAPER, _FAINT = (30, 30, 30), (255, 255, 255), (110, 110, 110)
 

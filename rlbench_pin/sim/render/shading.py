@@ -432,8 +432,8 @@ def colors_in_light(
         if shadows is not None and lamps:
             light = light + _lamp_light(_in_world(shot), normals, lamps)
         if len(shot.shining):
-            facing = _facing(shot, normals, shot.shining)
-            light[..., shot.shining] = _RIM + _MIDDLE * facing * facing
+            to_camera = _facing(shot, normals, shot.shining)
+            light[..., shot.shining] = _RIM + _MIDDLE * to_camera * to_camera
         colors *= light
     glossy = shot.glossy
     if shadows is not None and len(glossy):

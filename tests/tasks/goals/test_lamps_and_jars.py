@@ -9,7 +9,7 @@ from rlbench_pin.tasks import COLORS
 from tests.tasks.goals.goal import Goal, goal_of
 from tests.tasks.running import begin, running
 
-LOOKS = {True: ((1.0, 0.97, 0.88), (0.88, 0.71, 0.44)), False: ((0.80, 0.79, 0.76), (0.93, 0.85, 0.73))}
+LAMP_COLORS = {True: ((1.0, 0.97, 0.88), (0.88, 0.71, 0.44)), False: ((0.80, 0.79, 0.76), (0.93, 0.85, 0.73))}
 """Whether a lamp shines -> colours of its bulb and its shade."""
 
 
@@ -17,7 +17,7 @@ def shines(goal: Goal) -> bool:
     """Whether the lamp is seen to shine: bulb and shade have the colours in which they glow, or both those of glass and cloth."""
     lamp = goal.world.body("lamp")
     seen = tuple(lamp.colors[lamp.model.link_index(link)][:3] for link in ("bulb", "shade"))
-    (bright,) = (bright for bright, looks in LOOKS.items() if seen == looks)
+    (bright,) = (bright for bright, colors in LAMP_COLORS.items() if seen == colors)
     return bright
 
 
