@@ -105,14 +105,14 @@ def _replayed(paths: Sequence[Path], own: OwnTasks, trust_task_files: bool) -> I
     with ExitStack() as stack:
         environments: dict[str, Environment] = {}
         task: TaskEnvironment | None = None
-        loaded: tuple[Path, str, str] | None = None
+        loaded: tuple[tuple[Path, str], str] | None = None
         for path, demo in _episodes(paths):
-            wanted = (_root_of(path), demo.task_name, demo.robot or DEFAULT_ROBOT)
-            if task is None or loaded != wanted:
-                *_, robot = wanted
+            origin, robot = (_root_of(path), demo.task_name), demo.robot or DEFAULT_ROBOT
+            if task is None or loaded != (origin, robot):
                 if robot not in environments:
                     environments[robot] = stack.enter_context(make_environment(low_dim_config(), robot=robot))
-                task, loaded = environments[robot].get_task(stored_task(*wanted[:2], own, trust_task_files)), wanted
+                task = environments[robot].get_task(stored_task(*origin, own, trust_task_files))
+                loaded = (origin, robot)
             task.reset_to_demo(demo)
             yield ReplayResult(path, replay_succeeds(task, demo))
 
