@@ -51,12 +51,8 @@ def ring_marker() -> Model:
 
 def target_square() -> Model:
     """Return a flat green square that is only seen."""
-    half, high, groove = 0.05, 0.002, 0.0012
-    outline = [(half, 0.0), (half, 0.0014), (half - 0.0006, high), (half - 0.004, high), (half - 0.0042, high - groove)]
-    outline += [(half - 0.0054, high - groove), (half - 0.0056, high), (0.0, high)]
-    mat = lathe([(r * 2.0**0.5, z) for r, z in outline], 4, phase=np.pi / 4.0)
-    spread = box_shape((0.10, 0.10, 0.002), (0.0, 0.0, 0.001))
-    link = Link("target_square", 0.01, (Visual(mesh_shape("mat", mat), (0.1, 0.75, 0.2), crease=0.1),), weighs=(spread,))
+    shape = box_shape((0.10, 0.10, 0.002), (0.0, 0.0, 0.001))
+    link = Link("target_square", 0.01, (Visual(shape, (0.1, 0.75, 0.2)),))
     notes = ("visual only: use it with fixed = true", "its upper side is 2 mm above the table")
     return Model("target_square", "objects/target_square", "bottom centre", (link,), notes=notes)
 
