@@ -64,6 +64,10 @@ _PAST_ARM, _REVEALED, _APART = 0.4, 3.0, 1.5
 taken away and the rest."""
 _STEEP = 0.25
 """Loss of a view for each step of tilt above the flattest."""
+_FACING = 3.0
+"""Gain of a view from the side on which a body that moves is, seen from one that does not."""
+_BESIDE = 0.01
+"""Distance at which bodies touch, in images [m]."""
 _MARGIN, _GAP, _CAPTION, _TITLE = 8, 8, 18, 54
 _INK, _PAPER, _FAINT = (30, 30, 30), (255, 255, 255), (110, 110, 110)
 
@@ -304,7 +308,7 @@ def task_view(world: World, frames: Sequence[Frame], size: int) -> CameraView:
 
     Its image contains at all frames the links that move, the bodies that are not large, and the parts of large ones that are near
     the links that move; where none does, the tip after the reset. It stands in that direction in which the links that move and
-    their motion are seen best.
+    their motion are seen best, rather on the side from which they come.
     """
     names, poses = _common_poses(frames)
     links = [(world.bodies[body], link) for body, link in names]
@@ -331,7 +335,31 @@ def task_view(world: World, frames: Sequence[Frame], size: int) -> CameraView:
     score = _clearness(np.array(masks), with_arm, moving or still, still)
     tilts = sorted({tilt for _, tilt in _DIRECTIONS})
     score -= _STEEP * np.array([tilts.index(tilt) for _, tilt in _DIRECTIONS])
+    azimuths = np.radians([azimuth for azimuth, _ in _DIRECTIONS])
+    score += _FACING * np.column_stack([np.cos(azimuths), np.sin(azimuths)]) @ _side_of_motion(links, poses, moves)
     return replace(views[int(np.argmax(score))], size=(size, size))
+
+
+def _side_of_motion(links: Sequence[tuple[Body, str]], poses: Sequence[FloatArray], moves: NDArray[np.bool_]) -> FloatArray:
+    """Return the horizontal direction (2,) in which the bodies that move are, seen from the largest that they touch.
+
+    Things have their fronts and openings there. Doors, drawers and lids do not count.
+    """
+    boxes = [bounds(visual_geometry(body.model.urdf, body.model.scale)[link]) for body, link in links]
+    corners = np.array([[box_corners(box, pose) for box, pose in zip(boxes, own)] for own in poses])
+    low, high, middles = corners.min(axis=2), corners.max(axis=2), corners.mean(axis=2)
+    sizes = np.linalg.norm([np.ptp(box, axis=0) for box in boxes], axis=1)
+    bodies = np.array([body.name for body, _ in links])
+    still = np.flatnonzero(~np.isin(bodies, bodies[moves]))
+    sides = [np.zeros(2)]
+    for link in np.flatnonzero(moves & ~np.isin(bodies, bodies[~moves])):
+        gaps = np.maximum(low[:, still] - high[:, link, None], 0.0) + np.maximum(low[:, link, None] - high[:, still], 0.0)
+        apart = np.linalg.norm(gaps, axis=-1)
+        touched = still[apart.min(axis=0, initial=np.inf) < _BESIDE]
+        if touched.size:
+            away = (middles[:, link] - middles[:, touched[sizes[touched].argmax()]])[:, :2]
+            sides.append((away / np.maximum(np.linalg.norm(away, axis=-1, keepdims=True), _BESIDE)).mean(axis=0))
+    return np.mean(sides[1:] or sides, axis=0)
 
 
 def _clearness(
