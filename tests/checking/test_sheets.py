@@ -74,6 +74,18 @@ def test_the_task_is_in_the_image(name: str, body: str, joint: str | None) -> No
     assert np.ptp(pixels, axis=1).max() > 0.5 * 64
 
 
+@pytest.mark.simulation
+def test_the_camera_stands_on_the_side_from_which_an_object_comes() -> None:
+    """It sees the socket into which the charger is plugged, not the back of the wall."""
+    name = "plug_charger_in_power_supply"
+    _, moments = demo_moments(find_task(name), 0, size=48)
+    with make_environment(low_dim_config()) as environment:
+        task = environment.get_task(name)
+        task.reset(seed=0, variation=0)
+        wall, charger = (task.world.body(body).position[:2] for body in ("panel", "charger"))
+    assert (moments[0].view.pose[:2] - wall) @ (charger - wall) > 0.0
+
+
 def corners_in(world: World, joint: str | None) -> FloatArray:
     """Corners (n, 3) of the boxes around all bodies or, with a joint, around the link that it moves [m]."""
     if joint is None:
