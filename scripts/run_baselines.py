@@ -15,7 +15,6 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from baselines_lib.curves import draw_row
 from baselines_lib.rows import TRIED, Command, Row, by_trial, commands, rows
 from baselines_lib.tables import RESULTS, write_tables
 from tqdm import tqdm
@@ -61,6 +60,8 @@ class Run:
             policy = results.policy.replace(str(self._out), str(OUT))
             write_results(RESULTS / f"{name}.json", replace(results, policy=policy))
             if name in by_trial():
+                from baselines_lib.curves import draw_row  # needs the extra `rl`
+
                 draw_row(name, self._out / "models", TRIED)
 
     def _call(self, command: Command, bar: tqdm) -> None:
