@@ -64,8 +64,9 @@ _PAST_ARM, _REVEALED, _APART = 0.4, 3.0, 1.5
 taken away and the rest."""
 _STEEP = 0.25
 """Loss of a view for each step of tilt above the flattest."""
-_FACING = 3.0
-"""Gain of a view from the side on which a body that moves is, seen from one that does not."""
+_FACING, _BEFORE, _CLEARLY = 6.0, (-0.1, 0.5), 0.6
+"""Gain of a view from the side on which the bodies that move are; cosines between which it grows; and how clear that side is at
+least, as the length of the mean of unit vectors, to count in full."""
 _BESIDE = 0.01
 """Distance at which bodies touch, in images [m]."""
 _MARGIN, _GAP, _CAPTION, _TITLE = 8, 8, 18, 54
@@ -308,7 +309,7 @@ def task_view(world: World, frames: Sequence[Frame], size: int) -> CameraView:
 
     Its image contains at all frames the links that move, the bodies that are not large, and the parts of large ones that are near
     the links that move; where none does, the tip after the reset. It stands in that direction in which the links that move and
-    their motion are seen best, rather on the side from which they come.
+    their motion are seen best, not opposite to the side from which they come.
     """
     names, poses = _common_poses(frames)
     links = [(world.bodies[body], link) for body, link in names]
@@ -336,7 +337,8 @@ def task_view(world: World, frames: Sequence[Frame], size: int) -> CameraView:
     tilts = sorted({tilt for _, tilt in _DIRECTIONS})
     score -= _STEEP * np.array([tilts.index(tilt) for _, tilt in _DIRECTIONS])
     azimuths = np.radians([azimuth for azimuth, _ in _DIRECTIONS])
-    score += _FACING * np.column_stack([np.cos(azimuths), np.sin(azimuths)]) @ _side_of_motion(links, poses, moves)
+    side = np.column_stack([np.cos(azimuths), np.sin(azimuths)]) @ _side_of_motion(links, poses, moves)
+    score += _FACING * np.clip(side, *_BEFORE)
     return replace(views[int(np.argmax(score))], size=(size, size))
 
 
@@ -359,7 +361,8 @@ def _side_of_motion(links: Sequence[tuple[Body, str]], poses: Sequence[FloatArra
         if touched.size:
             away = (middles[:, link] - middles[:, touched[sizes[touched].argmax()]])[:, :2]
             sides.append((away / np.maximum(np.linalg.norm(away, axis=-1, keepdims=True), _BESIDE)).mean(axis=0))
-    return np.mean(sides[1:] or sides, axis=0)
+    side = np.mean(sides[1:] or sides, axis=0)
+    return np.asarray(side / max(float(np.linalg.norm(side)), _CLEARLY))
 
 
 def _clearness(
