@@ -343,9 +343,9 @@ def task_view(world: World, frames: Sequence[Frame], size: int) -> CameraView:
 
 
 def _side_of_motion(links: Sequence[tuple[Body, str]], poses: Sequence[FloatArray], moves: NDArray[np.bool_]) -> FloatArray:
-    """Return the horizontal direction (2,) in which the bodies that move are, seen from the largest that they touch.
+    """Return the horizontal direction (2,), at most 1 long, in which the bodies that move are from the largest that they touch.
 
-    Things have their fronts and openings there. Doors, drawers and lids do not count.
+    Furniture and appliances have their fronts there. Doors, drawers and lids do not count.
     """
     boxes = [bounds(visual_geometry(body.model.urdf, body.model.scale)[link]) for body, link in links]
     corners = np.array([[box_corners(box, pose) for box, pose in zip(boxes, own)] for own in poses])
