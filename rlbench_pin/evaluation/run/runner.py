@@ -89,8 +89,11 @@ class EpisodeRunner:
 
         Raises:
             PolicyFault: It does not start.
+            PolicyOfAnotherArm: It was made for other joints than those of the arm.
         """
-        return expert_settings() if self._client is None else self._client.settings
+        settings = expert_settings() if self._client is None else self._client.settings
+        settings.check_robot(self.config.robot)
+        return settings
 
     def close(self) -> None:
         """End the policy and free the environment; the next item makes both again."""
