@@ -65,7 +65,8 @@ class EpisodeRunner:
             task = self._load(item, settings)
             instructions, seen = task.reset(seed=item.seed, variation=item.variation)
             episode = Episode(item, task)
-            limits = Limits.of(self.config, settings, task.action_mode, task.world.control_dt)
+            slowness = task.runtime.model.slowness
+            limits = Limits.of(self.config, settings, task.action_mode, task.world.control_dt, slowness)
             with around(task), episode.meter.running():
                 if self._client is None:
                     end, detail = episode.demonstrate(limits)
