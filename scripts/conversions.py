@@ -243,9 +243,9 @@ def main() -> None:
         add(found, trial)
 
     with tqdm(total=len(items), initial=len(items) - len(todo), unit="demo", disable=options.report) as bar:
-        jobs = () if options.report else run_jobs(todo, Converter, store=store, lost=lost, engine=ProcessEngine(options.workers))
-        for event in jobs:
-            bar.update(not isinstance(event, WorkerDeath))
+        if not options.report:
+            for event in run_jobs(todo, Converter, store=store, lost=lost, engine=ProcessEngine(options.workers)):
+                bar.update(not isinstance(event, WorkerDeath))
     keys = [(item.task, item.source, item.seed, item.digest) for item in items]
     trials = [found[key] for key in keys if key in found]
     rows = table(trials, tasks, list(permutations(robots, 2)))
