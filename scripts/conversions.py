@@ -3,7 +3,7 @@
 Usage: python scripts/conversions.py [TASK ...] [--robots NAME ...] [--episodes 5] [--workers 2] [--out docs/results]
 A cell is the share of demonstrations of the first arm that succeed when the tip of the second arm follows the same poses, from
 the same scene (`convert_demo`). Finished demonstrations are kept in out/conversions/trials.jsonl: the same command goes on where
-it was stopped; a task whose files have changed is played again. `--report` writes what there is, and plays nothing.
+it was stopped; what depends on files that have changed is played again. `--report` writes what there is, and plays nothing.
 """
 
 from __future__ import annotations
@@ -14,12 +14,14 @@ import time
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
+from hashlib import sha256
 from itertools import permutations
 from pathlib import Path
 
 import numpy as np
 from tqdm import tqdm
 
+from rlbench_pin.checking.run import task_marks
 from rlbench_pin.environment import Environment, TaskEnvironment
 from rlbench_pin.environment.demos import EXTRA_TICKS
 from rlbench_pin.environment.presets import joint_position_mode, low_dim_config, make_environment
@@ -28,9 +30,8 @@ from rlbench_pin.errors import DemoError, InvalidActionError, ResetError, Rlbenc
 from rlbench_pin.observation import Demo
 from rlbench_pin.processes import GivenUp, Journal, ProcessEngine, WorkerDeath, run_jobs
 from rlbench_pin.rates import Rate
-from rlbench_pin.recording import convert_demo
+from rlbench_pin.recording import convert, convert_demo
 from rlbench_pin.robot import SUPPORTED_ROBOTS
-from rlbench_pin.tasks import find_task, task_digest
 
 ROOT = Path(__file__).resolve().parents[1]
 TASKS = (
@@ -60,7 +61,7 @@ class Item:
     targets: tuple[str, ...]
     """Arms that replay it."""
     digest: str
-    """SHA-256 of the files of the task."""
+    """SHA-256 of the files on which the trial depends."""
 
 
 @dataclass(frozen=True)
@@ -228,7 +229,8 @@ def main() -> None:
     tasks, robots = list(options.tasks), list(options.robots)
     journal = Journal(ROOT / "out" / "conversions" / "trials.jsonl")
     found = found_trials(journal)
-    digests = {task: task_digest(find_task(task)) for task in tasks}
+    rules = Path(convert.__file__).read_bytes()
+    digests = {task: sha256(mark.encode() + rules).hexdigest() for task, mark in task_marks(tasks).items()}
     items = [
         Item(task, source, seed, tuple(target for target in robots if target != source), digests[task])
         for task in tasks
