@@ -25,6 +25,25 @@ TURN = EXPORT.with_name("turn_tip_frame.py")
 TASK = "reach_target"
 
 
+def test_the_table_of_conversions(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A cell counts all seeds of a pair; a demonstration that was played for other arms before keeps what they did."""
+    spec = importlib.util.spec_from_file_location("conversions", EXPORT.with_name("conversions.py"))
+    assert spec is not None and spec.loader is not None
+    script = importlib.util.module_from_spec(spec)
+    monkeypatch.setitem(sys.modules, "conversions", script)  # its dataclasses look their module up
+    spec.loader.exec_module(script)
+    found: dict[tuple[str, str, int, str], object] = {}
+    for seed, cause in enumerate(("", "contact", "")):
+        script.add(found, script.Trial("push_button", "panda", seed, "a", {"ur5e": cause}, 2.0))
+    script.add(found, script.Trial("push_button", "panda", 0, "a", {"jaco": "reach"}, 1.0))
+    pairs = [("panda", "ur5e"), ("panda", "jaco"), ("ur5e", "panda")]
+    rows = script.table(list(found.values()), ["push_button"], pairs)
+    assert list(rows) == ["panda -> ur5e", "panda -> jaco"]
+    assert (rows["panda -> ur5e"]["count"], rows["panda -> ur5e"]["of"]) == (2, 3)
+    text = script.page(rows, ["push_button"], ["panda", "ur5e", "jaco"], 3)
+    assert "| `panda` |  | 67 (21 to 94) | 0 (0 to 79) |" in text and "2 of 3: contact 1" in text
+
+
 def export(out: Path) -> str:
     """Run the script for two small episodes and return what it printed."""
     options = ("--tasks", TASK, "--episodes", "2", "--workers", "1", "--image-size", "32")

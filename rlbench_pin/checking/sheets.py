@@ -14,6 +14,7 @@ from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.environment.presets import clear_view, low_dim_config, make_environment
 from rlbench_pin.errors import DemoError
 from rlbench_pin.observation import CAMERAS, Demo, Observation
+from rlbench_pin.robot.description import DEFAULT_ROBOT
 from rlbench_pin.robot.geometry import bounds, box_corners, visual_geometry
 from rlbench_pin.sim import Body, CameraView, Images, Request, ShadowMap, World, WorldState, framed
 from rlbench_pin.spatial import FloatArray
@@ -112,7 +113,13 @@ class Frame:
 
 
 def demo_sheet(
-    task: type[Task], seed: int, variation: int = 0, *, attempt: int | None = None, size: int = SIZE
+    task: type[Task],
+    seed: int,
+    variation: int = 0,
+    *,
+    attempt: int | None = None,
+    size: int = SIZE,
+    robot: str = DEFAULT_ROBOT,
 ) -> tuple[Image.Image, str]:
     """Draw a demonstration, and return the image and the name of the task.
 
@@ -122,26 +129,34 @@ def demo_sheet(
         variation: Variation of the task.
         attempt: Number of the attempt of the seed; None takes the first that succeeds.
         size: Side of the task view [px]; the other images have about half of it.
+        robot: Name of the arm.
 
     Raises:
         DemoError: The demonstration fails.
     """
-    demo, moments = demo_moments(task, seed, variation, attempt=attempt, size=size)
+    demo, moments = demo_moments(task, seed, variation, attempt=attempt, size=size, robot=robot)
     rows = [[np.asarray(moment_image(moment))] for moment in moments]
     title = f"{demo.task_name}: {demo.instructions[0]}"
-    subtitle = f"variation {demo.variation_number}, seed {seed}, {len(demo)} frames; on the left a camera aimed at the task"
+    arm = "" if robot == DEFAULT_ROBOT else f"{robot}, "
+    subtitle = f"{arm}variation {demo.variation_number}, seed {seed}, {len(demo)} frames; on the left a camera aimed at the task"
     return contact_sheet(rows, [moment.label for moment in moments], [""], title, subtitle), demo.task_name
 
 
 def demo_moments(
-    task: type[Task], seed: int, variation: int = 0, *, attempt: int | None = None, size: int = SIZE
+    task: type[Task],
+    seed: int,
+    variation: int = 0,
+    *,
+    attempt: int | None = None,
+    size: int = SIZE,
+    robot: str = DEFAULT_ROBOT,
 ) -> tuple[Demo, list[Moment]]:
     """Play a demonstration, and return it and its events in images; see `demo_sheet`.
 
     Task views show the arm translucent, the first not at all. The last is taken 1 s after success, with arm and gripper
     stationary; it does not show the arm either, unless the gripper holds a body, or nothing of the task moves.
     """
-    with make_environment(low_dim_config()) as environment:
+    with make_environment(low_dim_config(), robot=robot) as environment:
         task_environment = environment.get_task(task)
         world = task_environment.world
         frames: list[Frame] = []

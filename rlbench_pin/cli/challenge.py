@@ -65,7 +65,7 @@ class Run:
     max_steps: MaybeInt = None
     """Maximum number of actions of an episode; by default what the learner suggests, else as in `evaluate`."""
     max_seconds: float = 120.0
-    """Maximum simulated time of an episode [s]."""
+    """Maximum simulated time of an episode with the Panda [s]. Arms with slower joints have more: jaco 3.5 times."""
     time_limit: float = 30.0
     """Wall-clock time limit of the policy for one action [s]."""
     start_limit: float = 300.0

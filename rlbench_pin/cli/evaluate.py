@@ -72,7 +72,7 @@ class Evaluate:
     """Maximum number of actions of an episode; by default what the policy suggests, else 25 if each plans a motion, else
     as many as fit into `--max-seconds`."""
     max_seconds: float = 120.0
-    """Maximum simulated time of an episode [s]."""
+    """Maximum simulated time of an episode with the Panda [s]. Arms with slower joints have more: jaco 3.5 times."""
     time_limit: float = 30.0
     """Wall-clock time limit of the policy for one action [s]. Beyond it the episode is a failure."""
     start_limit: float = 300.0

@@ -25,6 +25,7 @@ from .policies import Policy as Policy
 from .policies import PolicyClient as PolicyClient
 from .policies import PolicyContext as PolicyContext
 from .policies import PolicyFault as PolicyFault
+from .policies import PolicyOfAnotherArm as PolicyOfAnotherArm
 from .policies import PolicyReferenceError as PolicyReferenceError
 from .policies import PolicySettings as PolicySettings
 from .policies import PolicySettingsError as PolicySettingsError

@@ -1,4 +1,4 @@
-from .environment import GymnasiumEnv, WindowMissing
+from .environment import GymnasiumEnv, WindowMissing, episode_steps
 from .ids import ANY_TASK, gym_id, register_ids
 from .lerobot import LeRobotEnv, make_env
 from .registration import register_plugin_tasks, register_task
@@ -10,6 +10,7 @@ __all__ = [
     "LazyAsyncVectorEnv",
     "LeRobotEnv",
     "WindowMissing",
+    "episode_steps",
     "gym_id",
     "make_env",
     "register_ids",

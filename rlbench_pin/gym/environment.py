@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+import math
 import os
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
@@ -35,8 +36,10 @@ from rlbench_pin.errors import (
     install_hint,
     shown,
 )
+from rlbench_pin.gym.ids import MAX_EPISODE_STEPS
 from rlbench_pin.observation import LOW_DIM, Demo, Observation
-from rlbench_pin.robot.description import DEFAULT_ROBOT
+from rlbench_pin.robot import RobotModel
+from rlbench_pin.robot.description import DEFAULT_ROBOT, robot_description
 from rlbench_pin.sim import CameraView, RendererName, World, look_at
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import Task
@@ -189,6 +192,18 @@ CINEMATIC = CameraView(
     pose=look_at((-0.05, 1.70, 1.80), (0.17, 0.0, 1.13)), fov=float(np.radians(65.0)), size=(640, 360), near=0.05, far=6.0
 )
 """The camera of `render`: from the robot's left, with the whole arm, the table top and what stands on it."""
+
+
+def episode_steps(robot: str) -> int:
+    """Return the steps of an episode that suffice for an arm: 1000, more for slow ones, see `RobotModel.slowness`.
+
+    Ids are registered with those of the Panda. With a slower arm, use
+    `gymnasium.make(id, robot="jaco", max_episode_steps=episode_steps("jaco"))`.
+
+    Args:
+        robot: Name of the arm.
+    """
+    return math.ceil(MAX_EPISODE_STEPS * RobotModel(robot_description(robot)).slowness)
 
 
 class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):

@@ -144,6 +144,8 @@ def _distance(axis: FloatArray, point: FloatArray) -> float:
 FrameChoice = Literal["world", "tip"]
 _REFERENCE = {"world": pin.LOCAL_WORLD_ALIGNED, "tip": pin.LOCAL}
 VELOCITY = "joint velocity"
+PANDA_SPEED = 2.175
+"""Velocity limit of the slowest joint of the Panda [rad/s]."""
 LARGEST = 1e6
 """Positions, velocities, accelerations and torques of joints beyond this are mistakes, in any unit."""
 
@@ -183,6 +185,17 @@ class RobotModel:
                 f"The home configuration of '{description.name}' is outside its joint limits: {description.home}."
             )
         self._bare_inertia = self.arm.inertias[self.size].copy()
+
+    @property
+    def slowness(self) -> float:
+        """Factor by which the arm may need more time than the Panda for a motion: the velocity limit of the slowest joint of the
+        Panda, 2.175 rad/s, divided by that of this arm; 1 for the Panda and for faster arms, 3.46 for the Jaco.
+
+        Limits of time are chosen for the Panda. Those that a motion of a slow arm would meet too early are multiplied by this
+        factor: seconds of an evaluated episode, steps of a gymnasium episode, ticks of an action by inverse kinematics.
+        Limits on which joint speeds have no influence (fingers, settling, planning, demonstrations) are the same for all arms.
+        """
+        return max(1.0, PANDA_SPEED / float(self.limits.velocity.min()))
 
     def _lock_fingers(self) -> pin.Model:
         """Return the model of the arm joints alone, fingers fixed open, after checking the order of its joints."""

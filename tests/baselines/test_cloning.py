@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import threading
 from pathlib import Path
 
@@ -78,6 +79,24 @@ def test_demonstrations_that_lack_something_are_refused() -> None:
         make_examples([demo])
     with pytest.raises(DatasetError, match="front"):
         make_examples([gliding_demo(1)], ["front"])
+
+
+def test_models_remember_the_joints_of_their_demonstrations(tmp_path: Path) -> None:
+    """Of every arm but one per model; models without are read as before."""
+    names = tuple(f"ur5e_{number}" for number in range(7))
+    demos = [gliding_demo(seed) for seed in range(2)]
+    assert make_examples(demos).joint_names == ()
+    for demo in demos:
+        demo.robot, demo.joint_names = "ur5e", names
+        DatasetWriter(tmp_path / "data", compression="lzf").add(demo)
+    assert train_cloning([tmp_path / "data"], "reach_target", tmp_path / "m", SHORT)
+    assert policy(str(tmp_path / "m")).joint_names == names
+    path = tmp_path / "m" / "reach_target" / SETTINGS
+    path.write_text(json.dumps({k: v for k, v in json.loads(path.read_text()).items() if k != "joint_names"}))
+    assert policy(str(tmp_path / "m")).joint_names == ()
+    demos[1].robot, demos[1].joint_names = "iiwa", names[::-1]
+    with pytest.raises(DatasetError, match="iiwa, ur5e"):
+        make_examples(demos)
 
 
 def test_a_few_demonstrations_are_learned() -> None:

@@ -214,7 +214,7 @@ def acting(tmp_path: Path) -> KeyFramePolicy:
     networks = KeyFrameLearner(_examples(RobotModel(robot_description("panda")), 1)).network
     place = tmp_path / "reach_target"
     write_tensors(place / MODEL, networks.state_dict())
-    write_settings(place / SETTINGS, KIND, {"key_frames": dict.fromkeys(SENTENCES, 2)})
+    write_settings(place / SETTINGS, KIND, {"key_frames": dict.fromkeys(SENTENCES, 2), "joint_names": ["a", "b"]})
     loaded = load_key_frames(place)
     assert all(isinstance(network, VoteNetwork) for network in loaded.values())
     for name, tensor in networks.state_dict().items():
@@ -224,7 +224,7 @@ def acting(tmp_path: Path) -> KeyFramePolicy:
 
 def test_models_come_back_and_act(acting: KeyFramePolicy) -> None:
     """An action of nine finite numbers with a unit quaternion, twice the same."""
-    assert isinstance(acting, Policy)
+    assert isinstance(acting, Policy) and acting.joint_names == ("a", "b")
     actions = []
     for _ in range(2):
         acting.reset(SENTENCES[0], PolicyContext("panda", 7, (), (), 0.05, 25, 0))

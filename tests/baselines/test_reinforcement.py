@@ -193,6 +193,7 @@ def test_the_policy_acts_as_it_was_trained(trained: tuple[str, Path], env: Learn
     algorithm, out = trained
     acting = policy(str(out), algorithm)
     assert isinstance(acting, Policy) and acting.max_steps == 2 * TICKS * 4
+    assert acting.joint_names == env.task.runtime.description.arm_joints
     instructions, seen = env.task.reset(seed=3)
     context = PolicyContext("panda", 7, (), tuple(env.task.action_bounds()[1]), 0.05, 100, 0)
     acting.reset(instructions[0], context)

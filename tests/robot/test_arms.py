@@ -9,9 +9,11 @@ import pytest
 
 from rlbench_pin.datasets import encode_demo
 from rlbench_pin.environment import Environment
-from rlbench_pin.environment.actions import Discrete, JointVelocity, MoveArmThenGripper, SafeArm
+from rlbench_pin.environment.actions import Discrete, ERJointViaIK, JointVelocity, MoveArmThenGripper, SafeArm
+from rlbench_pin.environment.actions.pose import PINNED_IK_TICKS, drive_until_there
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.errors import NoIkSolution
+from rlbench_pin.gym import episode_steps
 from rlbench_pin.planning.kinematics import solve_ik
 from rlbench_pin.robot import SUPPORTED_ROBOTS, CollisionModel, RobotModel
 from rlbench_pin.robot.fingers import fingers_of
@@ -89,6 +91,30 @@ def test_poses_that_are_reached_are_solved(name: str) -> None:
             (found, *_) = solve_ik(model, pose, model.home, rng)
             solved += np.abs(model.tip_pose(found)[:3] - pose[:3]).max() < 1e-4
     assert solved >= 995
+
+
+def test_slow_arms_have_more_time() -> None:
+    """The factor is 1 for the Panda and for arms that are faster, and what a joint of the Jaco is slower."""
+    found = {name: RobotModel(description).slowness for name, description in SUPPORTED_ROBOTS.items()}
+    assert found["panda"] == found["ur5e"] == found["xarm7"] == 1.0
+    assert found["iiwa"] == pytest.approx(2.175 / 1.71, abs=0.01)
+    assert found["jaco"] == pytest.approx(2.175 / 0.628, abs=0.01)
+    assert [episode_steps(name) for name in ("panda", "jaco")] == [1000, 3462]
+
+
+@pytest.mark.simulation
+def test_a_slow_arm_gets_where_its_pinned_joint_is_sent() -> None:
+    """The Jaco turns its base by 2 rad, in more than the 50 ticks that the Panda has."""
+    mode = MoveArmThenGripper(ERJointViaIK(commanded_joints=(0,)), Discrete())
+    with Environment(mode, obs_config=low_dim_config(), robot_setup="jaco", seed=0) as environment:
+        task = environment.get_task("reach_target")
+        task.reset(seed=0)
+        runtime = task.runtime
+        goal = runtime.model.home + np.array([2.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+        began = task.world.ticks
+        drive_until_there(runtime, goal, 1e-3, PINNED_IK_TICKS)
+        assert PINNED_IK_TICKS < task.world.ticks - began < 3.5 * PINNED_IK_TICKS
+        np.testing.assert_allclose(runtime.robot.joint_positions, goal, atol=0.01)
 
 
 @pytest.mark.simulation

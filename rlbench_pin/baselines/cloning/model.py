@@ -50,6 +50,8 @@ class Examples:
     """uint8 (n, cameras, IMAGE_SIZE, IMAGE_SIZE, 3); no cameras where the network learns from the task state."""
     instructions: tuple[str, ...]
     """Every sentence that occurs."""
+    joint_names: tuple[str, ...] = ()
+    """Joints of the arm that made the demonstrations; empty where they do not say."""
 
 
 def read_examples(root: Path, task: str, demos: int = -1, cameras: Sequence[str] = ()) -> Examples:
@@ -81,7 +83,21 @@ def make_examples(demos: Sequence[Demo], cameras: Sequence[str] = ()) -> Example
     stacked = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     instructions = [tuple(str(s) for s in demo[0].misc.get("descriptions", ())) or ("",) for demo in demos]
     sentences = tuple(np.stack([encode_sentence(s) for s in each]) for each in instructions)
-    return Examples(**stacked, sentences=sentences, instructions=tuple(dict.fromkeys(s for each in instructions for s in each)))
+    said = tuple(dict.fromkeys(s for each in instructions for s in each))
+    return Examples(**stacked, sentences=sentences, instructions=said, joint_names=joint_names_of(demos))
+
+
+def joint_names_of(demos: Sequence[Demo]) -> tuple[str, ...]:
+    """Return the names of the arm joints of demonstrations; empty where they do not say.
+
+    Raises:
+        DatasetError: They are of several arms.
+    """
+    found = {tuple(demo.joint_names): demo.robot for demo in demos if demo.joint_names}
+    if len(found) > 1:
+        arms = ", ".join(sorted(found.values()))
+        raise DatasetError(f"The demonstrations are of several arms: {arms}. Train one model for each arm.")
+    return next(iter(found), ())
 
 
 def images_of(observation: Observation, cameras: Sequence[str]) -> np.ndarray:

@@ -8,7 +8,7 @@ import numpy as np
 import torch
 
 from rlbench_pin.baselines.cloning.model import IMAGE_SIZE, SECONDS, ChunkNetwork, encode_sentence, images_of, nearest_sentence
-from rlbench_pin.baselines.cloning.training import KIND, as_images, load_cloning, trained_tasks
+from rlbench_pin.baselines.cloning.training import KIND, as_images, load_cloning, trained_joints, trained_tasks
 from rlbench_pin.environment import Discrete, JointPosition, MoveArmThenGripper, ObservationConfig, image_config, low_dim_config
 from rlbench_pin.evaluation.policies.policy import PolicyContext
 from rlbench_pin.observation import Observation
@@ -29,8 +29,10 @@ class CloningPolicy:
     def __init__(self, folder: str | Path, device: str = "cpu") -> None:
         """Read what is in the folder; networks are loaded when their task comes up."""
         self._folder, self._device = Path(folder), device
-        self._instructions = {task: list(s["instructions"]) for task, s in trained_tasks(self._folder, KIND).items()}
-        cameras = {c for s in trained_tasks(self._folder, KIND).values() for c in s["sizes"]["cameras"]}
+        trained = trained_tasks(self._folder, KIND)
+        self._instructions = {task: list(s["instructions"]) for task, s in trained.items()}
+        self.joint_names = trained_joints(self._folder, trained)
+        cameras = {c for s in trained.values() for c in s["sizes"]["cameras"]}
         self.action_mode = MoveArmThenGripper(JointPosition(), Discrete())
         self.obs_config = _observation(tuple(sorted(cameras)))
         self._networks: dict[str, tuple[ChunkNetwork, float]] = {}

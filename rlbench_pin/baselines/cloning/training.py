@@ -103,6 +103,22 @@ def trained_tasks(folder: Path, kind: str) -> dict[str, dict[str, Any]]:
     return found
 
 
+def trained_joints(folder: Path, trained: Mapping[str, Mapping[str, Any]]) -> tuple[str, ...]:
+    """Return the arm joints that the models of a folder were trained for; empty where none says so.
+
+    Args:
+        folder: The folder.
+        trained: The settings of its models by task, as of `trained_tasks`.
+
+    Raises:
+        ModelFileError: They were trained for different arms.
+    """
+    found = {tuple(settings["joint_names"]) for settings in trained.values() if settings.get("joint_names")}
+    if len(found) > 1:
+        raise ModelFileError(folder, f"holds models for different arms: {sorted(found)}")
+    return next(iter(found), ())
+
+
 Losses = dict[str, torch.Tensor]
 """Name -> loss; `total` is what is minimised."""
 ModuleT = TypeVar("ModuleT", bound=torch.nn.Module)
@@ -343,6 +359,7 @@ class ChunkLearner:
             "instructions": list(self._examples.instructions),
             "demonstrations": len(self._examples.sentences),
             "longest": float(self._examples.time.max()),
+            "joint_names": list(self._examples.joint_names),
         }
 
     def _tensor(self, values: FloatArray) -> torch.Tensor:

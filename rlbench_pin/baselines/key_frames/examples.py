@@ -290,6 +290,8 @@ class Example:
     """Next key frame: tip pose, opening, whether collisions are ignored, (9,)."""
     sentences: tuple[str, ...]
     """Instructions of its demonstration."""
+    joint_names: tuple[str, ...] = ()
+    """Joints of the arm that made its demonstration; empty where it does not say."""
 
 
 def read_key_frames(
@@ -352,5 +354,5 @@ def demo_examples(demo: Demo, seen: Iterable[Observation], arm: RobotModel) -> l
         cloud = make_cloud(observation, arm)
         close = cloud.where(np.unique(near(cloud.points, target[:3], CLOSE_RADIUS + MARGIN, KEPT, rng)))
         tip, opening = np.asarray(observation.gripper_pose), float(observation.gripper_open or 0.0)
-        examples.append(Example(overview(cloud), close, tip, opening, step, target, sentences))
+        examples.append(Example(overview(cloud), close, tip, opening, step, target, sentences, tuple(demo.joint_names)))
     return examples

@@ -8,7 +8,7 @@ import numpy as np
 import torch
 
 from rlbench_pin.baselines.cloning.model import nearest_sentence
-from rlbench_pin.baselines.cloning.training import trained_tasks
+from rlbench_pin.baselines.cloning.training import trained_joints, trained_tasks
 from rlbench_pin.baselines.key_frames.examples import (
     OVERVIEW,
     Cloud,
@@ -60,6 +60,7 @@ class KeyFramePolicy:
         trained = trained_tasks(self._folder, KIND)
         self._known = [(sentence, task, length) for task, s in trained.items() for sentence, length in s["key_frames"].items()]
         self.action_mode, self.obs_config = key_frame_mode(), cloud_config()
+        self.joint_names = trained_joints(self._folder, trained)
         self._networks: dict[str, torch.nn.ModuleDict] = {}
         self._arm: RobotModel | None = None
 

@@ -229,7 +229,8 @@ class KeyFrameLearner:
         for example in self._examples:
             for sentence in example.sentences:
                 lengths[sentence] = max(lengths.get(sentence, 0), example.step + 1)
-        return {"key_frames": lengths, "demonstrations": sum(e.step == 0 for e in self._examples)}
+        demonstrations, joints = sum(e.step == 0 for e in self._examples), list(self._examples[0].joint_names)
+        return {"key_frames": lengths, "demonstrations": demonstrations, "joint_names": joints}
 
     def _tensor(self, rows: Sequence[FloatArray]) -> torch.Tensor:
         return torch.as_tensor(np.stack(rows), dtype=torch.float32, device=self._device)

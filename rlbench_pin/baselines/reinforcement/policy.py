@@ -12,7 +12,7 @@ from stable_baselines3.common.policies import ActorCriticPolicy, BasePolicy
 from stable_baselines3.sac.policies import SACPolicy
 
 from rlbench_pin.baselines.cloning.model import nearest_sentence
-from rlbench_pin.baselines.cloning.training import MODEL, SETTINGS, ModelFileError, read_tensors, trained_tasks
+from rlbench_pin.baselines.cloning.training import MODEL, SETTINGS, ModelFileError, read_tensors, trained_joints, trained_tasks
 from rlbench_pin.baselines.reinforcement.algorithms import NETWORK
 from rlbench_pin.baselines.reinforcement.environment import ALGORITHMS, EPSILON, as_command, features
 from rlbench_pin.baselines.reinforcement.training import KIND
@@ -87,6 +87,7 @@ class ReinforcementPolicy:
             raise NoPolicy(f"There is no algorithm '{algorithm}' here; use ppo or sac.")
         self.action_mode, self.obs_config = JointPositionActionMode(), low_dim_config()
         self._settings = _models(Path(folder), algorithm)
+        self.joint_names = trained_joints(Path(folder), self._settings)
         self._folder, self._algorithm, self._device = Path(folder), algorithm, device
         self.max_steps = PATIENCE * max(s["episode_steps"] * s["ticks"] for s in self._settings.values())
         self._actors: dict[str, TrainedActor] = {}

@@ -228,7 +228,9 @@ def read_checkpoint(folder: Path, config: ReinforcementConfig, model: Model, env
         raise ModelFileError(path, f"does not fit this task or version ({error})") from error
 
 
-def write_model(folder: Path, config: ReinforcementConfig, model: Model, env: VecNormalize, said: list[str]) -> None:
+def write_model(
+    folder: Path, config: ReinforcementConfig, model: Model, env: VecNormalize, said: list[str], joints: Sequence[str]
+) -> None:
     """Write the policy with the statistics of what it sees, and what it was trained on.
 
     Args:
@@ -237,14 +239,15 @@ def write_model(folder: Path, config: ReinforcementConfig, model: Model, env: Ve
         model: The model.
         env: Its environments.
         said: Instructions of the task, of all variations.
+        joints: Names of the arm joints.
     """
     kept = model.policy if config.algorithm == "ppo" else model.policy.actor  # type: ignore[union-attr]
     weights = {f"policy/{name}": tensor for name, tensor in kept.state_dict().items()}  # type: ignore[union-attr]
     statistics = {name: tensor for name, tensor in _statistics(env).items() if name.startswith("seen/")}
     write_tensors(folder / MODEL, {**weights, **statistics})
     sizes = {"seen": int(np.prod(env.observation_space.shape)), "actions": int(np.prod(env.action_space.shape))}  # type: ignore[arg-type]
-    content: dict[str, Any] = {**config.identity(), **sizes, "ticks": TICKS, "steps": model.num_timesteps, "instructions": said}
-    write_settings(folder / SETTINGS, KIND.format(config.algorithm), content)
+    told = {"ticks": TICKS, "steps": model.num_timesteps, "instructions": said, "joint_names": list(joints)}
+    write_settings(folder / SETTINGS, KIND.format(config.algorithm), {**config.identity(), **sizes, **told})
 
 
 def _learned(model: Model) -> Tensors:
@@ -416,7 +419,8 @@ class _Training:
         if point.validation is not None:
             draw_curves(self._folder / CURVE_IMAGE, {f"{self._config.algorithm} {self._config.task}": self._points})
             if point.validation >= best:
-                write_model(self._folder, self._config, self._model, self._env, self._instructions)
+                joints = self._eval_env.task.runtime.description.arm_joints
+                write_model(self._folder, self._config, self._model, self._env, self._instructions, joints)
         self._report(TrainingProgress(self._model.num_timesteps, self._total, point))
 
     def _validate(self) -> tuple[int, int]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -29,8 +30,8 @@ IK_DONE = 0.01
 """Joint error at which an IK action ends [rad]."""
 IK_STALLED = 0.001
 """Motion of a tick below which it ends as well [rad]."""
-IK_TICKS = 200
-"""Ticks after which it ends in any case."""
+IK_TICKS, PINNED_IK_TICKS = 200, 50
+"""Ticks after which an action ends in any case, without and with pinned joints; more for slow arms, see `RobotModel.slowness`."""
 
 
 class PoseMode(ArmActionMode):
@@ -147,7 +148,7 @@ class EndEffectorPoseViaPlanning(PoseMode):
 class EndEffectorPoseViaIK(PoseMode):
     """Solve inverse kinematics near the present posture and drive the joints there, until they arrive or stall.
 
-    At most 200 ticks. A pose that no joint positions near the present ones reach is refused.
+    At most 200 ticks, more for slow arms. A pose that no joint positions near the present ones reach is refused.
     """
 
     def steps(self, runtime: Runtime, values: FloatArray) -> None:
@@ -166,7 +167,8 @@ class EndEffectorPoseViaIK(PoseMode):
 class ERJointViaIK(PoseMode):
     """A tip pose and the angles of some joints ("elbow" control): those are pinned, the others are solved for.
 
-    At most 50 ticks. Angles beyond a joint limit mean the limit; a pose that cannot be reached with them is refused.
+    At most 50 ticks, more for slow arms. Angles beyond a joint limit mean the limit; a pose that cannot be reached with them is
+    refused.
 
     Args:
         absolute_mode: World pose and absolute angles; otherwise deltas.
@@ -211,7 +213,7 @@ class ERJointViaIK(PoseMode):
         return super().spec(runtime).joined(angles)
 
     def steps(self, runtime: Runtime, values: FloatArray) -> None:
-        """Solve with the pinned joints and move there, at most 50 ticks."""
+        """Solve with the pinned joints and move there."""
         target = self.target(runtime, values[:7])
         q = runtime.robot.joint_positions
         joints = list(self.commanded_joints)
@@ -224,13 +226,20 @@ class ERJointViaIK(PoseMode):
             raise InvalidActionError(
                 f"The pose cannot be reached with joints {joints} at {angles.round(3)}: {error}", error.reason
             ) from error
-        drive_until_there(runtime, goal, self.eps, 50)
+        drive_until_there(runtime, goal, self.eps, PINNED_IK_TICKS)
 
 
 def drive_until_there(runtime: Runtime, goal: FloatArray, tolerance: float, ticks: int) -> None:
-    """Drive the joints to `goal` (n,) [rad] until they are within `tolerance`, stall, or `ticks` or the episode are over."""
+    """Drive the joints to `goal` (n,) [rad] until they are within `tolerance`, stall, or the time or the episode is over.
+
+    Args:
+        runtime: What moves.
+        goal: Joint positions.
+        tolerance: Error at which the motion ends [rad].
+        ticks: Control ticks that the Panda may take; slower arms may take more, see `RobotModel.slowness`.
+    """
     before = runtime.robot.joint_positions
-    for _ in range(ticks):
+    for _ in range(math.ceil(ticks * runtime.model.slowness)):
         runtime.drive_to(goal)
         now = runtime.robot.joint_positions
         if runtime.over or np.abs(now - goal).max() < tolerance or np.abs(now - before).max() < IK_STALLED:

@@ -179,7 +179,7 @@ class ChallengeConfig:
     max_steps: int | None = None
     """Actions of an episode at most; None leaves it to the learner and its action mode."""
     max_seconds: float = SECONDS
-    """Simulated time of an episode at most [s]."""
+    """Simulated time of an episode at most [s], with the Panda; slower arms have more."""
     time_limit: float = 30.0
     """Time that a policy has for one answer [s], of a clock on the wall."""
     start_limit: float = 300.0

@@ -90,6 +90,7 @@ def run_challenge(
         ChallengeConflict: There is another run in the folder, or this one, without `resume`.
         ChallengeStopped: `stop` was set before all was done.
         NoDemonstrations: A task of the test could not be demonstrated.
+        PolicyOfAnotherArm: The learner was made for other joints than those of the arm.
         PolicySettingsError: The learner asks for what is withheld; PolicyFault: it does not start, or fails while it practises.
         StorageError: The disk cannot be written to.
     """
@@ -155,6 +156,7 @@ class _Run:
         path, tasks = self.folder / LEARNED, self.config.tasks().train
         with closing(open_learner(self.config)) as learner:
             wanted = learner.settings, learner.image_frames()
+            wanted[0].check_robot(self.config.robot)
             if not path.is_file():
                 self.watch(ChallengeProgress("practising", 1, 0))
                 write_learned(path, learner.meta_train(tasks, self.config.robot, self.config.train_limit))

@@ -8,6 +8,7 @@ from rlbench_pin.evaluation.policies.policy import (
     Policy,
     PolicyContext,
     PolicyFault,
+    PolicyOfAnotherArm,
     PolicyReferenceError,
     PolicySettingsError,
 )
@@ -26,6 +27,7 @@ __all__ = [
     "PolicyClient",
     "PolicyContext",
     "PolicyFault",
+    "PolicyOfAnotherArm",
     "PolicyReferenceError",
     "PolicySettings",
     "PolicySettingsError",

@@ -110,7 +110,7 @@ class InProcessPolicy:
 
     def __init__(self, policy: Policy) -> None:
         self._policy = policy
-        self.settings = PolicySettings.of(policy.action_mode, policy.obs_config, getattr(policy, "max_steps", None))
+        self.settings = PolicySettings.of_policy(policy)
 
     def reset(self, instruction: str, context: PolicyContext) -> None:
         """Begin an episode."""
@@ -220,7 +220,7 @@ class RemotePolicy:
         if not isinstance(said, dict) or said.get("version") != VERSION:
             self._fail("wrong answer", f"It does not speak version {VERSION} of the protocol.")
         try:
-            return PolicySettings.of(said.get("action_mode"), said.get("observation"), said.get("max_steps"))
+            return PolicySettings.of(*(said.get(name) for name in ("action_mode", "observation", "max_steps", "joint_names")))
         except BaseException:
             self._drop()
             raise

@@ -39,6 +39,9 @@ class PolicyContext:
 class Policy(Protocol):
     """Something that is evaluated.
 
+    An attribute `max_steps` suggests how many actions an episode should have. An attribute `joint_names` names the arm joints
+    that the policy was made for, in order; an evaluation with another arm is refused.
+
     Attributes:
         action_mode: What its actions mean; one of this package.
         obs_config: What it wants to observe.
@@ -114,3 +117,22 @@ class LibraryMissing(MissingExtra):
 
 class PolicySettingsError(InvalidValue):
     """The action mode or the observations of a policy are not of this package, or do not exist."""
+
+
+class PolicyOfAnotherArm(PolicySettingsError):
+    """A policy was made for other joints than those of the arm.
+
+    Args:
+        joint_names: Joints of the policy.
+        robot: Name of the arm that was asked for.
+        owners: Names of the arms that have the joints of the policy.
+        needed: Joints of the arm that was asked for.
+    """
+
+    def __init__(self, joint_names: tuple[str, ...], robot: str, owners: tuple[str, ...], needed: tuple[str, ...]) -> None:
+        self.joint_names, self.robot, self.owners, self.needed = joint_names, robot, owners, needed
+        problem = f"are not those of the arm '{robot}': {', '.join(needed)}"
+        hint = f"No arm of the catalogue has them. Use a policy that was made for '{robot}'."
+        if owners:
+            hint = f"They are joints of '{owners[0]}'. Use `--robot {owners[0]}`, or a policy that was made for '{robot}'."
+        super().__init__("The joints of the policy", joint_names, problem, hint)

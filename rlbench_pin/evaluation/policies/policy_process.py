@@ -16,7 +16,7 @@ from rlbench_pin.processes.child import connect_to_owner
 def settings_of(policy: Policy) -> Mapping[str, Any]:
     """Return the settings of a policy as plain data, or raise NoPolicy."""
     try:
-        return vars(PolicySettings.of(policy.action_mode, policy.obs_config, getattr(policy, "max_steps", None)))
+        return PolicySettings.of_policy(policy).plain()
     except PolicySettingsError as error:
         raise NoPolicy(str(error)) from error
 

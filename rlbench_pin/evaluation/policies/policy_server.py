@@ -6,7 +6,8 @@
 A message is its length, four bytes with the highest first, then a msgpack map; arrays are extension type 1, a list of numpy's
 name of their type, their shape and their bytes in C order. The evaluation asks, the policy answers, one for one:
 
-    {"call": "hello", "version": 1}                                {"ok": {"version", "action_mode", "observation", "max_steps"}}
+    {"call": "hello", "version": 1}                                {"ok": {"version", "action_mode", "observation", "max_steps",
+                                                                           "joint_names"}}
     {"call": "reset", "instruction": text, "context": map}         {"ok": None}
     {"call": "act", "observation": map}                            {"ok": array of shape (n,)}
 
@@ -227,7 +228,8 @@ def plain_settings(policy: Any) -> dict[str, Any]:
     mode, seen = policy.action_mode, policy.obs_config
     if not isinstance(mode, Mapping) or not isinstance(seen, Mapping):
         raise NoPolicy("Without rlbench_pin, `action_mode` and `obs_config` of a policy are maps of plain data.")
-    return {"action_mode": dict(mode), "observation": dict(seen), "max_steps": getattr(policy, "max_steps", None)}
+    optional = {name: getattr(policy, name, None) for name in ("max_steps", "joint_names")}
+    return {"action_mode": dict(mode), "observation": dict(seen), **optional}
 
 
 # Serving ----------------------------------------------------------------------------------------------------------------------

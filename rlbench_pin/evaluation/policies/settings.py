@@ -34,10 +34,11 @@ from rlbench_pin.environment.actions import (
 from rlbench_pin.environment.observations import ExtraCamera, GaussianNoise, Identity, ModelObservationConfig, ObservationConfig
 from rlbench_pin.environment.observations.config import HAND, CameraConfig
 from rlbench_pin.errors import RlbenchPinError, nearest_name
-from rlbench_pin.evaluation.policies.policy import PolicySettingsError
+from rlbench_pin.evaluation.policies.policy import PolicyOfAnotherArm, PolicySettingsError
 from rlbench_pin.observation import CAMERAS
+from rlbench_pin.robot.description import SUPPORTED_ROBOTS, robot_description
 from rlbench_pin.sim import Light, Lighting
-from rlbench_pin.values import as_whole
+from rlbench_pin.values import as_names, as_whole
 
 LARGEST_IMAGE = 1024
 """Pixels of a side of an image of a policy at most."""
@@ -60,6 +61,8 @@ class PolicySettings:
     """Observations: low-dimensional fields, and `cameras` with their products and sizes. Fields left out are off."""
     max_steps: int | None = None
     """Actions of an episode that the policy suggests; None leaves it to the evaluation."""
+    joint_names: tuple[str, ...] = ()
+    """Arm joints that the policy was made for, in order; empty where it works with any arm, or does not say."""
 
     def __post_init__(self) -> None:
         """Fill in what was left out, so that equal settings are equal data."""
@@ -68,22 +71,49 @@ class PolicySettings:
         _check_images(make_observations(self.observation))
         if self.max_steps is not None:
             as_whole(self.max_steps, "max_steps of a policy", PolicySettingsError, least=1)
+        object.__setattr__(self, "joint_names", as_names(self.joint_names, "joint_names of a policy", PolicySettingsError))
 
     @classmethod
-    def of(cls, action_mode: object, obs_config: object, max_steps: object = None) -> PolicySettings:
+    def of(cls, action_mode: object, obs_config: object, max_steps: object = None, joint_names: object = ()) -> PolicySettings:
         """Return the settings of a policy.
 
         Args:
             action_mode: An action mode of this package, or its plain data.
             obs_config: What it observes, or that as plain data.
             max_steps: Actions of an episode that it suggests, or None.
+            joint_names: Arm joints that it was made for; empty or None where it does not say.
 
         Raises:
             PolicySettingsError: One of them is neither, or of the policy's own.
         """
         modes = action_mode if isinstance(action_mode, Mapping) else describe_action_mode(action_mode)  # type: ignore[arg-type]
         seen = obs_config if isinstance(obs_config, Mapping) else describe_observations(obs_config)  # type: ignore[arg-type]
-        return cls(dict(modes), dict(seen), max_steps)  # type: ignore[arg-type]
+        return cls(dict(modes), dict(seen), max_steps, () if joint_names is None else joint_names)  # type: ignore[arg-type]
+
+    @classmethod
+    def of_policy(cls, policy: Any) -> PolicySettings:
+        """Return the settings of a policy from its attributes; `max_steps` and `joint_names` are optional.
+
+        Raises:
+            PolicySettingsError: One of them cannot be used.
+        """
+        steps, joints = getattr(policy, "max_steps", None), getattr(policy, "joint_names", ())
+        return cls.of(policy.action_mode, policy.obs_config, steps, joints)
+
+    def plain(self) -> dict[str, Any]:
+        """Return the settings as plain data; without `joint_names` where there are none."""
+        return {name: value for name, value in asdict(self).items() if name != "joint_names" or value}
+
+    def check_robot(self, robot: str) -> None:
+        """Raise PolicyOfAnotherArm where the policy was made for other joints than those of an arm.
+
+        Args:
+            robot: Name of the arm.
+        """
+        needed = robot_description(robot).arm_joints
+        if self.joint_names and self.joint_names != needed:
+            owners = tuple(name for name, arm in SUPPORTED_ROBOTS.items() if arm.arm_joints == self.joint_names)
+            raise PolicyOfAnotherArm(self.joint_names, robot, owners, needed)
 
     def make_action_mode(self) -> ActionMode:
         """Return a new action mode."""

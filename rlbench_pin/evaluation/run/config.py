@@ -51,7 +51,8 @@ class EvaluationConfig:
     max_steps: int | None = None
     """Actions of an episode at most; None leaves it to the policy and its action mode."""
     max_seconds: float = SECONDS
-    """Simulated time of an episode at most [s]. An action that begins in time is played to its end."""
+    """Simulated time of an episode at most [s], with the Panda; slower arms have more, see `RobotModel.slowness`. An action that
+    begins in time is played to its end."""
     variations: int = ALL_VARIATIONS
     """Most variations of a task; -1 is all."""
     time_limit: float = 30.0

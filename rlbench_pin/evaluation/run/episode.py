@@ -50,7 +50,9 @@ class Limits:
     """Simulated time [s]."""
 
     @classmethod
-    def of(cls, config: EvaluationConfig, settings: PolicySettings, mode: ActionMode, control_period: float) -> Limits:
+    def of(
+        cls, config: EvaluationConfig, settings: PolicySettings, mode: ActionMode, control_period: float, slowness: float = 1.0
+    ) -> Limits:
         """Return the limits of a policy's episodes.
 
         Args:
@@ -58,10 +60,12 @@ class Limits:
             settings: What the policy suggests, which goes second.
             mode: Its action mode: 25 for one that plans motions to poses, otherwise as many ticks as the seconds have.
             control_period: Time of a control tick [s].
+            slowness: Factor by which the seconds are longer for the arm, see `RobotModel.slowness`.
         """
-        ticks = math.ceil(config.max_seconds / control_period)
+        seconds = config.max_seconds * slowness
+        ticks = math.ceil(seconds / control_period)
         usual = KEY_FRAMES if isinstance(unwrapped(mode.arm_action_mode), EndEffectorPoseViaPlanning) else ticks
-        return cls(config.max_steps or settings.max_steps or usual, config.max_seconds)
+        return cls(config.max_steps or settings.max_steps or usual, seconds)
 
 
 @dataclass

@@ -100,6 +100,7 @@ def evaluate(
     Raises:
         EvaluationConflict: There are results or a journal of something else where these are to be written.
         EvaluationStopped: `stop` was set before all was played.
+        PolicyOfAnotherArm: The policy was made for other joints than those of the arm.
         PolicyFault: The policy does not start; PolicyReferenceError, UnknownName: there is none, or no such task.
         StorageError: The disk cannot be written to. What was played before is kept.
     """
@@ -162,7 +163,7 @@ def empty_results(config: EvaluationConfig, settings: PolicySettings, items: Seq
     limits = ("episodes", "seed", "max_steps", "max_seconds", "variations", "time_limit", "robot", "tell_task")
     return Results(
         policy=config.policy,
-        settings=asdict(settings),
+        settings=settings.plain(),
         task_set=config.task_set or " ".join(names),
         tasks=names,
         seeds=config.seeds(),

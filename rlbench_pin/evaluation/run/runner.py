@@ -65,7 +65,8 @@ class EpisodeRunner:
             task = self._load(item, settings)
             instructions, seen = task.reset(seed=item.seed, variation=item.variation)
             episode = Episode(item, task)
-            limits = Limits.of(self.config, settings, task.action_mode, task.world.control_dt)
+            slowness = task.runtime.model.slowness
+            limits = Limits.of(self.config, settings, task.action_mode, task.world.control_dt, slowness)
             with around(task), episode.meter.running():
                 if self._client is None:
                     end, detail = episode.demonstrate(limits)
@@ -89,8 +90,11 @@ class EpisodeRunner:
 
         Raises:
             PolicyFault: It does not start.
+            PolicyOfAnotherArm: It was made for other joints than those of the arm.
         """
-        return expert_settings() if self._client is None else self._client.settings
+        settings = expert_settings() if self._client is None else self._client.settings
+        settings.check_robot(self.config.robot)
+        return settings
 
     def close(self) -> None:
         """End the policy and free the environment; the next item makes both again."""

@@ -20,7 +20,6 @@ from rlbench_pin.values import as_number
 
 _GAIN = 0.05
 """Share of the position error that a finger motor removes in one physics step; more makes a friction grip tremble."""
-_PAD_FRICTION = 1.0
 _OPEN = 0.9  # fraction of the range above which a finger counts as open
 _MOVED = 1e-3  # motion in a tick above which the gripper counts as moving [m]
 _GEAR_FORCE = 200.0  # of the coupling between the fingers [N]
@@ -77,7 +76,8 @@ class SimGripper:
         self._couple()
         self._fingers = [self._model.link_index(link) for link in description.finger_links]
         for index in self._fingers:  # anchors keep a friction grip from creeping
-            self._client.change(bullet.changeDynamics, self._model.uid, index, lateralFriction=_PAD_FRICTION, frictionAnchor=1)
+            friction = description.pad_friction
+            self._client.change(bullet.changeDynamics, self._model.uid, index, lateralFriction=friction, frictionAnchor=1)
         self._control: FingerControl
         self._stop()
         robot.on_reset.append(lambda fingers_too: self._stop() if fingers_too else None)

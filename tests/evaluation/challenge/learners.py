@@ -82,3 +82,9 @@ class Still:
         if self.fault == "hang":
             time.sleep(1000.0)
         return self.end
+
+
+class MadeForPanda(Still):
+    """Was made for the joints of the Panda."""
+
+    joint_names = tuple(f"panda_joint{number}" for number in range(1, 8))

@@ -81,6 +81,18 @@ class Obedient:
         return self.scale * np.ones(8)
 
 
+class MadeFor(Obedient):
+    """Was made for some joints.
+
+    Args:
+        joint_names: Their names.
+    """
+
+    def __init__(self, joint_names: list[str]) -> None:
+        super().__init__()
+        self.joint_names = joint_names
+
+
 class OwnMode(MoveArmThenGripper):
     """An action mode that would run beside the simulation."""
 

@@ -44,6 +44,12 @@ def test_seconds_end_an_episode() -> None:
         assert len(outcome.action_times) == 20
 
 
+def test_slow_arms_have_more_seconds() -> None:
+    """The joints of the Jaco are 3.46 times slower than those of the Panda."""
+    (outcome,) = outcomes(replace(CONFIG, episodes=1, robot="jaco"))
+    assert (outcome.record.end, outcome.record.steps) == ("seconds", 70)
+
+
 def test_steps_end_an_episode() -> None:
     """Those that the user asks for."""
     assert [(o.record.end, o.record.steps) for o in outcomes(replace(CONFIG, max_steps=3))] == [("steps", 3)] * 2
