@@ -33,6 +33,11 @@ NOT_PLAYED = {
         "rlbench-pin record sort_two_cubes": "wants the package installed; tests/test_plugin_example.py does that",
     },
     "docs/policies.md": {"rlbench-pin serve": "it serves until Ctrl-C; tests/evaluation/policies has it"},
+    "docs/protocols.md": {
+        "rlbench-pin record --protocol peract18": "hours; tests/cli/test_protocols.py records a small protocol",
+        "rlbench-pin evaluate expert --protocol peract18": "minutes; the page plays a small protocol",
+        "rlbench-pin results out/peract18.json": "the file of that evaluation",
+    },
     "docs/challenge.md": {"rlbench-pin challenge run": "minutes to hours; tests/evaluation/challenge has it"},
     "docs/worked_programs.md": {"python examples/": "played by tests/test_examples.py"},
 }

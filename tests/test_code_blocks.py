@@ -21,6 +21,7 @@ ONE_BY_ONE = ("docs/datasets.md",)
 """Pages whose Python blocks are programs of their own; those of the others are one program, which begins at the first."""
 PRINTS = {
     "README.md": "frames, the last with the tip at",
+    "docs/protocols.md": "Push Button",
     "docs/policies.md": "reward 1.0 after",
     "docs/style.md": "No task is called 'reach_targt'. Did you mean 'reach_target'?",
     "docs/tasks.md": "[True]",
@@ -29,6 +30,7 @@ SILENT = ("docs/gymnasium.md",)
 """Pages whose programs print nothing to stderr."""
 FILES = {
     "docs/compatibility.md": {"program.py": "import rlbench\nprint(rlbench.__version__)\n"},
+    "docs/protocols.md": {"pair.toml": next(b.body for b in ALL if b.page == "docs/protocols.md" and b.language == "toml")},
     "docs/policies.md": {"my_policy.py": (ROOT / "examples" / "policies" / "my_policy.py").read_text(encoding="utf-8")},
 }
 """Files of the reader that a page takes for granted."""

@@ -19,6 +19,7 @@ from rlbench_pin.cli.list_tasks import split_names
 from rlbench_pin.cli.options import (
     EngineName,
     MaybeInt,
+    MaybeProtocol,
     MaybeText,
     RobotName,
     TaskNames,
@@ -27,12 +28,14 @@ from rlbench_pin.cli.options import (
     check_folder,
     checked_names,
     make_engine,
+    with_defaults,
 )
 from rlbench_pin.cli.pages import PageOptions, check_port, live_module, live_page
 from rlbench_pin.errors import TaskEnvironmentError
 
 if TYPE_CHECKING:
     from rlbench_pin.environment.task_environment import TaskEnvironment
+    from rlbench_pin.evaluation.protocols import Protocol
     from rlbench_pin.evaluation.results.records import EpisodeRecord, Results
     from rlbench_pin.evaluation.run import EpisodeItem, EpisodeRunner, EvaluationConfig
     from rlbench_pin.processes import Engine
@@ -62,6 +65,9 @@ class Evaluate:
     `file.py:factory`, or the address of a policy server: `tcp://HOST:PORT`, `unix:PATH`. See docs/policies.md."""
     tasks: TaskNames = TASKS
     """Task names, task files, sets of tasks such as FS10_V1, or `all`, separated by spaces or commas."""
+    protocol: MaybeProtocol = None
+    """Protocol, such as peract18 or gembench:L1, or a TOML file: fixes tasks, episodes, limits, arm, cameras and action mode.
+    `rlbench-pin list --protocols` lists them."""
     episodes: MaybeInt = None
     """Episodes of each task, spread evenly over its variations; default 25."""
     variations: int = -1
@@ -147,10 +153,16 @@ class Evaluate:
         from rlbench_pin.evaluation.sets import resolve_tasks
 
         words = checked_names(self.tasks, split_names, "rlbench-pin evaluate POLICY --tasks TASK...")
+        tasks, task_set, protocol = resolve_tasks(words), " ".join(words), self._protocol()
+        if protocol is not None:
+            protocol.check_tasks_exist()
+            task_set = protocol.label
+            tasks = protocol.task_names if set(tasks) == set(protocol.task_names) else tasks
         return EvaluationConfig(
             policy=self.policy,
-            tasks=resolve_tasks(words),
-            task_set=" ".join(words),
+            tasks=tasks,
+            task_set=task_set,
+            protocol=protocol,
             episodes=EPISODES if self.episodes is None else self.episodes,
             seed=self.seed,
             max_steps=self.max_steps,
@@ -163,11 +175,37 @@ class Evaluate:
             policy_seed_key=self.policy_seed_key,
         )
 
+    def _protocol(self) -> Protocol | None:
+        from rlbench_pin.evaluation.protocols import load_protocol
+
+        return None if self.protocol is None else load_protocol(self.protocol)
+
+    def with_protocol_defaults(self) -> type[Evaluate]:
+        """Return this command with what its protocol fixes as defaults: other values are then those that the user gave.
+
+        Raises:
+            UnknownName: There is no such protocol.
+            ProtocolError: It cannot be used.
+        """
+        from rlbench_pin.evaluation.protocols import ProtocolFileError
+        from rlbench_pin.evaluation.run.config import protocol_settings
+
+        try:
+            protocol = self._protocol()
+        except ProtocolFileError:  # `config` raises it
+            protocol = None
+        if protocol is None:
+            return type(self)
+        protocol.check_tasks_exist()
+        fixed = {name: value for name, value in protocol_settings(protocol).items() if name != "task_set"}
+        return with_defaults(Evaluate, fixed)
+
     def go_on(self) -> str:
         """Return the command that continues this evaluation."""
         words = sys.argv[1:]
         if words[:1] != ["evaluate"]:  # called from a program
             words = ["evaluate", self.policy, "--out", str(self.out), "--tasks", *self.tasks]
+            words += [] if self.protocol is None else ["--protocol", self.protocol]
         return shlex.join(["rlbench-pin", *words, *([] if "--resume" in words else ["--resume"])])
 
 

@@ -35,15 +35,19 @@ class ListTasks:
     """Only tasks of this family, such as doors, stacking or tools."""
     sets: bool = False
     """List the sets of tasks instead; families are sets, too."""
+    protocols: bool = False
+    """List the protocols of `evaluate --protocol` instead."""
     json: bool = False
     """Print JSON for programs."""
 
     def run(self) -> int:
-        """Print one line per task, or per set."""
+        """Print one line per task, per set, or per protocol."""
         from rlbench_pin.tasks import task_origin
 
         if self.sets:
             return self.print_sets()
+        if self.protocols:
+            return self.print_protocols()
         titles = {name: _title(name) for name in self._wanted()}
         titles = {
             name: title for name, title in titles.items() if all(w.lower() in f"{name} {title}".lower() for w in self.words)
@@ -86,6 +90,35 @@ class ListTasks:
         for s in sets:
             print(f"{s.name:<{width}}  {len(s.tasks):>3}  {s.about}")
         print("`FS10_V1:train` and `FS10_V1:test` are the parts of a set. `--json` names the tasks.")
+        return 0
+
+    def print_protocols(self) -> int:
+        """Print one line per protocol and per part of one; as JSON, all data of each."""
+        from rlbench_pin.evaluation.protocols import ProtocolTasksMissing, load_protocol, protocol_names
+
+        whole = [load_protocol(name) for name in protocol_names()]
+        if self.json:
+            print(json.dumps({p.name: p.record() for p in whole}, indent=1))
+            return 0
+        head = "protocol version tasks variations episodes image[px] actions cameras"
+        rows: list[tuple[str, ...]] = [(*head.split(), "")]
+        for protocol in (each for p in whole for each in (p, *map(p.of_part, p.parts))):
+            try:
+                protocol.check_tasks_exist()
+                remark = ""
+            except ProtocolTasksMissing as error:
+                remark = f"{len(error.missing)} tasks missing"
+            counts = (len(protocol.task_names), sum(len(task.variations) for task in protocol.selected), protocol.episodes)
+            size, cameras = "x".join(map(str, protocol.image_size)), " ".join(protocol.cameras)
+            rows.append(
+                (protocol.label, str(protocol.version), *map(str, counts), size, str(protocol.max_steps), cameras, remark)
+            )
+        widths = [max(map(len, column)) for column in zip(*rows)]
+        for row in rows:
+            print(
+                "  ".join(cell.rjust(w) if 0 < i < 7 else cell.ljust(w) for i, (cell, w) in enumerate(zip(row, widths))).rstrip()
+            )
+        print("`gembench:L1` is a part of a protocol. docs/protocols.md says what a protocol fixes.")
         return 0
 
 

@@ -6,10 +6,11 @@ import errno
 import json
 import os
 import tempfile
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import AbstractContextManager
+from dataclasses import field, make_dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, get_type_hints
 
 import tyro
 
@@ -61,6 +62,23 @@ RenderMode = Literal["opengl", "opengl3"]
 ExportFormat = Literal["lerobot", "robomimic", "rlbench", "peract", "zarr"]
 Size = Annotated[tuple[int, int], tyro.conf.arg(metavar="WIDTH HEIGHT")]
 """Width and height [px]."""
+
+
+MaybeProtocol = Annotated[str | None, tyro.conf.arg(metavar="NAME|FILE", help_behavior_hint="")]
+"""An optional protocol."""
+CommandT = TypeVar("CommandT")
+
+
+def with_defaults(command: type[CommandT], defaults: Mapping[str, Any]) -> type[CommandT]:
+    """Return a command whose arguments have other defaults.
+
+    Args:
+        command: The command.
+        defaults: Field -> default.
+    """
+    types = get_type_hints(command, include_extras=True)
+    changed = [(name, types[name], field(default=value)) for name, value in defaults.items()]
+    return make_dataclass(command.__name__, changed, bases=(command,), frozen=True)
 
 
 def check_at_least(command: object, **least: int) -> None:

@@ -6,11 +6,12 @@ import json
 import re
 import shlex
 import sys
+from collections import Counter
 from collections.abc import Sequence
 from contextlib import closing
-from dataclasses import dataclass, field, fields, make_dataclass, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
@@ -24,6 +25,7 @@ from rlbench_pin.cli.options import (
     MaybeBool,
     MaybeInt,
     MaybePath,
+    MaybeProtocol,
     OnlyTasks,
     Products,
     RenderMode,
@@ -31,11 +33,13 @@ from rlbench_pin.cli.options import (
     Size,
     check_at_least,
     make_engine,
+    with_defaults,
 )
 from rlbench_pin.errors import TaskEnvironmentError
 from rlbench_pin.observation import CAMERAS
 
 if TYPE_CHECKING:
+    from rlbench_pin.evaluation.protocols import Protocol
     from rlbench_pin.recording.config import RecordConfig
     from rlbench_pin.recording.record import RecordReport
 
@@ -72,6 +76,11 @@ class Record:
     tasks: tyro.conf.Positional[AnyTasks] = ()
     """Task names, as `rlbench-pin list` prints them, separated by spaces or commas, `all`, or task files; with `--resume`
     alone, those recorded before."""
+    protocol: MaybeProtocol = None
+    """Protocol, such as peract18 or gembench, or a TOML file: fixes tasks, episodes, seeds, cameras, image size and arm.
+    `rlbench-pin list --protocols` lists them."""
+    split: Literal["train", "validation", "test"] = "train"
+    """Split of the protocol to record; `test` begins in the episodes of the evaluation, which are not for training."""
     episodes: int = 10
     """Episodes of each task, spread evenly over its variations."""
     per_variation: bool = False
@@ -121,6 +130,8 @@ class Record:
         if self.known.are_used:
             return self._in_our_names().run()
         check_at_least(self, workers=0)
+        if self.protocol is None and self.split != "train":
+            raise TaskEnvironmentError(f"--split {self.split} needs a protocol. Use `rlbench-pin record --protocol NAME`.")
         worst = 0
         arms = {robot: self.out / robot for robot in split_names(self.paired)} or {self.robot: self.out}
         for robot, out in arms.items():
@@ -190,9 +201,73 @@ class Record:
             "arm_max_velocity": config.max_velocity,
             "arm_max_acceleration": config.max_acceleration,
         }
-        types = get_type_hints(Record, include_extras=True)
-        changed = [(name, types[name], field(default=value)) for name, value in defaults.items()]
-        return make_dataclass("Record", changed, bases=(Record,), frozen=True)
+        return with_defaults(Record, defaults)
+
+    def with_protocol_defaults(self) -> type[Record]:
+        """Return this command with what its protocol fixes as defaults: other values are then those that the user gave.
+
+        Raises:
+            UnknownName: There is no such protocol, or it has no such split.
+            ProtocolError: It cannot be used.
+        """
+        from rlbench_pin.evaluation.protocols import ProtocolFileError
+
+        try:
+            return with_defaults(Record, self._fixed(self._protocol()))
+        except ProtocolFileError:  # `_config` raises it
+            return type(self)
+
+    def _protocol(self) -> Protocol:
+        from rlbench_pin.evaluation.protocols import load_protocol
+
+        return load_protocol(self.protocol or "").for_split(self.split)
+
+    def _fixed(self, protocol: Protocol) -> dict[str, Any]:
+        """Return the arguments of this command that a protocol fixes; only the first attempt begins where a test episode does."""
+        protocol.check_tasks_exist()
+        split = protocol.split(self.split)
+        return {
+            "tasks": protocol.task_names,
+            "episodes": split.episodes,
+            "per_variation": protocol.episodes_of == "variation",
+            "variations": -1,
+            "seed": split.seeds[0],
+            "image_size": protocol.image_size,
+            "cameras": protocol.cameras,
+            "robot": protocol.robot,
+            "paired": (),
+            **({"max_attempts": 1} if self.split == "test" else {}),
+        }
+
+    def _protocol_episodes(self) -> dict[str, tuple[tuple[int, int], ...]]:
+        """Return task -> variation and seed of each episode of the protocol; empty without one.
+
+        Raises:
+            ProtocolConflict: An argument contradicts the protocol.
+        """
+        from rlbench_pin.evaluation.protocols.plan import split_places
+        from rlbench_pin.evaluation.run import evaluation_seed
+        from rlbench_pin.recording.config import item_seed
+
+        if self.protocol is None:
+            return {}
+        protocol = self._protocol()
+        fixed = self._fixed(protocol)
+        given = {name: getattr(self, name) for name in fixed} | {"tasks": named_tasks(self.tasks)}
+        given["cameras"] = fixed["cameras"] if set(self.cameras) == set(fixed["cameras"]) else self.cameras
+        protocol.check_agrees(*({_flag(name): value for name, value in table.items()} for table in (given, fixed)))
+        found: dict[str, tuple[tuple[int, int], ...]] = {}
+        for task, places in split_places(protocol, self.split).items():
+            if self.split == "test":
+                found[task] = tuple((variation, evaluation_seed(seed, number)) for variation, seed, number in places)
+                continue
+            counted: Counter[tuple[int, int]] = Counter()
+            episodes = []
+            for variation, seed, _ in places:
+                episodes.append((variation, item_seed(seed, task, variation, counted[variation, seed])))
+                counted[variation, seed] += 1
+            found[task] = tuple(episodes)
+        return found
 
     def _config(self, robot: str, out: Path) -> RecordConfig:
         from rlbench_pin.recording.config import RECORDING, ImageConfig, RecordConfig, read_recording
@@ -212,6 +287,7 @@ class Record:
             max_acceleration=self.arm_max_acceleration,
             robot=robot,
             paired=split_names(self.paired) if self.paired or before is None else before.paired,
+            listed=self._protocol_episodes() if self.protocol is not None or before is None else before.listed,
             images=ImageConfig(
                 cameras=self.cameras,
                 products=self.products,
@@ -228,6 +304,10 @@ class Record:
         trust = ["--trust-task-files"] if own_files or self.trust_task_files else []
         words = ["rlbench-pin", "record", "--resume", "--out", str(out), "--workers", str(self.workers)]
         return shlex.join([*words, *engine, *trust])
+
+
+def _flag(name: str) -> str:
+    return "TASK..." if name == "tasks" else f"--{name.replace('_', '-')}"
 
 
 def spelled_out(arguments: Sequence[str]) -> list[str]:

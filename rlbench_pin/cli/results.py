@@ -16,6 +16,7 @@ from rlbench_pin.errors import TaskEnvironmentError
 
 if TYPE_CHECKING:
     from rlbench_pin.evaluation.results.comparison import Comparison
+    from rlbench_pin.evaluation.results.protocol_table import ProtocolSummary
     from rlbench_pin.evaluation.results.records import Results
     from rlbench_pin.evaluation.results.statistics import PValues, Summary
 
@@ -46,7 +47,9 @@ class ShowResults:
 
     def run(self) -> int:
         """Print the tables, and draw the plot."""
+        from rlbench_pin.evaluation.results.comparison import check_same_protocol
         from rlbench_pin.evaluation.results.plots import check_plot, draw_results
+        from rlbench_pin.evaluation.results.protocol_table import protocol_table, summarise_protocol
         from rlbench_pin.evaluation.results.records import read_results
         from rlbench_pin.evaluation.results.statistics import summarise
         from rlbench_pin.evaluation.results.tables import comparison_table, overview_table, task_table
@@ -62,14 +65,16 @@ class ShowResults:
             check_file(self.plot)
         results = [read_results(path) for path in self.files]
         labels = self.labels(results)
+        check_same_protocol(results, labels)
+        followed = [replace(summarise_protocol(r), policy=label) for r, label in zip(results, labels) if r.protocol]
         summaries = [replace(summarise(r, np.random.default_rng(0)), policy=label) for r, label in zip(results, labels)]
         comparisons = self.comparisons(results, labels) if self.compare else []
         if self.plot is not None:
             draw_results(self.plot, summaries)
         if self.json:
-            print(json.dumps(self.content(results, summaries, comparisons), indent=1))
+            print(json.dumps(self.content(results, summaries, comparisons, followed), indent=1))
         else:
-            tables = [task_table(summary) for summary in summaries]
+            tables = [task_table(summary) for summary in summaries] + [protocol_table(summary) for summary in followed]
             tables += [overview_table(summaries)] if len(summaries) > 1 else []
             print("\n\n".join(table.text(self.markdown) for table in (*tables, *map(comparison_table, comparisons))))
         return 0
@@ -96,13 +101,19 @@ class ShowResults:
         return found
 
     def content(
-        self, results: Sequence[Results], summaries: Sequence[Summary], comparisons: Sequence[Comparison]
+        self,
+        results: Sequence[Results],
+        summaries: Sequence[Summary],
+        comparisons: Sequence[Comparison],
+        followed: Sequence[ProtocolSummary],
     ) -> dict[str, Any]:
         """Return everything as plain data."""
         files = [
             {"file": str(path), "sha256": r.sha256, "commit": r.commit, **_summary(summary)}
             for path, r, summary in zip(self.files, results, summaries)
         ]
+        for entry, protocol in zip(files, followed):
+            entry["protocol"] = protocol.as_dict()
         return {"format": 1, "results": files, "comparisons": [_comparison(comparison) for comparison in comparisons]}
 
 

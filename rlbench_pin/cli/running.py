@@ -92,8 +92,10 @@ def parse(words: Sequence[str]) -> Command:
         for name, command in COMMANDS.items()
     }  # the parser of a command is built only when it is needed
     command = _parsed(commands, words)
-    if isinstance(command, Record) and command.resume:
-        command = _parsed({**commands, "record": command.with_recorded_defaults()}, words)
+    if isinstance(command, Evaluate | Record) and command.protocol is not None:
+        command = _parsed({**commands, asked: command.with_protocol_defaults()}, words)
+    elif isinstance(command, Record) and command.resume:
+        command = _parsed({**commands, asked: command.with_recorded_defaults()}, words)
     return command
 
 

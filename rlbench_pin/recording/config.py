@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
@@ -22,7 +23,19 @@ from rlbench_pin.observation import CAMERAS, PRODUCTS
 from rlbench_pin.robot.description import DEFAULT_ROBOT, robot_description
 from rlbench_pin.sim import RENDERERS, RendererName
 from rlbench_pin.tasks import Task, find_task, task_digest
-from rlbench_pin.values import as_choice, as_flag, as_image_size, as_names, as_number, as_path, as_record, as_seed, as_whole
+from rlbench_pin.values import (
+    as_choice,
+    as_flag,
+    as_image_size,
+    as_names,
+    as_number,
+    as_path,
+    as_record,
+    as_seed,
+    as_several,
+    as_whole,
+    items_of,
+)
 
 MOST = 10_000_000
 """Maximum number of episodes, attempts and variations of one recording."""
@@ -113,6 +126,8 @@ class RecordConfig:
     """Other arms: only what each of them demonstrates as well is stored, at the same attempt of the same seed."""
     images: ImageConfig = field(default_factory=ImageConfig)
     """Images of the episodes."""
+    listed: Mapping[str, tuple[tuple[int, int], ...]] = field(default_factory=dict)
+    """Task name -> variation and seed of each of its episodes, in place of those that the numbers above give; empty without."""
 
     def __post_init__(self) -> None:
         """Raise InvalidArgument for a number that records nothing (also a TaskEnvironmentError)."""
@@ -129,6 +144,7 @@ class RecordConfig:
         as_record(self.images, ImageConfig, "images", InvalidArgument)
         for name in ("per_variation", "draw_variations"):
             as_flag(getattr(self, name), name, InvalidArgument)
+        object.__setattr__(self, "listed", _checked_list(self.listed))
         if not as_names(self.tasks, "tasks", InvalidArgument):
             raise TaskEnvironmentError("No task was named. `rlbench-pin list` prints them.")
 
@@ -190,7 +206,10 @@ def plan_items(config: RecordConfig, tasks: Mapping[str, type[Task]] | None = No
     with ImageConfig(products=()).environment(robot=config.robot) as environment:
         for name, task in tasks.items():
             count, files = environment.get_task(task).variation_count(), task_digest(task)
-            planned = _task_items(config, name, task.get_name(), _variations(config, count))
+            if task.get_name() in config.listed:
+                planned = _listed_items(config, name, task.get_name(), count)
+            else:
+                planned = _task_items(config, name, task.get_name(), _variations(config, count))
             items += [replace(item, task_digest=files) for item in planned] if files else planned
     return items
 
@@ -208,8 +227,19 @@ def _task_items(config: RecordConfig, task: str, name: str, variations: Sequence
     return [_item(config, task, name, *place) for place in places]
 
 
-def _item(config: RecordConfig, task: str, name: str, variation: int, index: int) -> WorkItem:
-    seed = item_seed(config.seed, name, variation, index)
+def _listed_items(config: RecordConfig, task: str, name: str, count: int) -> list[WorkItem]:
+    """Return the episodes of a task that are listed; the first of a variation has the number 0."""
+    items, indices = [], Counter[int]()
+    for variation, seed in config.listed[name]:
+        if variation >= count:
+            raise InvalidArgument(f"A listed variation of '{name}'", variation, f"has to be below {count}")
+        items.append(_item(config, task, name, variation, indices[variation], seed))
+        indices[variation] += 1
+    return items
+
+
+def _item(config: RecordConfig, task: str, name: str, variation: int, index: int, seed: int | None = None) -> WorkItem:
+    seed = item_seed(config.seed, name, variation, index) if seed is None else seed
     return WorkItem(
         task, name, variation, index, seed, tuple(range(config.max_attempts)),
         max_velocity=config.max_velocity, max_acceleration=config.max_acceleration,
@@ -221,6 +251,21 @@ def item_seed(seed: int, task: str, variation: int, index: int) -> int:
     """Return the seed of one episode, 0 <= seed < 2^53: a hash of recording seed, task, variation and number."""
     name = f"{seed}/{task}/{variation}/{index}".encode()
     return int.from_bytes(hashlib.sha256(name).digest()[:8], "big") >> (64 - _SEED_BITS)
+
+
+def _checked_list(listed: object) -> dict[str, tuple[tuple[int, int], ...]]:
+    table = as_record(listed, Mapping, "listed", InvalidArgument)  # type: ignore[type-abstract]
+    as_names(tuple(table), "listed", InvalidArgument)
+    found = {}
+    for name, episodes in table.items():
+        pairs = [items_of(pair) for pair in as_several(episodes, f"listed episodes of '{name}'", InvalidArgument)]
+        if not pairs or any(len(pair) != 2 for pair in pairs):
+            raise InvalidArgument(f"listed episodes of '{name}'", episodes, "have to be pairs of variation and seed")
+        found[name] = tuple(
+            (as_whole(v, "A listed variation", InvalidArgument, least=0, most=MOST), as_seed(s, "A listed seed", InvalidArgument))
+            for v, s in pairs
+        )
+    return found
 
 
 def _check_names(kind: str, names: Sequence[str], known: Sequence[str]) -> None:
@@ -286,13 +331,22 @@ def all_flags(config: RecordConfig) -> dict[str, str]:
         "RecordConfig.draw_variations": f"{config.draw_variations}",
         "--arm-max-velocity": f"{config.max_velocity}",
         "--arm-max-acceleration": f"{config.max_acceleration}",
+        **({"RecordConfig.listed": _digest(config.listed)} if config.listed else {}),
         **common_flags(config),
     }
+
+
+def _digest(listed: Mapping[str, tuple[tuple[int, int], ...]]) -> str:
+    """Return a short text that is equal for equal lists."""
+    count = sum(map(len, listed.values()))
+    return f"{count} episodes ({hashlib.sha256(json.dumps(listed, sort_keys=True).encode()).hexdigest()[:12]})"
 
 
 def write_recording(root: Path, config: RecordConfig) -> None:
     """Write the settings, so that `--resume` needs only the folder."""
     content = {"version": VERSION, **asdict(config)}
+    if not config.listed:
+        del content["listed"]
     write_whole(root / RECORDING, (json.dumps(content, indent=1) + "\n").encode())
 
 

@@ -31,7 +31,7 @@ SKIPPED = frozenset({
     "CheckProgress", "Failure", "Item", "Reach", "TaskReport", "TaskState", "DemoOutcome", "EnvironmentState",
     "SegmentReport", "ActionSpec", "EpisodeItem", "EpisodeOutcome", "EvaluationProgress", "PolicyContext",
     "Reference", "TaskSet", "Comparison", "Pairs", "TaskComparison", "PValues", "Summary",
-    "TaskSummary", "Estimate", "Table",  # records that doors return, or policies are given
+    "TaskSummary", "Estimate", "Table", "ProtocolRow", "ProtocolSummary",  # records that doors return, or policies are given
     "Follower", "TrackingProblem", "Waypoint", "Task",  # what the package makes itself; users read them
     "ChallengeProgress", "Demonstration", "LearningCurve", "ShotsResult", "MetaSplit", "TrainingTask",  # likewise
     "KeyFramePolicy",  # a base class
@@ -184,6 +184,29 @@ def policy_samples() -> dict[str, object]:
     }
 
 
+def protocol_samples() -> dict[str, object]:
+    """Return those of doors of protocols: one episode of one task."""
+    content: dict[str, object] = {
+        "name": "one", "version": 1, "cameras": ("front",), "image_size": (16, 16), "arm": "JointPosition", "gripper": "Discrete",
+        "max_steps": 1, "max_seconds": 1.0, "episodes_of": "task", "tasks": (evaluation.ProtocolTask("reach_target", (0,)),),
+        "splits": {"test": evaluation.Split(1)},
+    }  # fmt: skip
+    protocol = evaluation.Protocol(**content)  # type: ignore[arg-type]
+    seed = evaluation.evaluation_seed(0, 0)
+    episode = evaluation.EpisodeRecord("reach_target", 0, seed, success=False, lasts=False, steps=1, seconds=0.1, end="steps")
+    results = evaluation.Results("noop", {}, "one", ("reach_target",), (seed,), {}, {}, "", (episode,), "key", protocol=protocol)
+    return {
+        **{f"Protocol.{name}": value for name, value in content.items()},
+        "ProtocolTask.variations": (0,),
+        "Split.episodes": 1,
+        "load_protocol.name": "peract18",
+        "summarise_protocol.results": results,
+        "protocol_table.summary": evaluation.summarise_protocol(results),
+        "check_same_protocol.results": [results, results],
+        "check_same_protocol.labels": ["one", "two"],
+    }
+
+
 def more_samples(library: Path, new: Fresh, first: Path) -> dict[str, object]:
     """Return those of doors that read and write single files, draw colours, or turn poses."""
     return {
@@ -211,6 +234,7 @@ def more_samples(library: Path, new: Fresh, first: Path) -> dict[str, object]:
         "fill_up_colors.count": 2,
         "fill_up_colors.palette": tasks.COLORS,
         **policy_samples(),
+        **protocol_samples(),
         "Episode.array.field": "joint_positions",
         "Episode.series.field": "joint_positions",
         "Episode.misc.key": "scalar",

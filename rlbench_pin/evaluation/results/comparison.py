@@ -8,10 +8,11 @@ from typing import Literal
 
 import numpy as np
 
-from rlbench_pin.errors import IncompatibleResults
+from rlbench_pin.errors import IncompatibleResults, InvalidValue
+from rlbench_pin.evaluation.protocols.protocol import Protocol
 from rlbench_pin.evaluation.results.records import EpisodeRecord, Results
 from rlbench_pin.evaluation.results.statistics import DRAWS, LEVEL, SIGNIFICANT, Estimate, PValues, holm, mcnemar
-from rlbench_pin.values import as_choice, as_flag, as_record
+from rlbench_pin.values import as_choice, as_flag, as_names, as_record, as_several
 
 Measure = Literal["success", "stable"]
 """Measure: success, or stable success."""
@@ -109,12 +110,13 @@ def compare(
         any_limits: Compare although episodes ended at different limits.
 
     Raises:
-        IncompatibleResults: They do not have the same episodes, or other limits; says what differs.
+        IncompatibleResults: They do not have the same episodes, or other limits, or follow unlike protocols; says what differs.
     """
     one, other = (as_record(results, Results, "results") for results in (first, second))
     as_record(rng, np.random.Generator, "rng")
     as_choice(measure, "measure", _FIELDS)
     common, any_limits = as_flag(common, "common"), as_flag(any_limits, "any_limits")
+    check_same_protocol((one, other), (one.policy, other.policy))
     before, after = _by_key(one), _by_key(other)
     _check_episodes(one, other, before, after, common)
     limits = _limit_differences(one, other)
@@ -126,6 +128,29 @@ def compare(
     together = Pairs(*(sum(column) for column in zip(*map(astuple, counted.values()))))
     difference = _mean_difference(tuple(counted.values()), rng)
     return Comparison(one.policy, other.policy, measure, tasks, together, difference, (*limits, *_remarks(one, other)))
+
+
+def check_same_protocol(results: Sequence[Results], labels: Sequence[str]) -> None:
+    """Raise IncompatibleResults unless all results follow one protocol, with the same content, or none.
+
+    Args:
+        results: The results.
+        labels: What each is called in the error.
+    """
+    found = [as_record(r, Results, "results") for r in as_several(results, "results")]
+    labels = as_names(labels, "labels")
+    if len(labels) != len(found):
+        raise InvalidValue("labels", labels, f"have to be as many as the results, {len(found)}")
+    for other, label in zip(found[1:], labels[1:]):
+        before, now = found[0].protocol, other.protocol
+        if (before and before.sha256) != (now and now.sha256):
+            difference = f"protocol {_shown(before)} against {_shown(now)}"
+            advice = "Show them one by one, or evaluate both by the same protocol."
+            raise IncompatibleResults(labels[0], label, (difference,), advice)
+
+
+def _shown(protocol: Protocol | None) -> str:
+    return "none" if protocol is None else f"{protocol.name} version {protocol.version} ({protocol.sha256[:12]})"
 
 
 def _counted(one: Results, after: _Episodes, measure: Measure) -> dict[str, Pairs]:

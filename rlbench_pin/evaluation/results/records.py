@@ -14,6 +14,7 @@ from typing import Any, Literal, get_args
 from rlbench_pin.datasets.manifest import parse_json, short
 from rlbench_pin.datasets.storage import write_whole
 from rlbench_pin.errors import InvalidValue, ResultsFileError, UnknownName
+from rlbench_pin.evaluation.protocols.protocol import Protocol
 from rlbench_pin.values import (
     LARGEST_COUNT,
     as_choice,
@@ -28,8 +29,8 @@ from rlbench_pin.values import (
     one_of,
 )
 
-FORMAT = 2
-"""Number of the format of results files. Format 1 has no seed key and no deaths of workers."""
+FORMAT = 3
+"""Number of the format of results files. Format 1 has no seed key and no deaths of workers, format 2 no protocol."""
 End = Literal["success", "failed", "steps", "seconds", "fault"]
 """How an episode ended: with success, by the task as failed, at the limit of steps or of seconds, or by a fault of the policy."""
 ENDS: tuple[str, ...] = get_args(End)
@@ -131,6 +132,8 @@ class Results:
     """In the order of tasks, and of seeds within a task."""
     policy_seed_key: str = ""
     """Key of the hash that makes the seeds of the policy; empty in files of format 1."""
+    protocol: Protocol | None = None
+    """The protocol that was followed; None without one, and in files of formats 1 and 2."""
 
     def __post_init__(self) -> None:
         """Check every value, and keep it as plain Python has it."""
@@ -153,6 +156,8 @@ class Results:
         }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
+        if self.protocol is not None:
+            as_record(self.protocol, Protocol, "Results.protocol")
         self._check_episodes()
 
     def _check_episodes(self) -> None:
@@ -174,9 +179,12 @@ class Results:
         return hashlib.sha256(canonical(self.content())).hexdigest()
 
     def content(self) -> dict[str, Any]:
-        """Return everything but the checksum as plain data, as the file has it; in format 1 where that says everything."""
+        """Return everything but the checksum as plain data, as the file has it; in the lowest format that says everything."""
         format = 2 if self.policy_seed_key or any(episode.worker_deaths for episode in self.episodes) else 1
+        format = format if self.protocol is None else 3
         head = {name: getattr(self, name) for name in HEAD[format]}
+        if self.protocol is not None:
+            head["protocol"] = self.protocol.record()
         episodes = [{name: getattr(episode, name) for name in EPISODE[format]} for episode in self.episodes]
         return {"format": format, **head, "episodes": episodes}
 
@@ -187,10 +195,18 @@ class Results:
 
 
 _HEAD = ("policy", "settings", "task_set", "tasks", "seeds", "limits", "versions", "commit")
-HEAD: Mapping[int, tuple[str, ...]] = {1: _HEAD, 2: (*_HEAD, "policy_seed_key")}
+HEAD: Mapping[int, tuple[str, ...]] = {
+    1: _HEAD,
+    2: (*_HEAD, "policy_seed_key"),
+    3: (*_HEAD, "policy_seed_key", "protocol"),
+}
 """Format -> fields of a results file beside format, episodes and checksum."""
 _EPISODE = tuple(field.name for field in fields(EpisodeRecord))
-EPISODE: Mapping[int, tuple[str, ...]] = {1: tuple(name for name in _EPISODE if name != "worker_deaths"), 2: _EPISODE}
+EPISODE: Mapping[int, tuple[str, ...]] = {
+    1: tuple(name for name in _EPISODE if name != "worker_deaths"),
+    2: _EPISODE,
+    3: _EPISODE,
+}
 """Format -> fields of an episode."""
 
 
@@ -317,7 +333,10 @@ def _results(content: object) -> Results:
     if not isinstance(content["episodes"], list):
         raise ValueError("its episodes are no list")
     episodes = tuple(_episode(episode, EPISODE[found]) for episode in content["episodes"])
-    results = Results(**{name: content[name] for name in HEAD[found]}, episodes=episodes)
+    head = {name: content[name] for name in HEAD[found]}
+    if "protocol" in head:
+        head["protocol"] = Protocol.from_record(head["protocol"])
+    results = Results(**head, episodes=episodes)
     if content["sha256"] != results.sha256:
         raise ValueError(f"it was altered: its content has sha256 {results.sha256}, not {short(content['sha256'])}")
     return results

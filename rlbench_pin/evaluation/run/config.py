@@ -6,6 +6,7 @@ import hashlib
 import secrets
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 from rlbench_pin.datasets.layout import ALL_VARIATIONS
 from rlbench_pin.environment.actions import Discrete, JointPosition, MoveArmThenGripper
@@ -13,10 +14,12 @@ from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.episode import EVALUATION_SEEDS, drawn_variations
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.errors import InvalidArgument, RlbenchPinError, TaskEnvironmentError
-from rlbench_pin.evaluation.policies.settings import PolicySettings
+from rlbench_pin.evaluation.policies.settings import ARM_MODES, GRIPPER_MODES, PolicySettings
+from rlbench_pin.evaluation.protocols.plan import Place, split_places
+from rlbench_pin.evaluation.protocols.protocol import Protocol
 from rlbench_pin.robot.description import DEFAULT_ROBOT, robot_description
 from rlbench_pin.tasks import Task, checked_class, find_task, is_task_file, task_digest, task_reference
-from rlbench_pin.values import as_flag, as_names, as_number, as_record, as_text, as_whole
+from rlbench_pin.values import as_choice, as_flag, as_names, as_number, as_record, as_text, as_whole
 
 EXPERT = "expert"
 """The policy that is the planner of demonstrations. It is not asked for actions: the runner plays its demonstration."""
@@ -66,6 +69,8 @@ class EvaluationConfig:
     policy_seed_key: str | None = None
     """Key of the hash that makes the seeds for policies, a text of 64 bytes at most. None draws one for each run;
     the results file publishes it, and with it the run can be repeated."""
+    protocol: Protocol | None = None
+    """The protocol that is followed, or none. `of_protocol` makes its settings."""
 
     def __post_init__(self) -> None:
         checked = {
@@ -92,6 +97,31 @@ class EvaluationConfig:
             raise InvalidArgument("policy", "", "names no policy", "`noop`, `random` and `expert` are built in.")
         if not self.tasks:
             raise TaskEnvironmentError("No task was named. `rlbench-pin list` prints them.")
+        if self.protocol is not None:
+            self._check_protocol(as_record(self.protocol, Protocol, "protocol", InvalidArgument))
+
+    def _check_protocol(self, protocol: Protocol) -> None:
+        """Raise ProtocolConflict for a setting that contradicts the protocol, ProtocolTasksMissing for missing tasks."""
+        as_choice(protocol.arm, "arm action mode", ARM_MODES)
+        as_choice(protocol.gripper, "gripper action mode", GRIPPER_MODES)
+        protocol.check_tasks_exist()
+        fixed = protocol_settings(protocol)
+        given = {name: getattr(self, name) for name in fixed}
+        protocol.check_agrees(*({_flag(name): value for name, value in table.items()} for table in (given, fixed)))
+
+    @classmethod
+    def of_protocol(cls, policy: str, protocol: Protocol) -> EvaluationConfig:
+        """Return the settings with which a policy is evaluated by a protocol.
+
+        Args:
+            policy: The policy.
+            protocol: The protocol, as `load_protocol` returns it.
+
+        Raises:
+            ProtocolTasksMissing: It names tasks that do not exist.
+        """
+        protocol = as_record(protocol, Protocol, "protocol", InvalidArgument)
+        return cls(policy=policy, protocol=protocol, **protocol_settings(protocol))
 
     def with_key(self) -> EvaluationConfig:
         """Return these settings with a key, which is drawn where there is none."""
@@ -99,6 +129,9 @@ class EvaluationConfig:
 
     def seeds(self) -> tuple[int, ...]:
         """Return the seeds of the episodes of each task, in order."""
+        if self.protocol is not None:
+            test = self.protocol.split("test")
+            return tuple(evaluation_seed(seed, index) for seed in test.seeds for index in range(test.episodes))
         return tuple(evaluation_seed(self.seed, index) for index in range(self.episodes))
 
 
@@ -128,6 +161,27 @@ class TaskFilesChanged(RlbenchPinError):
     def __init__(self, task: str) -> None:
         self.task = task
         super().__init__(f"The files of the task '{task}' changed while it was evaluated. Begin the evaluation again.")
+
+
+def protocol_settings(protocol: Protocol) -> dict[str, Any]:
+    """Return the settings of an evaluation that a protocol fixes, by name."""
+    test = protocol.split("test")
+    return {
+        "tasks": protocol.task_names,
+        "task_set": protocol.label,
+        "episodes": test.episodes,
+        "seed": test.seeds[0],
+        "max_steps": protocol.max_steps,
+        "max_seconds": protocol.max_seconds,
+        "variations": ALL_VARIATIONS,
+        "robot": protocol.robot,
+        "tell_task": protocol.tell_task,
+    }
+
+
+def _flag(name: str) -> str:
+    """Return the flag of `rlbench-pin evaluate` for a setting."""
+    return f"--{name.replace('_', '-')}"
 
 
 def evaluation_seed(seed: int, index: int) -> int:
@@ -181,9 +235,11 @@ def plan_episodes(config: EvaluationConfig, tasks: Mapping[str, type[Task]] | No
         raise InvalidArgument("tasks", config.tasks, "have to have different names")
     items: list[EpisodeItem] = []
     with make_environment(config, expert_settings()) as environment:
+        places = None if config.protocol is None else split_places(config.protocol, "test")
         for task in tasks.values():
-            count, found_by = environment.get_task(task).variation_count(), task_reference(task)
-            planned = _task_episodes(config, found_by if is_task_file(task) else task.get_name(), task.get_name(), count)
+            count, found_by, name = environment.get_task(task).variation_count(), task_reference(task), task.get_name()
+            drawn = _spread_places(config, count) if places is None else _protocol_places(name, count, places[name])
+            planned = _task_episodes(config, found_by if is_task_file(task) else name, name, drawn)
             items += [replace(item, task_digest=task_digest(task)) for item in planned]
     return items
 
@@ -211,13 +267,23 @@ def expert_settings() -> PolicySettings:
     return PolicySettings.of(MoveArmThenGripper(JointPosition(), Discrete()), low_dim_config())
 
 
-def _task_episodes(config: EvaluationConfig, found_by: str, name: str, count: int) -> list[EpisodeItem]:
+def _spread_places(config: EvaluationConfig, count: int) -> list[tuple[int, int]]:
+    """Return variation and seed of each episode of a task, spread evenly over its variations."""
     most = config.episodes if config.variations == ALL_VARIATIONS else min(config.variations, config.episodes)
     variations: Sequence[int] = drawn_variations(count, most)
+    return [(variations[index % len(variations)], seed) for index, seed in enumerate(config.seeds())]
+
+
+def _protocol_places(name: str, count: int, places: Sequence[Place]) -> list[tuple[int, int]]:
+    """Return variation and seed of each episode of a task of a protocol."""
+    if (last := max(variation for variation, _, _ in places)) >= count:
+        raise InvalidArgument(f"variations of '{name}' in the protocol", last, f"have to be below {count}", "Correct its file.")
+    return [(variation, evaluation_seed(seed, number)) for variation, seed, number in places]
+
+
+def _task_episodes(config: EvaluationConfig, found_by: str, name: str, places: Sequence[tuple[int, int]]) -> list[EpisodeItem]:
     key = config.policy_seed_key or ""
     return [
-        EpisodeItem(
-            found_by, name, index, variations[index % len(variations)], seed, policy_seed(key, config.seed, name, index)
-        )
-        for index, seed in enumerate(config.seeds())
-    ]  # fmt: skip
+        EpisodeItem(found_by, name, index, variation, seed, policy_seed(key, config.seed, name, index))
+        for index, (variation, seed) in enumerate(places)
+    ]

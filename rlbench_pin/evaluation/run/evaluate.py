@@ -20,6 +20,7 @@ from rlbench_pin.environment.demos import library_versions
 from rlbench_pin.errors import InvalidValue, RlbenchPinError, shown
 from rlbench_pin.evaluation.policies.references import IN_PROCESS
 from rlbench_pin.evaluation.policies.settings import PolicySettings
+from rlbench_pin.evaluation.protocols.plan import check_policy
 from rlbench_pin.evaluation.results.records import WORKER_DIED, EpisodeRecord, Results, read_results, write_results
 from rlbench_pin.evaluation.run.config import EXPERT, EpisodeItem, EvaluationConfig, plan_episodes
 from rlbench_pin.evaluation.run.episode import EpisodeOutcome
@@ -101,6 +102,7 @@ def evaluate(
         EvaluationConflict: There are results or a journal of something else where these are to be written.
         EvaluationStopped: `stop` was set before all was played.
         PolicyOfAnotherArm: The policy was made for other joints than those of the arm.
+        ProtocolConflict: The policy does not ask for what the protocol fixes.
         PolicyFault: The policy does not start; PolicyReferenceError, UnknownName: there is none, or no such task.
         StorageError: The disk cannot be written to. What was played before is kept.
     """
@@ -113,6 +115,8 @@ def evaluate(
     with make_runner(config) as runner:
         _check_out(out, resume)
         settings = runner.settings()
+    if config.protocol is not None:
+        check_policy(config.protocol, config.policy, settings)
     items = plan_episodes(config)
     empty = empty_results(config, settings, items)
     if out.exists():
@@ -172,6 +176,7 @@ def empty_results(config: EvaluationConfig, settings: PolicySettings, items: Seq
         commit=checkout_commit(),
         episodes=(),
         policy_seed_key=config.policy_seed_key or "",
+        protocol=config.protocol,
     )
 
 
@@ -203,8 +208,9 @@ def _check_out(out: Path, resume: bool) -> None:
 def _finished(out: Path, empty: Results) -> Results:
     """Return the results that are there, when they are those of this evaluation."""
     results = read_results(out)
-    for name, then in replace(results, episodes=()).content().items():
-        if then != (now := empty.content()[name]):
+    before, here = (r.content() for r in (replace(results, episodes=()), empty))
+    for name in dict.fromkeys((*here, *before)):
+        if name != "format" and (then := before.get(name)) != (now := here.get(name)):
             raise EvaluationConflict(
                 f"'{out}' holds results of another evaluation: there {name} = {shown(then)}, here {name} = {shown(now)}. "
                 "Choose another file."
