@@ -278,7 +278,7 @@ def read_description(file: Path) -> RobotDescription:
             raise RobotFileError(file, key, "is missing.", _example(key))
     size = len(items_of(content["arm_joints"]))
     rules = _rules(file.parent, size)
-    values = {}
+    values: dict[str, Any] = {}
     for key in known:
         try:
             values[key] = rules[key](content[key], key)
