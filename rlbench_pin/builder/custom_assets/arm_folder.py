@@ -190,7 +190,9 @@ def _with_tip(name: str, gripper: Gripper, layout: FingerLayout) -> Gripper:
     """Return a gripper with a tip frame, whose drives move by themselves and whose sliding joints are 0 where it is shut."""
 
     def change(root: Element) -> None:
-        root.append(Element("link", name=f"{name}_tip"))
+        inertial = SubElement(SubElement(root, "link", name=f"{name}_tip"), "inertial")  # PyBullet gives a link without one 1 kg
+        SubElement(inertial, "mass", value="0")
+        SubElement(inertial, "inertia", dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), "0"))
         root.append(fixed_joint(f"{name}_tip_joint", gripper.base, f"{name}_tip", layout.tip))
         for joint in root.iterfind("joint"):
             key = joint.get("name", "")

@@ -66,6 +66,7 @@ def arm_asset(name: str, urdf: Path, flange: str, note: OnNote) -> tuple[CustomA
     if flange not in tree.links:
         raise UploadRefused(urdf.name, f"it has no link '{flange}'", f"Links: {', '.join(tree.links)}.")
     _remove_below(root, tree, flange)
+    _remove_world(root, tree)
     tree = _Tree(urdf.name, root)
     chain = {joint.get("name") for joint in tree.above(flange)}
     beside = [joint.get("name", "") for joint in tree.moving() if joint.get("name") not in chain]
@@ -226,6 +227,18 @@ def _remove_below(root: Element, tree: _Tree, flange: str) -> None:
         root.remove(element)
     for element in [e for e in root.findall("joint") if joint_end(e, "child") in below]:
         root.remove(element)
+
+
+def _remove_world(root: Element, tree: _Tree) -> None:
+    """Remove a first link that is but a frame at the same place as the base: PyBullet holds the first link still."""
+    base = next(link for link in root.iterfind("link") if link.get("name", "").strip() == tree.base)
+    joints = [joint for joint in root.iterfind("joint") if joint_end(joint, "parent") == tree.base]
+    if len(joints) != 1 or joints[0].get("type") != "fixed" or any(base.find(role) is not None for role in _SHAPES):
+        return
+    origin = joints[0].find("origin")
+    if origin is None or not any(float(n) for key in ("xyz", "rpy") for n in origin.get(key, "0 0 0").split()):
+        root.remove(base)
+        root.remove(joints[0])
 
 
 def _complete(joint: Element) -> list[str]:
