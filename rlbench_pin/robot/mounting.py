@@ -77,7 +77,7 @@ def flange_mount(urdf: Path, flange: str) -> Mount:
     Raises:
         RobotModelError: No joint moves the flange.
     """
-    chain = _chain(read_urdf(urdf), flange)
+    chain = joints_to(read_urdf(urdf), flange)
     last = max((k for k, joint in enumerate(chain) if joint.kind != "fixed"), default=None)
     if last is None:
         raise RobotModelError(
@@ -111,7 +111,7 @@ def finger_layout(file: Path, base: str) -> FingerLayout:
     """
     hand = _Hand(file)
     pads = hand.pads()
-    drives = [next(joint for joint in _chain(hand.urdf, pad) if joint.kind != "fixed") for pad in pads]
+    drives = [next(joint for joint in joints_to(hand.urdf, pad) if joint.kind != "fixed") for pad in pads]
     if drives[0].name == drives[1].name:
         raise RobotModelError(f"One joint, '{drives[0].name}', moves both fingers of '{file.name}': {pads[0]} and {pads[1]}.")
     if drives[0].follows is not None:
@@ -152,7 +152,7 @@ def _rpy(rotation: FloatArray) -> FloatArray:
     return np.array([0.0, -np.sign(rotation[2, 0]) * 0.5 * np.pi, np.arctan2(-rotation[0, 1], rotation[1, 1])])
 
 
-def _chain(urdf: Urdf, link: str) -> list[UrdfJoint]:
+def joints_to(urdf: Urdf, link: str) -> list[UrdfJoint]:
     """Return the joints from the base to a link."""
     into, chain = {joint.child: joint for joint in urdf.joints}, list[UrdfJoint]()
     while link in into:
@@ -194,7 +194,7 @@ class _Hand:
     def pads(self) -> list[str]:
         """Return the links that grasp, in file order."""
         parents = {joint.parent for joint in self.urdf.joints}
-        moved = [link for link in self.shapes if any(joint.kind != "fixed" for joint in _chain(self.urdf, link))]
+        moved = [link for link in self.shapes if any(joint.kind != "fixed" for joint in joints_to(self.urdf, link))]
         ends = [
             link
             for link in moved
@@ -209,7 +209,7 @@ class _Hand:
         return [link for link in self.shapes if link in ends[:2]]
 
     def _above(self, link: str) -> set[str]:
-        return {joint.parent for joint in _chain(self.urdf, link)}
+        return {joint.parent for joint in joints_to(self.urdf, link)}
 
     def tip(self, pads: list[str], ways: Mapping[str, Follows]) -> pin.SE3:
         """Return T_base_tip: between the pads, y from the first to the second, z as the base's."""

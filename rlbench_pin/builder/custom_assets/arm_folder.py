@@ -29,7 +29,7 @@ from rlbench_pin.errors import PlanningError, RobotModelError, TaskEnvironmentEr
 from rlbench_pin.planning.kinematics import solve_ik
 from rlbench_pin.robot import SUPPORTED_ROBOTS, CollisionModel, RobotDescription, RobotModel, robot_description
 from rlbench_pin.robot.description import ROBOT_NAME
-from rlbench_pin.robot.mounting import FingerLayout, Mount, finger_layout, flange_mount
+from rlbench_pin.robot.mounting import FingerLayout, Mount, finger_layout, flange_mount, joints_to
 from rlbench_pin.robot.self_collisions import srdf_text
 from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray, above_table
 from rlbench_pin.urdf import read_urdf
@@ -213,7 +213,9 @@ def _from_shut(joint: Element, shut: float, sign: float, travel: float) -> None:
     """Let the values of a sliding joint count from shut to open."""
     origin, axis, limit = joint.find("origin"), joint.find("axis"), joint.find("limit")
     assert origin is not None and axis is not None and limit is not None
-    xyz, rpy, along = (np.array(text.split(), dtype=float) for text in (origin.get("xyz"), origin.get("rpy"), axis.get("xyz")))
+    xyz, rpy, along = (
+        np.array(text.split(), dtype=float) for text in (origin.attrib["xyz"], origin.attrib["rpy"], axis.attrib["xyz"])
+    )
     origin.set("xyz", format_numbers(xyz + _rotation(rpy) @ along * shut))
     axis.set("xyz", " ".join(f"{sign * number:g}" for number in along))
     limit.attrib.update({"lower": "0", "upper": f"{travel:.9g}"})
@@ -237,12 +239,9 @@ def _rotation(rpy: FloatArray) -> FloatArray:
 def _described(name: str, urdf: Path, gripper: dict[str, Any]) -> RobotDescription:
     """Return the arm with the base of the Panda, in the middle of its joint ranges."""
     model = read_urdf(urdf)
-    into, link, chain = {joint.child: joint for joint in model.joints}, gripper["hand_link"], []
-    while link in into:
-        chain.insert(0, into[link])
-        link = into[link].parent
+    chain = joints_to(model, gripper["hand_link"])
     arm = [joint for joint in chain if joint.kind != "fixed"]
-    stretched = sum(float(np.linalg.norm(joint.origin.xyz)) for joint in chain[1:] if joint.origin is not None)
+    lengths = [np.linalg.norm(joint.origin.xyz) for joint in chain[1:] if joint.origin is not None]
     wrist = (250.0, 150.0, 50.0)[-len(arm) :]
     panda = robot_description("panda")
     middle = [0.0 if np.isinf(joint.limits[0]) else float(np.clip(0.0, *joint.limits)) for joint in arm]
@@ -255,7 +254,7 @@ def _described(name: str, urdf: Path, gripper: dict[str, Any]) -> RobotDescripti
         home=tuple(middle),
         base_pose=(*panda.base_pose[:2], TABLE_HEIGHT, *panda.base_pose[3:]),
         acceleration=(ACCELERATION,) * len(arm),
-        reach=round(stretched + _HELD, 2),
+        reach=round(float(np.sum(lengths)) + _HELD, 2),
         linear_speed=1.0,
         angular_speed=panda.angular_speed,
         loaded_joints=min(panda.loaded_joints, len(arm)),
@@ -308,7 +307,8 @@ def _home(description: RobotDescription) -> tuple[float, ...]:
     model, panda = RobotModel(description), RobotModel(robot_description("panda"))
     collision, rng = CollisionModel(model), np.random.default_rng(0)
     best, most = None, 0.0
-    for place in _nearer(*panda.tip_pose(panda.home)[:3].tolist(), description.base_pose[0]):
+    x, y, z = panda.tip_pose(panda.home)[:3].tolist()
+    for place in _nearer(x, y, z, description.base_pose[0]):
         with suppress(PlanningError):
             for q in solve_ik(model, (*place, *_DOWN), model.home, rng, starts=30, max_solutions=8, collision=collision):
                 margin = min(model.limits.margin(q), _MARGIN)

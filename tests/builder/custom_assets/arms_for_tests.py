@@ -21,21 +21,20 @@ UR5 = robot_data() / "ur_description/urdf/ur5_robot.urdf"
 
 
 def cut_out_gripper(robot: str, hand: str, file: Path) -> Path:
-    """Write the gripper of an arm of the catalogue as makers publish theirs: the second finger follows the first, no tip frame."""
-    urdf = robot_description(robot).urdf
-    root = ET.parse(urdf).getroot()
-    first, second = robot_description(robot).gripper_joints
-    ends = {j.find("child").attrib["link"]: j.find("parent").attrib["link"] for j in root.iterfind("joint")}  # type: ignore[union-attr]
-    tip = robot_description(robot).tip_frame
+    """Write the gripper of an arm of the catalogue as makers publish theirs: the second finger follows the first."""
+    description = robot_description(robot)
+    root = ET.parse(description.urdf).getroot()
+    first, second = description.gripper_joints
+    parents = {_end(joint, "child"): _end(joint, "parent") for joint in root.iterfind("joint")}
 
-    def kept(link: str | None) -> bool:
-        while link is not None and link != hand:
-            link = None if link == tip else ends.get(link)
+    def is_kept(link: str) -> bool:
+        while link in parents and link not in (hand, description.tip_frame):
+            link = parents[link]
         return link == hand
 
     for element in list(root):
-        link = element.get("name") if element.tag == "link" else element.find("child").attrib["link"]  # type: ignore[union-attr]
-        if not kept(link) or (element.tag == "joint" and link == hand):
+        link = element.attrib["name"] if element.tag == "link" else _end(element, "child")
+        if not is_kept(link) or (element.tag == "joint" and link == hand):
             root.remove(element)
     for joint in root.iterfind("joint"):
         mimic = joint.find("mimic")
@@ -44,6 +43,12 @@ def cut_out_gripper(robot: str, hand: str, file: Path) -> Path:
         elif mimic is not None:
             mimic.set("joint", first)
     for mesh in root.iter("mesh"):
-        mesh.set("filename", str(urdf.parent / mesh.attrib["filename"]))
+        mesh.set("filename", str(description.urdf.parent / mesh.attrib["filename"]))
     ET.ElementTree(root).write(file)
     return file
+
+
+def _end(joint: ET.Element, end: str) -> str:
+    element = joint.find(end)
+    assert element is not None
+    return element.attrib["link"]
