@@ -117,7 +117,7 @@ class Demo(Sequence[Observation]):
         versions: Name -> version of the package and of the libraries it was made with.
         attempt: Which try of the seed this demo is, from 0.
         task_name: Snake-case name of the task.
-        robot: Name of the arm; empty in a demonstration of other programs.
+        robot: Name of the arm, or absolute path of its TOML file; empty in a demonstration of other programs.
         joint_names: Names of its joints, in the order of joint positions.
     """
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import xml.etree.ElementTree as ET
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -128,6 +128,10 @@ class UrdfJoint:
     """About or along which it moves, in the frame of the child."""
     follows: Follows | None = None
     """The joint that it follows, `<mimic>`; None for a joint that moves by itself."""
+    effort: float | None = None
+    """Largest torque [N m] or force [N]; None where the file has none, or not more than 0."""
+    velocity: float | None = None
+    """Largest speed [rad/s] or [m/s]; None where the file has none, or not more than 0."""
 
 
 @dataclass(frozen=True)
@@ -144,6 +148,8 @@ class Urdf:
     """Mesh files that it names, in file order, each once."""
     textures: tuple[Path, ...]
     """Image files that its materials name."""
+    name: str = ""
+    """Of the `<robot>`."""
 
     @property
     def link_names(self) -> tuple[str, ...]:
@@ -190,6 +196,16 @@ def disabled_pairs(srdf: Path) -> frozenset[frozenset[str]]:
         AssetInvalid: The file is not XML.
     """
     return _disabled_pairs(srdf, _time_of(srdf, "a robot"))
+
+
+def format_srdf(robot: str, pairs: Iterable[tuple[str, str, str]]) -> str:
+    """Return the text of an SRDF file: pairs of links that are not checked for collisions, each with its reason."""
+    root = ET.Element("robot", name=robot)
+    for first, second, reason in pairs:
+        ET.SubElement(root, "disable_collisions", link1=first, link2=second, reason=reason)
+    ET.indent(root)
+    head = '<?xml version="1.0"?>\n<!-- Made by scripts/disabled_pairs.py from the URDF. -->\n'
+    return head + ET.tostring(root, encoding="unicode") + "\n"
 
 
 def kinematic_urdf(path: Path, fixed: Collection[str] = ()) -> str:
@@ -266,7 +282,7 @@ def _read_urdf(path: Path, written: int) -> Urdf:
         raise AssetInvalid(path, str(error)) from error
     meshes = tuple(dict.fromkeys(_file(path, e) for e in root.iter("mesh")))
     textures = tuple(dict.fromkeys(_file(path, e) for tag in ("texture", "pattern") for e in root.iter(tag)))
-    return Urdf(path, links, joints, meshes, textures)
+    return Urdf(path, links, joints, meshes, textures, root.get("name", ""))
 
 
 def _file(path: Path, element: ET.Element) -> Path:
@@ -355,7 +371,9 @@ def _joint(joint: ET.Element) -> UrdfJoint:
     if mimic is not None:
         (ratio,), (offset,) = _numbers(mimic, "multiplier", "1"), _numbers(mimic, "offset", "0")
         follows = Follows(mimic.get("joint", ""), ratio, offset)
-    return UrdfJoint(joint.get("name", ""), kind, parent, child, limits, _origin(joint), along, follows)
+    effort, velocity = (0.0 if limit is None else _numbers(limit, key, "0")[0] for key in ("effort", "velocity"))
+    own = joint.get("name", ""), kind, parent, child, limits, _origin(joint), along, follows
+    return UrdfJoint(*own, effort if effort > 0.0 else None, velocity if velocity > 0.0 else None)
 
 
 __all__ = [
@@ -371,6 +389,7 @@ __all__ = [
     "UrdfOrigin",
     "UrdfShape",
     "disabled_pairs",
+    "format_srdf",
     "kinematic_urdf",
     "read_urdf",
     "solid_urdf",

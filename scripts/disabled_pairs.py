@@ -12,7 +12,8 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent))
 
 from assets_lib.files import write_text
-from assets_lib.self_collisions import srdf_text
+
+from rlbench_pin.robot.self_collisions import srdf_text
 
 
 def main() -> None:

@@ -23,6 +23,7 @@ NOT_PLAYED = {
         "rlbench-pin dataset rerender": "minutes; tests/recording has it",
     },
     "docs/reference/command_line.md": {
+        "rlbench-pin arm new": "wants the URDF of an arm; docs/arms.md has one",
         "rlbench-pin challenge run": "minutes; tests/evaluation/challenge has it",
         "rlbench-pin results": "wants two results files; docs/results_files.md makes two",
         "rlbench-pin serve": "it serves until Ctrl-C; tests/evaluation/policies has it",

@@ -40,7 +40,7 @@ class Item:
     replays: int = 1_000_000
     """Seeds, from the first on, whose demonstrations are replayed."""
     robot: str = "panda"
-    """Name of the arm."""
+    """Name of the arm, or path of its TOML file."""
 
 
 @dataclass(frozen=True)

@@ -75,7 +75,7 @@ class Run:
     train_limit: float = 1e6
     """Time limit of the learner to train on the training tasks [s]."""
     robot: RobotName = "panda"
-    """Name of the arm."""
+    """Name of the arm, or path of its TOML file."""
     workers: int = 1
     """Worker processes, each with a learner of its own; with 0 this process does the work."""
     engine: EngineName = "processes"

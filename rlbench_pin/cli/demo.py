@@ -46,7 +46,7 @@ class RecordDemos:
     max_attempts: int = 10
     """Attempts for each episode."""
     robot: RobotName = "panda"
-    """Name of the arm."""
+    """Name of the arm, or path of its TOML file."""
     json: bool = False
     """Print JSON for programs."""
 

@@ -84,7 +84,7 @@ class Evaluate:
     start_limit: float = 300.0
     """Time limit of the policy to start [s]."""
     robot: RobotName = "panda"
-    """Name of the arm."""
+    """Name of the arm, or path of its TOML file."""
     tell_task: bool = True
     """Pass the name of the task to the policy, in addition to the instruction."""
     policy_seed_key: MaybeText = None

@@ -114,7 +114,7 @@ class Record:
     arm_max_acceleration: float = 4.0
     """Limit of the acceleration along the joint-space path [rad/s^2]."""
     robot: RobotName = "panda"
-    """Name of the arm."""
+    """Name of the arm, or path of its TOML file."""
     paired: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ARM...", help_behavior_hint="")] = ()
     """Arms, separated by spaces or commas: one dataset for each, in a folder of `--out` with its name, of those episodes that all
     of them demonstrate at the same attempt of the same seed."""
@@ -133,13 +133,19 @@ class Record:
         if self.protocol is None and self.split != "train":
             raise TaskEnvironmentError(f"--split {self.split} needs a protocol. Use `rlbench-pin record --protocol NAME`.")
         worst = 0
-        arms = {robot: self.out / robot for robot in split_names(self.paired)} or {self.robot: self.out}
+        arms = self._folders() or {self.robot: self.out}
         for robot, out in arms.items():
             code = self._record(robot, out)
             if code == INTERRUPTED:
                 return code
             worst = max(worst, code)
         return worst
+
+    def _folders(self) -> dict[str, Path]:
+        """Return the folder of each arm of `paired`."""
+        from rlbench_pin.robot import robot_description
+
+        return {robot: self.out / robot_description(robot).name for robot in split_names(self.paired)}
 
     def _record(self, robot: str, out: Path) -> int:
         from rlbench_pin.cli.progress import RecordBar, stopping_gently
@@ -187,7 +193,7 @@ class Record:
         from rlbench_pin.recording.config import RECORDING, read_recording
 
         out = self.known.save_path or self.out
-        folders = [out / robot for robot in split_names(self.paired)] or [out]
+        folders = [*replace(self, out=out)._folders().values()] or [out]
         if not (folders[0] / RECORDING).exists():
             return type(self)
         config = read_recording(folders[0])

@@ -12,6 +12,7 @@ from typing import Protocol
 import tyro
 
 from rlbench_pin import __version__
+from rlbench_pin.cli.arm import Arm
 from rlbench_pin.cli.build import Build
 from rlbench_pin.cli.challenge import Challenge
 from rlbench_pin.cli.check import Check
@@ -43,6 +44,7 @@ COMMANDS: dict[str, type] = {
     "video": Video,
     "new": New,
     "build": Build,
+    "arm": Arm,
     "doctor": Doctor,
     "evaluate": Evaluate,
     "challenge": Challenge,

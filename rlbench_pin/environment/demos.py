@@ -292,7 +292,7 @@ def play_demo(
             versions=library_versions(),
             attempt=origin.attempt,
             task_name=runtime.task.get_name(),
-            robot=runtime.model.description.name,
+            robot=runtime.model.description.reference,
             joint_names=runtime.model.description.arm_joints,
         )
     duration = runtime.world.time - began

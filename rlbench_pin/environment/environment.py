@@ -46,7 +46,7 @@ class Environment:
         obs_config: What observations contain; a fresh default when None.
         headless: Accepted for compatibility; nothing is ever shown on a screen.
         static_positions: Leave tasks where their scene files put them.
-        robot_setup: Name of the arm, in any case.
+        robot_setup: Name of the arm, in any case, or path of its TOML file.
         randomize_every: When to randomize, with one of the randomization settings.
         frequency: Randomize every n-th event.
         visual_randomization_config: Visual randomization.

@@ -306,7 +306,7 @@ class TaskEnvironment:
         Raises:
             TaskEnvironmentError: The demonstration is of another task or arm, or carries no seed.
         """
-        seed = demos.check_start(demo, self.get_name(), self._runtime.model.description.name)
+        seed = demos.check_start(demo, self.get_name(), self._runtime.model.description.reference)
         self.set_variation(demo.variation_number)
         self._start(seed, demo.attempt)
         demos.restore_start(self._runtime, demo)

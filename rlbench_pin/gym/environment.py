@@ -228,7 +228,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         image_size: Width and height of images [px]; None is 128 by 128. Only with `vision`.
         renderer: Renderer of images: `cpu`, `egl` or `auto`.
         cameras: Cameras of vision observations; None is `VISION_CAMERAS`. Only with `vision`.
-        robot: Name of the arm.
+        robot: Name of the arm, or path of its TOML file.
 
     Raises:
         UnknownName: No such task, mode, camera, arm, choice or argument.

@@ -93,7 +93,7 @@ class ImageConfig:
         Args:
             max_velocity: Cap on the speed of motions along the joint-space path [rad/s].
             max_acceleration: Cap on how fast that speed changes [rad/s^2].
-            robot: Name of the arm.
+            robot: Name of the arm, or path of its TOML file.
         """
         return make_environment(self.obs_config(), self.renderer, max_velocity, max_acceleration, robot)
 
@@ -121,7 +121,7 @@ class RecordConfig:
     max_acceleration: float = 4.0
     """Cap on how fast that speed changes [rad/s^2]."""
     robot: str = DEFAULT_ROBOT
-    """Name of the arm."""
+    """Name of the arm, or path of its TOML file."""
     paired: tuple[str, ...] = ()
     """Other arms: only what each of them demonstrates as well is stored, at the same attempt of the same seed."""
     images: ImageConfig = field(default_factory=ImageConfig)
@@ -132,8 +132,8 @@ class RecordConfig:
     def __post_init__(self) -> None:
         """Raise InvalidArgument for a number that records nothing (also a TaskEnvironmentError)."""
         as_seed(self.seed, "seed", InvalidArgument)
-        object.__setattr__(self, "robot", robot_description(self.robot).name)
-        others = {robot_description(name).name for name in as_names(self.paired, "paired", InvalidArgument)}
+        object.__setattr__(self, "robot", robot_description(self.robot).reference)
+        others = {robot_description(name).reference for name in as_names(self.paired, "paired", InvalidArgument)}
         object.__setattr__(self, "paired", tuple(sorted(others - {self.robot})))
         for name, least in (("episodes", 1), ("max_attempts", 1), ("variations", ALL_VARIATIONS)):
             as_whole(getattr(self, name), name, InvalidArgument, least=least, most=MOST)
@@ -174,7 +174,7 @@ class WorkItem:
     max_acceleration: float = 4.0
     """Cap on how fast that speed changes [rad/s^2]."""
     robot: str = DEFAULT_ROBOT
-    """Name of the arm."""
+    """Name of the arm, or path of its TOML file."""
     paired: tuple[str, ...] = ()
     """Other arms that have to solve the same attempt."""
     task_digest: str = ""

@@ -39,7 +39,7 @@ class EpisodeSeed:
     attempt: int
     """Number of the attempt of the seed."""
     robot: str = DEFAULT_ROBOT
-    """Name of the arm."""
+    """Name of the arm, or path of its TOML file."""
 
     def check(self) -> None:
         """Raise DatasetError or ValueError unless the task name and the numbers are valid, because paths are made of them."""

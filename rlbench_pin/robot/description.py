@@ -5,14 +5,19 @@ Everything that is true of one arm only stands here: another arm is another reco
 
 from __future__ import annotations
 
+import re
+import tomllib
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+from functools import partial
+from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
 
 from rlbench_pin.assets import asset_path
-from rlbench_pin.errors import RobotModelError, UnknownName
+from rlbench_pin.errors import InvalidValue, RobotModelError, UnknownName, nearest_name
 from rlbench_pin.spatial import TABLE_HEIGHT
+from rlbench_pin.values import POSITIVE, Rule, as_number, as_path, as_pose, as_text, as_vector, as_whole, items_of
 
 # In front of the gripper, pitched 0.4 rad towards the fingers; at home the top of the image is away from the base.
 HAND_CAMERA = (0.08, 0.0, 0.03, 0.1404802, -0.1404802, -0.6930117, 0.6930117)
@@ -54,7 +59,7 @@ class RobotDescription:
     """Finger speed of gripper actions [m/s]."""
     grip_speed: float
     """Finger speed of closing on something [m/s]: fast fingers knock light objects away."""
-    pad_friction: float = 1.0
+    pad_friction: float
     """Friction coefficient of the pads; that of a contact is its product with the coefficient of the object."""
     pad_size: tuple[float, float]
     """Size of the box between the pads, along tip x and z, in which a body counts as between the fingers [m]."""
@@ -72,6 +77,13 @@ class RobotDescription:
     """Share of the acceleration limit of `loaded_joints` that is left while their torque holds the arm up."""
     joint_stiffness: tuple[float, ...]
     """Springs with which joint impedance control follows motions [N m/rad]: softer than the motors' position control."""
+    file: Path | None = None
+    """TOML file that describes the arm; None for an arm of the catalogue."""
+
+    @property
+    def reference(self) -> str:
+        """Text by which another process finds the arm: its name in the catalogue, or the absolute path of its file."""
+        return self.name if self.file is None else str(self.file)
 
     def __post_init__(self) -> None:
         """Refuse vectors that have not one number per arm joint."""
@@ -83,6 +95,15 @@ class RobotDescription:
 
 class UnknownRobot(UnknownName, ValueError):
     """A robot name is not in the catalogue."""
+
+
+class RobotFileError(RobotModelError, ValueError):
+    """A TOML file does not describe an arm; `file` and `key` say where."""
+
+    def __init__(self, file: Path | str, key: str, problem: str, hint: str = "") -> None:
+        self.file, self.key, self.problem = Path(file), key, problem
+        where = f", key '{key}'" if key else ""
+        super().__init__(f"'{self.file}'{where}: {problem}{f' {hint}' if hint else ''}")
 
 
 def _panda() -> RobotDescription:
@@ -103,6 +124,7 @@ def _panda() -> RobotDescription:
         gripper_force=40.0,
         finger_speed=0.2,
         grip_speed=0.04,
+        pad_friction=1.0,
         pad_size=(0.012, 0.012),
         acceleration=(15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0),
         reach=1.6,  # 1.2 m, and what the gripper holds
@@ -215,13 +237,133 @@ DEFAULT_ROBOT = "panda"
 """The arm where none is named."""
 
 
-def robot_description(name: str) -> RobotDescription:
-    """Return the description of an arm; case does not matter.
+def robot_description(name: str | PathLike[str]) -> RobotDescription:
+    """Return the description of an arm.
+
+    Args:
+        name: A name of the catalogue, in any case, or the path of a TOML file; the catalogue comes first.
 
     Raises:
-        UnknownRobot: The catalogue has no such arm; a ValueError as well.
+        UnknownRobot: The catalogue has no such arm, and it is not the path of a TOML file; a ValueError as well.
+        RobotFileError: The file does not describe an arm; a ValueError as well.
     """
-    key = name.lower() if isinstance(name, str) else ""
-    if key not in SUPPORTED_ROBOTS:
-        raise UnknownRobot("robot", name, tuple(SUPPORTED_ROBOTS))
-    return SUPPORTED_ROBOTS[key]
+    text = fspath(name) if isinstance(name, str | PathLike) else ""
+    key = text.lower() if isinstance(text, str) else ""
+    if key in SUPPORTED_ROBOTS:
+        return SUPPORTED_ROBOTS[key]
+    if key.endswith(".toml"):
+        return read_description(Path(text))
+    raise UnknownRobot("robot", name, tuple(SUPPORTED_ROBOTS))  # type: ignore[arg-type]  # says so of anything else, too
+
+
+# Files --------------------------------------------------------------------------------------------------------------
+
+ROBOT_NAME = re.compile("[a-z][a-z0-9_]{0,39}")
+"""Names of arms."""
+_NAME_RULE = "has to consist of lower case letters, digits and `_`, and to begin with a letter"
+
+
+def read_description(file: Path) -> RobotDescription:
+    """Return the arm that a TOML file describes. Its keys are the fields of `RobotDescription`; paths are relative to it.
+
+    Raises:
+        RobotFileError: It is missing or no TOML, a key is unknown or missing, or a value is wrong.
+    """
+    try:
+        file = as_path(file, "robot", InvalidValue).absolute()
+        content = tomllib.loads(file.read_text(encoding="utf-8"))
+    except FileNotFoundError as error:
+        raise RobotFileError(file, "", "does not exist.", "`rlbench-pin arm new NAME --urdf FILE` makes one.") from error
+    except (OSError, ValueError) as error:  # decoding and TOML errors are ValueErrors
+        raise RobotFileError(file, "", f"cannot be read as TOML: {error}.") from error
+    known = tuple(field.name for field in fields(RobotDescription) if field.name != "file")
+    for key in content:
+        if key not in known:
+            near = nearest_name(key, known)
+            raise RobotFileError(file, key, "is unknown.", f"Did you mean '{near}'?" if near else f"Keys: {', '.join(known)}.")
+    for key in known:
+        if key not in content:
+            raise RobotFileError(file, key, "is missing.", _example(key))
+    size = len(items_of(content["arm_joints"]))
+    rules = _rules(file.parent, size)
+    values: dict[str, Any] = {}
+    for key in known:
+        try:
+            values[key] = rules[key](content[key], key)
+        except InvalidValue as error:
+            hint = "" if error.hint else _example(key)
+            raise RobotFileError(file, key, str(error).removeprefix(f"{key} "), hint) from error
+    return RobotDescription(**values, file=file)
+
+
+def _example(key: str) -> str:
+    """Return the line of the Panda for a key, as a hint."""
+    value = getattr(_panda(), key)
+    if isinstance(value, Path):
+        return f'Give a path relative to the file, such as {key} = "my_arm{value.suffix}".'
+    items = ", ".join(f'"{item}"' if isinstance(item, str) else f"{item:g}" for item in value) if isinstance(value, tuple) else ""
+    text = f"[{items}]" if items else f'"{value}"' if isinstance(value, str) else f"{value:g}"
+    return f"The Panda has {key} = {text}."
+
+
+def _rules(folder: Path, size: int) -> dict[str, Rule]:
+    """Return the rule of each key of a file in a folder, for an arm of `size` joints."""
+    share, whole = partial(as_number, above=0.0, most=1.0), partial(as_whole, least=0, most=size)
+    per_joint = partial(_numbers, size=size, positive=True)
+    return {
+        "name": _as_robot_name,
+        "urdf": partial(_as_file, folder=folder),
+        "srdf": partial(_as_file, folder=folder),
+        "arm_joints": partial(_as_texts, counts=range(1, 33)),
+        "gripper_joints": partial(_as_texts, counts=(0, 2)),
+        "tip_frame": as_text,
+        "hand_link": as_text,
+        "finger_links": partial(_as_texts, counts=(0, 2)),
+        "camera_pose": _as_pose,
+        "home": partial(_numbers, size=size),
+        "base_pose": _as_pose,
+        **dict.fromkeys(("gripper_open", "gripper_force", "finger_speed", "grip_speed"), partial(as_number, least=0.0)),
+        "pad_size": partial(_numbers, size=2, positive=True),
+        "acceleration": per_joint,
+        **dict.fromkeys(("pad_friction", "reach", "linear_speed", "angular_speed"), POSITIVE),
+        "loaded_joints": whole,
+        "loaded_share": share,
+        "joint_stiffness": per_joint,
+    }
+
+
+def _as_robot_name(value: object, what: str) -> str:
+    name = as_text(value, what)
+    if not ROBOT_NAME.fullmatch(name):
+        raise InvalidValue(what, value, _NAME_RULE)
+    if name in SUPPORTED_ROBOTS:
+        raise InvalidValue(what, value, "is an arm of the catalogue", "Choose another name.")
+    return name
+
+
+def _as_file(value: object, what: str, folder: Path) -> Path:
+    path = folder / as_path(as_text(value, what), what)
+    if not path.is_file():
+        raise InvalidValue(what, value, f"has to be a file; there is none at '{path}'")
+    return path
+
+
+def _as_texts(value: object, what: str, counts: range | tuple[int, ...]) -> tuple[str, ...]:
+    texts = tuple(item for item in items_of(value) if isinstance(item, str) and item)
+    if len(texts) != len(items_of(value)) or len(texts) not in counts or not isinstance(value, list):
+        number = f"{counts[0]} or {counts[-1]}" if isinstance(counts, tuple) else f"{counts[0]} to {counts[-1]}"
+        raise InvalidValue(what, value, f"has to be a list of {number} names")
+    if len(set(texts)) < len(texts):
+        raise InvalidValue(what, value, "has a name twice")
+    return texts
+
+
+def _as_pose(value: object, what: str) -> tuple[float, ...]:
+    return tuple(as_pose(value, what, tolerance=1e-3).tolist())  # type: ignore[arg-type]
+
+
+def _numbers(value: object, what: str, size: int, positive: bool = False) -> tuple[float, ...]:
+    numbers = tuple(as_vector(value, size, what).tolist())  # type: ignore[arg-type]
+    if positive and min(numbers, default=1.0) <= 0.0:
+        raise InvalidValue(what, value, "has to consist of numbers above 0")
+    return numbers

@@ -17,8 +17,8 @@ from assets_lib.dae import Rgb
 from assets_lib.decimate import small_hull
 from assets_lib.files import number, numbers, obj_text, significant, write_text
 from assets_lib.mesh import FloatArray, Mesh, corner_normals, merge, rotation
-from assets_lib.self_collisions import srdf_text
 from assets_lib.urdf import ZERO, Shape, Vec3
+from rlbench_pin.robot.self_collisions import srdf_text
 
 HULL_VERTICES = 64
 """Most vertices of a collision hull."""

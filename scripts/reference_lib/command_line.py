@@ -17,7 +17,7 @@ from rlbench_pin.cli.running import COMMANDS, DONE, FAILED, MISUSED
 _DEFAULT = re.compile(r" ?\((?:default: (.*)|required|optional)\)$", re.DOTALL)
 _NONE = re.compile(r"\{None\}\||(?<=\{)None,")
 """How a parser says that a flag may be left out."""
-WITH_ACTIONS = ("dataset", "train", "challenge")
+WITH_ACTIONS = ("dataset", "train", "challenge", "arm")
 """Commands that have a section for each of their actions."""
 CODES: Mapping[int, str] = {
     DONE: "Done.",

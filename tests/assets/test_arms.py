@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from functools import cache
@@ -16,12 +15,9 @@ import pytest
 
 from rlbench_pin.assets import ASSETS
 from rlbench_pin.robot.geometry import gap, link_geometry
+from rlbench_pin.robot.self_collisions import sample_disabled_pairs
 from rlbench_pin.urdf import disabled_pairs
 from tests.assets.support import configuration
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
-
-from assets_lib import self_collisions
 
 OWN_GRIPPER = ("xarm7", "jaco", "iiwa")
 
@@ -190,8 +186,8 @@ def test_what_can_meet_is_checked(arm: str) -> None:
 
 def test_disabled_pairs_are_reproducible_and_have_reasons() -> None:
     """Two runs agree; what only joints of the gripper move is ignored as such, what a joint connects as adjacent."""
-    first = self_collisions.disabled_pairs(_file("jaco"), 200)
-    assert first == self_collisions.disabled_pairs(_file("jaco"), 200)
+    first = sample_disabled_pairs(_file("jaco"), 200)
+    assert first == sample_disabled_pairs(_file("jaco"), 200)
     reasons = {(a, b): reason for a, b, reason in first}
     assert reasons["jaco_hand", "jaco_link_6"] == "Adjacent"
     assert reasons["jaco_leftfinger", "jaco_rightfinger"] == "Gripper"

@@ -60,6 +60,7 @@ def ur5(folder: Path) -> RobotDescription:
         gripper_force=0.0,
         finger_speed=0.1,
         grip_speed=0.04,
+        pad_friction=1.0,
         pad_size=(0.01, 0.01),
         acceleration=(10.0,) * 6,
         reach=1.3,

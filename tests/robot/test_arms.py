@@ -2,26 +2,19 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
-
 import numpy as np
 import pytest
 
-from rlbench_pin.datasets import encode_demo
+from rlbench_pin.checking import arms
 from rlbench_pin.environment import Environment
-from rlbench_pin.environment.actions import Discrete, ERJointViaIK, JointVelocity, MoveArmThenGripper, SafeArm
+from rlbench_pin.environment.actions import Discrete, ERJointViaIK, MoveArmThenGripper
 from rlbench_pin.environment.actions.pose import PINNED_IK_TICKS, drive_until_there
-from rlbench_pin.environment.presets import low_dim_config, make_environment
-from rlbench_pin.errors import NoIkSolution
+from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.gym import episode_steps
-from rlbench_pin.planning.kinematics import solve_ik
 from rlbench_pin.robot import SUPPORTED_ROBOTS, CollisionModel, RobotModel
 from rlbench_pin.robot.fingers import fingers_of
-from rlbench_pin.scene import read_scene
-from rlbench_pin.scene.spec import BodySpec, SceneSpec
+from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.sim import World
-from rlbench_pin.spatial import above_table
-from rlbench_pin.tasks import find_task
 
 ARMS = tuple(SUPPORTED_ROBOTS)
 
@@ -29,15 +22,15 @@ ARMS = tuple(SUPPORTED_ROBOTS)
 @pytest.mark.parametrize("name", ARMS)
 def test_simulation_and_model_agree(name: str) -> None:
     """Where tip and pads are, at home and at random configurations, with the fingers half open."""
-    description, rng = SUPPORTED_ROBOTS[name], np.random.default_rng(0)
+    description = SUPPORTED_ROBOTS[name]
     model = RobotModel(description)
-    low, high = np.maximum(model.limits.lower, -3.0), np.minimum(model.limits.upper, 3.0)
-    with World(read_scene(find_task("reach_target").scene_file()), description) as world:
-        for q in (model.home, *rng.uniform(low, high, (20, model.size))):
+    configurations = np.array([model.home, *arms.random_configurations(model, 20, turn=3.0)])
+    far, turned = arms.tip_deviation(model, configurations, opening=0.5)
+    assert far < 1e-6
+    assert turned < 1e-6
+    with World(SceneSpec(format=1), description) as world:
+        for q in configurations:
             world.robot.reset_configuration(q, [0.5 * description.gripper_open] * 2)
-            pose = model.tip_pose(q)
-            assert np.abs(world.robot.tip_pose()[:3] - pose[:3]).max() < 1e-6
-            assert abs(abs(world.robot.tip_pose()[3:] @ pose[3:]) - 1.0) < 1e-6
             assert np.allclose(world.robot.fingers, 0.5 * description.gripper_open, atol=1e-6)
 
 
@@ -60,13 +53,9 @@ def test_finger_positions_and_joint_values_belong_together(name: str) -> None:
 def test_home_is_free_and_the_workspace_is_in_reach(name: str) -> None:
     """The hand points down at home; poses above the table are reached without a collision."""
     model = RobotModel(SUPPORTED_ROBOTS[name])
-    collision, rng = CollisionModel(model), np.random.default_rng(1)
-    assert not collision.in_collision(model.home)
+    assert not CollisionModel(model).in_collision(model.home)
     assert model.tip_se3(model.home).rotation[2, 2] < -0.98
-    for _ in range(20):
-        x, y, z = rng.uniform((0.15, -0.25, 0.1), (0.35, 0.25, 0.3))
-        found = solve_ik(model, [x, y, above_table(z), 0.0, 1.0, 0.0, 0.0], model.home, rng, collision=collision)
-        assert np.abs(model.tip_pose(found[0])[:3] - [x, y, above_table(z)]).max() < 1e-4
+    assert arms.reached_places(model, 20) == 20
 
 
 def test_whole_turns_go_the_short_way() -> None:
@@ -82,15 +71,7 @@ def test_whole_turns_go_the_short_way() -> None:
 @pytest.mark.parametrize("name", ARMS)
 def test_poses_that_are_reached_are_solved(name: str) -> None:
     """995 of 1,000 poses of random configurations at least, from home."""
-    model, rng = RobotModel(SUPPORTED_ROBOTS[name]), np.random.default_rng(2)
-    low, high = np.maximum(model.limits.lower, -np.pi), np.minimum(model.limits.upper, np.pi)
-    solved = 0
-    for q in rng.uniform(low, high, (1000, model.size)):
-        pose = model.tip_pose(q)
-        with suppress(NoIkSolution):
-            (found, *_) = solve_ik(model, pose, model.home, rng)
-            solved += np.abs(model.tip_pose(found)[:3] - pose[:3]).max() < 1e-4
-    assert solved >= 995
+    assert arms.solved_poses(RobotModel(SUPPORTED_ROBOTS[name]), 1000) >= 995
 
 
 def test_slow_arms_have_more_time() -> None:
@@ -121,60 +102,28 @@ def test_a_slow_arm_gets_where_its_pinned_joint_is_sent() -> None:
 @pytest.mark.parametrize("name", ARMS)
 def test_the_gripper_holds_a_kilogram(name: str) -> None:
     """By friction alone, for two seconds: a cube of 40 mm between the fingers sinks by less than 5 mm; then it falls."""
-    spec = SceneSpec(format=1, body=[BodySpec(name="cube", asset="objects/cube_small/cube_small.urdf")])
-    description = SUPPORTED_ROBOTS[name]
-    with World(spec, description) as world:
-        cube, gripper = world.body("cube"), world.gripper
-        world.robot.reset_configuration(RobotModel(description).home)
-        world.dynamics_overrides.set_mass(cube.model, -1, 1.0)
-        cube.graspable = True
-        gripper.rely_on_friction()
-        cube.set_pose(world.robot.tip_pose())
-        height = cube.position[2]
-        gripper.set_target(0.0)
-        for _ in range(40):
-            world.step()
-            if not gripper.held:
-                cube.set_pose(world.robot.tip_pose())
-        for _ in range(40):
-            world.step()
-        assert gripper.held == ("cube",)
-        assert cube.position[2] > height - 0.005
-        gripper.set_target(1.0)
-        for _ in range(20):
-            world.step()
-        assert cube.position[2] < height - 0.1
+    grip = arms.grip_of(SUPPORTED_ROBOTS[name])
+    assert grip.opened > 0.95 * SUPPORTED_ROBOTS[name].gripper_open
+    assert grip.shut < 0.002
+    assert grip.held
+    assert grip.sunk < 0.005
+    assert grip.falls
 
 
 @pytest.mark.simulation
 @pytest.mark.parametrize("name", ARMS)
 def test_the_same_seed_gives_the_same_bytes(name: str) -> None:
     """In two environments."""
-    demos = []
-    for _ in range(2):
-        with make_environment(low_dim_config(), robot=name) as environment:
-            demos.append(environment.get_task("push_button").get_demos(1, live_demos=True, seed=1)[0])
-    assert encode_demo(demos[0]) == encode_demo(demos[1])
+    first, second = (arms.encoded_demo(SUPPORTED_ROBOTS[name], "push_button", seed=1) for _ in range(2))
+    assert first == second
 
 
 @pytest.mark.simulation
 @pytest.mark.parametrize("name", ARMS)
 def test_random_actions_break_no_limit(name: str) -> None:
     """Through the safety filter: joint positions, velocities and accelerations stay within the limits, and nothing is touched."""
-    mode, rng = MoveArmThenGripper(SafeArm(JointVelocity()), Discrete()), np.random.default_rng(3)
-    with Environment(mode, obs_config=low_dim_config(), robot_setup=name) as environment:
-        task = environment.get_task("open_drawer")
-        task.reset(seed=0)
-        robot, limits = task.world.robot, task.runtime.model.limits
-        before = robot.joint_velocities
-        for _ in range(300):
-            task.step(np.append(rng.uniform(-1.0, 1.0, len(limits.velocity)) * limits.velocity, 1.0))
-            q, v = robot.joint_positions, robot.joint_velocities
-            assert limits.contains(q)
-            assert (np.abs(v) <= limits.velocity + 1e-6).all()
-            assert (np.abs(v - before) / task.world.control_dt <= 1.001 * np.array(robot.description.acceleration)).all()
-            assert not robot.contact_forces()
-            before = v
+    faults, _ = arms.broken_limits(SUPPORTED_ROBOTS[name], 300, "open_drawer")
+    assert faults == []
 
 
 @pytest.mark.simulation
@@ -182,10 +131,14 @@ def test_random_actions_break_no_limit(name: str) -> None:
 @pytest.mark.parametrize("task_name", ["reach_target", "pick_and_lift"])
 def test_every_arm_demonstrates(name: str, task_name: str) -> None:
     """At the first try, with what is grasped."""
-    mode = MoveArmThenGripper(JointVelocity(), Discrete())
-    with Environment(mode, obs_config=low_dim_config(), robot_setup=name) as environment:
-        task = environment.get_task(task_name)
-        demo = task.get_demos(1, live_demos=True, seed=0, max_attempts=1)[0]
-        assert demo[-1].joint_positions is not None
-        assert len(demo[-1].joint_positions) == len(SUPPORTED_ROBOTS[name].arm_joints)
-        assert task.world.robot.description.name == name
+    demo = arms.demonstration(SUPPORTED_ROBOTS[name], task_name)
+    assert demo[-1].joint_positions is not None
+    assert len(demo[-1].joint_positions) == len(SUPPORTED_ROBOTS[name].arm_joints)
+    assert demo.robot == name
+
+
+@pytest.mark.simulation
+@pytest.mark.parametrize("name", ARMS)
+def test_the_wrist_camera_sees_the_table(name: str) -> None:
+    """At home, in most of its image; arm and fingers hide the rest."""
+    assert arms.free_share(SUPPORTED_ROBOTS[name]) > 0.5

@@ -69,7 +69,7 @@ class KeyFramePolicy:
         _, self._task, self._length = self._known[nearest_sentence(instruction, [sentence for sentence, _, _ in self._known])]
         if self._task not in self._networks:
             self._networks[self._task] = load_key_frames(self._folder / self._task, str(self._device))
-        if self._arm is None or self._arm.description.name != context.robot:
+        if self._arm is None or self._arm.description.reference != context.robot:
             self._arm = RobotModel(robot_description(context.robot))
         self._instruction, self._rng = instruction, np.random.default_rng(context.seed)
         self._step, self._refused, self._round = 0, 0, 0

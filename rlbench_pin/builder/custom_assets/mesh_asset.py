@@ -72,7 +72,7 @@ def _moments(solid: trimesh.Trimesh, center: FloatArray) -> FloatArray:
 
 def format_numbers(numbers: Sequence[float] | FloatArray) -> str:
     """Return numbers in the format of a URDF file."""
-    return " ".join(f"{number:.6g}" for number in np.round(numbers, 9) + 0.0)
+    return " ".join(f"{number:.9g}" for number in np.round(numbers, 9) + 0.0)
 
 
 def mesh_asset(uploaded: UploadedMesh, scale: float, mass: float, color: Sequence[float]) -> CustomAsset:

@@ -63,7 +63,7 @@ def urdf_asset(name: str, data: bytes, source: MeshSource, scale: float, mass: f
     for element, inertia in made:
         _add_inertia(element, inertia, 1.0 if mass is None else mass / whole)
     for joint in joints:
-        builder.joint(new, joint, joint_names[joint.get("name", "").strip()], link_names)
+        builder.joint(new, joint, joint_names, link_names)
     ElementTree.indent(new)
     text = f'<?xml version="1.0"?>\n{ElementTree.tostring(new, encoding="unicode")}\n'
     return CustomAsset(f"{stem}.urdf", {**builder.files, f"{stem}.urdf": text.encode()})
@@ -252,8 +252,9 @@ class _Builder:
 
     # Joints ----------------------------------------------------------------------------------------------------------
 
-    def joint(self, robot: Element, joint: Element, name: str, links: dict[str, str]) -> None:
-        """Add a joint."""
+    def joint(self, robot: Element, joint: Element, joints: dict[str, str], links: dict[str, str]) -> None:
+        """Add a joint; `joints` and `links` give the new names."""
+        name = joints[joint.get("name", "").strip()]
         kind = joint.get("type", "")
         new = SubElement(robot, "joint", name=name, type=kind)
         self._origin(new, joint)
@@ -270,6 +271,16 @@ class _Builder:
         if dynamics is not None:
             values = {key: f"{self._numbers.one(dynamics, key, '0', least=0.0):g}" for key in ("damping", "friction")}
             SubElement(new, "dynamics", values)
+        mimic = joint.find("mimic")
+        if mimic is not None:
+            self._add_mimic(new, mimic, joints)
+
+    def _add_mimic(self, new: Element, mimic: Element, joints: dict[str, str]) -> None:
+        leader = mimic.get("joint", "").strip()
+        if leader not in joints:
+            raise UploadRefused(self._name, f"joint '{new.get('name')}' mimics the joint '{leader[:60]}', which does not exist")
+        ratio, offset = self._numbers.one(mimic, "multiplier", "1"), self._numbers.one(mimic, "offset", "0")
+        SubElement(new, "mimic", joint=joints[leader], multiplier=f"{ratio:.9g}", offset=f"{offset:.9g}")
 
     def _add_limits(self, new: Element, joint: Element, kind: str) -> None:
         limit, one = joint.find("limit"), self._numbers.one
@@ -283,7 +294,7 @@ class _Builder:
         if limit is None or not lower <= upper or max(abs(lower), abs(upper)) > 8.0 * math.pi:
             problem = f"joint '{new.get('name')}' has no limits" if limit is None else f"its limits are {lower:g} to {upper:g}"
             raise UploadRefused(self._name, problem, 'A joint that moves needs <limit lower="..." upper="..."/>.')
-        SubElement(new, "limit", {"lower": f"{lower:.6g}", "upper": f"{upper:.6g}", **rest})
+        SubElement(new, "limit", {"lower": f"{lower:.9g}", "upper": f"{upper:.9g}", **rest})
 
 
 def _is_thick(solid: trimesh.Trimesh) -> bool:

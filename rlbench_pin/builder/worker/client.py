@@ -101,7 +101,7 @@ class WorkerClient:
             InvalidValue: The name of the task is not valid.
         """
         check_name(as_record(text, TaskText, "the text of a task").name)
-        run_task, robot = as_flag(run_task, "run_task"), robot_description(robot).name
+        run_task, robot = as_flag(run_task, "run_task"), robot_description(robot).reference
         with self._world_turn("open"):
             self._text, self._run_task, self._robot = text, run_task, robot
             return self._open()

@@ -189,7 +189,7 @@ class ChallengeConfig:
     train_limit: float = 1e6
     """Time that a learner has to practise the meta-training tasks [s]."""
     robot: str = DEFAULT_ROBOT
-    """Name of the arm."""
+    """Name of the arm, or path of its TOML file."""
     secret: bytes = field(default=b"", repr=False)
     """Mixed into the seeds of demonstrations and episodes; empty for none. See `read_secret`."""
 
@@ -203,7 +203,7 @@ class ChallengeConfig:
             "only": tuple(dict.fromkeys(as_names(self.only, "only", InvalidArgument))),
             "episodes": as_whole(self.episodes, "episodes", InvalidArgument, least=1, most=MAX_EPISODES),
             "seed": as_whole(self.seed, "seed", InvalidArgument, least=0, most=LARGEST_START),
-            "robot": robot_description(self.robot).name,
+            "robot": robot_description(self.robot).reference,
             "secret": as_record(self.secret, bytes, "secret"),
         }
         for name in ("max_seconds", "time_limit", "start_limit", "adapt_limit", "train_limit"):

@@ -18,7 +18,7 @@ class PolicyContext:
     """Information for a policy at the start of an episode, in addition to the instruction."""
 
     robot: str
-    """Name of the arm."""
+    """Name of the arm, or path of its TOML file."""
     joints: int
     """How many joints it has."""
     action_low: tuple[float, ...]

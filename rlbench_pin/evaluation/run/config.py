@@ -63,7 +63,7 @@ class EvaluationConfig:
     start_limit: float = 300.0
     """Time that a policy has to start [s]."""
     robot: str = DEFAULT_ROBOT
-    """Name of the arm."""
+    """Name of the arm, or path of its TOML file."""
     tell_task: bool = True
     """Whether policies get the name of the task in addition to the instruction."""
     policy_seed_key: str | None = None
@@ -80,7 +80,7 @@ class EvaluationConfig:
             "episodes": as_whole(self.episodes, "episodes", InvalidArgument, least=1, most=MAX_EPISODES),
             "seed": as_whole(self.seed, "seed", InvalidArgument, least=0, most=LARGEST_START),
             "variations": as_whole(self.variations, "variations", InvalidArgument, least=ALL_VARIATIONS),
-            "robot": robot_description(self.robot).name,
+            "robot": robot_description(self.robot).reference,
             "tell_task": as_flag(self.tell_task, "tell_task", InvalidArgument),
         }
         for name in ("max_seconds", "time_limit", "start_limit"):

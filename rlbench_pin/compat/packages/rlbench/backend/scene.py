@@ -228,7 +228,7 @@ class Scene:
         demo, self._next_demo = self._next_demo, None
         seed, attempt = self._seeds.draw()
         if demo is not None:
-            seed, attempt = demos.check_start(demo, self.task.get_name(), self._runtime.model.description.name), demo.attempt
+            seed, attempt = demos.check_start(demo, self.task.get_name(), self._runtime.model.description.reference), demo.attempt
         random = EpisodeRandom.from_seed(seed, attempt)
         self._variation_index = index
         self._before_episode()
@@ -248,7 +248,7 @@ class Scene:
     def start_next_as(self, demo: Demo | None) -> None:
         """Let the next `init_episode` start as a demonstration; None lets it start at random again."""
         if demo is not None:
-            demos.check_start(demo, self._loaded("start_next_as").get_name(), self._runtime.model.description.name)
+            demos.check_start(demo, self._loaded("start_next_as").get_name(), self._runtime.model.description.reference)
         self._next_demo = demo
 
     def remember_start(self, demo: Demo) -> None:

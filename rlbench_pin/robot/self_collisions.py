@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import combinations
@@ -14,7 +13,8 @@ import coal
 import numpy as np
 import pinocchio as pin
 
-from assets_lib.mesh import FloatArray
+from rlbench_pin.spatial import FloatArray
+from rlbench_pin.urdf import Follows, Urdf, format_srdf, read_urdf
 
 SAMPLES, SEED = 10000, 1
 NEAR = 0.01
@@ -31,8 +31,8 @@ class _Tree:
     """Link -> the joint above it and its parent link."""
     moving: frozenset[str]
     """Joints that are not fixed."""
-    mimics: Mapping[str, tuple[str, float, float]]
-    """Joint -> the joint that it follows, multiplier and offset."""
+    follows: Mapping[str, Follows]
+    """Joint -> how it follows another."""
 
     def above(self, link: str) -> list[tuple[str, str]]:
         """Return joint and parent link of a link, then of its parent, up to the base."""
@@ -54,13 +54,13 @@ class _Tree:
         return self.moving - frozenset(serial)
 
 
-def disabled_pairs(urdf: Path, samples: int = SAMPLES) -> list[tuple[str, str, Reason]]:
+def sample_disabled_pairs(urdf: Path, samples: int = SAMPLES) -> list[tuple[str, str, Reason]]:
     """Return pairs of links and why their collisions are ignored, sorted by name.
 
     Ignored are pairs of links that one joint connects (links without shapes do not count), that only joints of the gripper move
     against each other, that touch in every sampled configuration, and that touch in none.
     """
-    tree = _read_tree(urdf)
+    tree = _tree_of(read_urdf(urdf))
     model = pin.buildModelFromUrdf(str(urdf))
     shapes = _hulls(model, urdf)
     links = [model.frames[item.parentFrame].name for item in shapes.geometryObjects]
@@ -83,28 +83,15 @@ def disabled_pairs(urdf: Path, samples: int = SAMPLES) -> list[tuple[str, str, R
     return [(*pair, result[pair]) for pair in sorted(result)]
 
 
-def srdf_text(urdf: Path) -> str:
+def srdf_text(urdf: Path, samples: int = SAMPLES) -> str:
     """Return the SRDF of an arm: its name and the pairs that are not checked."""
-    root = ET.Element("robot", name=ET.parse(urdf).getroot().attrib["name"])
-    for first, second, reason in disabled_pairs(urdf):
-        ET.SubElement(root, "disable_collisions", link1=first, link2=second, reason=reason)
-    ET.indent(root)
-    head = '<?xml version="1.0"?>\n<!-- Made by scripts/disabled_pairs.py from the URDF. -->\n'
-    return head + ET.tostring(root, encoding="unicode") + "\n"
+    return format_srdf(read_urdf(urdf).name, sample_disabled_pairs(urdf, samples))
 
 
-def _read_tree(urdf: Path) -> _Tree:
-    parents, moving, mimics = {}, set(), {}
-    for joint in ET.parse(urdf).getroot().iterfind("joint"):
-        name, parent, child, mimic = joint.attrib["name"], joint.find("parent"), joint.find("child"), joint.find("mimic")
-        assert parent is not None and child is not None
-        parents[child.attrib["link"]] = (name, parent.attrib["link"])
-        if joint.attrib["type"] != "fixed":
-            moving.add(name)
-        if mimic is not None:
-            factor, offset = (float(mimic.attrib.get(key, default)) for key, default in (("multiplier", "1"), ("offset", "0")))
-            mimics[name] = (mimic.attrib["joint"], factor, offset)
-    return _Tree(parents, frozenset(moving), mimics)
+def _tree_of(urdf: Urdf) -> _Tree:
+    parents = {joint.child: (joint.name, joint.parent) for joint in urdf.joints}
+    moving = frozenset(joint.name for joint in urdf.joints if joint.kind != "fixed")
+    return _Tree(parents, moving, {joint.name: joint.follows for joint in urdf.joints if joint.follows is not None})
 
 
 def _neighbours(tree: _Tree, link: str, solid: Iterable[str]) -> set[str]:
@@ -134,8 +121,8 @@ def _configurations(model: pin.Model, tree: _Tree, samples: int) -> FloatArray:
         else:
             low, high = -math.pi, math.pi
         angles[name] = rng.uniform(low, high, samples)
-    for name, (leader, factor, offset) in tree.mimics.items():
-        angles[name] = factor * angles[leader] + offset
+    for name, way in tree.follows.items():
+        angles[name] = way.ratio * angles[way.joint] + way.offset
     columns: list[FloatArray] = []
     for name in names:
         turns = model.joints[model.getJointId(name)].nq == 2
