@@ -133,19 +133,13 @@ class Record:
         if self.protocol is None and self.split != "train":
             raise TaskEnvironmentError(f"--split {self.split} needs a protocol. Use `rlbench-pin record --protocol NAME`.")
         worst = 0
-        arms = self._folders() or {self.robot: self.out}
+        arms = _paired_folders(self.paired, self.out) or {self.robot: self.out}
         for robot, out in arms.items():
             code = self._record(robot, out)
             if code == INTERRUPTED:
                 return code
             worst = max(worst, code)
         return worst
-
-    def _folders(self) -> dict[str, Path]:
-        """Return the folder of each arm of `paired`."""
-        from rlbench_pin.robot import robot_description
-
-        return {robot: self.out / robot_description(robot).name for robot in split_names(self.paired)}
 
     def _record(self, robot: str, out: Path) -> int:
         from rlbench_pin.cli.progress import RecordBar, stopping_gently
@@ -193,7 +187,7 @@ class Record:
         from rlbench_pin.recording.config import RECORDING, read_recording
 
         out = self.known.save_path or self.out
-        folders = [*replace(self, out=out)._folders().values()] or [out]
+        folders = [*_paired_folders(self.paired, out).values()] or [out]
         if not (folders[0] / RECORDING).exists():
             return type(self)
         config = read_recording(folders[0])
@@ -310,6 +304,13 @@ class Record:
         trust = ["--trust-task-files"] if own_files or self.trust_task_files else []
         words = ["rlbench-pin", "record", "--resume", "--out", str(out), "--workers", str(self.workers)]
         return shlex.join([*words, *engine, *trust])
+
+
+def _paired_folders(paired: Sequence[str], out: Path) -> dict[str, Path]:
+    """Return the folder of each arm of `paired`."""
+    from rlbench_pin.robot import robot_description
+
+    return {robot: out / robot_description(robot).name for robot in split_names(paired)}
 
 
 def _flag(name: str) -> str:
