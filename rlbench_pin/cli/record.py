@@ -122,19 +122,13 @@ class Record:
             return self._in_our_names().run()
         check_at_least(self, workers=0)
         worst = 0
-        arms = self._folders() or {self.robot: self.out}
+        arms = folders_of(self.paired, self.out) or {self.robot: self.out}
         for robot, out in arms.items():
             code = self._record(robot, out)
             if code == INTERRUPTED:
                 return code
             worst = max(worst, code)
         return worst
-
-    def _folders(self) -> dict[str, Path]:
-        """Return the folder of each arm of `paired`."""
-        from rlbench_pin.robot import robot_description
-
-        return {robot: self.out / robot_description(robot).name for robot in split_names(self.paired)}
 
     def _record(self, robot: str, out: Path) -> int:
         from rlbench_pin.cli.progress import RecordBar, stopping_gently
@@ -182,7 +176,7 @@ class Record:
         from rlbench_pin.recording.config import RECORDING, read_recording
 
         out = self.known.save_path or self.out
-        folders = [*replace(self, out=out)._folders().values()] or [out]
+        folders = [*folders_of(self.paired, out).values()] or [out]
         if not (folders[0] / RECORDING).exists():
             return type(self)
         config = read_recording(folders[0])
@@ -234,6 +228,13 @@ class Record:
         trust = ["--trust-task-files"] if own_files or self.trust_task_files else []
         words = ["rlbench-pin", "record", "--resume", "--out", str(out), "--workers", str(self.workers)]
         return shlex.join([*words, *engine, *trust])
+
+
+def folders_of(paired: Sequence[str], out: Path) -> dict[str, Path]:
+    """Return the folder of each of several arms: the name of the arm, in `out`."""
+    from rlbench_pin.robot import robot_description
+
+    return {robot: out / robot_description(robot).name for robot in split_names(paired)}
 
 
 def spelled_out(arguments: Sequence[str]) -> list[str]:
