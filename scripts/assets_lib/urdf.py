@@ -5,7 +5,7 @@ A `Model` has links with coloured visual parts and convex collision parts, and j
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
@@ -137,6 +137,8 @@ class Visual:
     texture: str | None = None
     """Name of a PNG beside the URDF, without ending."""
     crease: float = SMOOTH
+    grade: Callable[[FloatArray], FloatArray] | None = None
+    """Returns by which share places (n, 3) of the shape are darker than its colour, as shades in 0..1 (n,)."""
 
     @property
     def color(self) -> Vec3:
@@ -335,6 +337,9 @@ def _with_shades(link: Link, skins: Sequence[_Skin]) -> list[_Skin]:
     normals = [skin.normals @ rotation(v.shape.rpy).T for skin, v in zip(skins, link.visuals, strict=True)]
     solid = [v.shape.mesh() for v in link.visuals if v.finish.opacity == 1.0]
     shades = shades_of(placed, normals, solid)
+    for k, visual in enumerate(link.visuals):
+        if visual.grade is not None:
+            shades[k] = shades[k] * visual.grade(skins[k].mesh.vertices)[skins[k].mesh.faces]
     return [replace(skin, shades=own) for skin, own in zip(skins, shades, strict=True)]
 
 

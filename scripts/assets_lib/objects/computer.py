@@ -111,7 +111,8 @@ def _back() -> tuple[Visual, ...]:
 def _computer() -> Model:
     w, rear = WIDTH / 2.0, DEPTH - SLOT_DEPTH
     size, center = (rear, WIDTH - 0.004, HEIGHT - FEET), ((DEPTH + SLOT_DEPTH) / 2.0, 0.0, (HEIGHT + FEET) / 2.0)
-    feet = [box((0.04, 0.03, FEET), (x, s * (w - 0.025), FEET / 2.0)) for x in (0.05, DEPTH - 0.04) for s in (-1, 1)]
+    feet = [box((0.04, 0.03, FEET), (x, s * (w - 0.022), FEET / 2.0)) for x in (0.05, DEPTH - 0.04) for s in (-1, 1)]
+    plinth = box((DEPTH - 0.012, WIDTH - 0.014, FEET), (DEPTH / 2.0, 0.0, FEET / 2.0))
     button = cylinder(0.011, 0.003, 16, bevel=0.001).moved((-0.001, 0.0, 0.207), (0.0, HALF_PI, 0.0))
     ring = lathe([(0.011, 0.0), (0.0135, 0.0), (0.0135, 0.0012), (0.011, 0.0012)], 16).moved(
         (0.0, 0.0, 0.207), (0.0, -HALF_PI, 0.0)
@@ -119,7 +120,7 @@ def _computer() -> Model:
     visuals = (
         Visual(mesh_shape("case", bevelled_box(size, center)), CASE),
         Visual(mesh_shape("front", _front()), BEZEL, crease=0.3),
-        Visual(mesh_shape("holes", merge([*feet, _holes()])), DARK),
+        Visual(mesh_shape("holes", merge([*feet, plinth, _holes()])), DARK),
         Visual(mesh_shape("port_frame", _port_frame()), SILVER),
         Visual(mesh_shape("symbol", _symbol()), LIGHT),
         Visual(mesh_shape("button", button), SILVER),

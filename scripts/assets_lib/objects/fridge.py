@@ -4,7 +4,20 @@ from __future__ import annotations
 
 from assets_lib.cabinets import bevelled, cabinet, rectangle_at
 from assets_lib.mesh import Mesh, box, cylinder, icosphere, merge, rod
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic, shining
+from assets_lib.urdf import (
+    Joint,
+    Link,
+    Model,
+    Shape,
+    Visual,
+    box_shape,
+    cylinder_shape,
+    glossy,
+    mesh_shape,
+    metal,
+    plastic,
+    shining,
+)
 
 DEPTH, WIDTH, HEIGHT, FOOT, WALL = 0.30, 0.36, 0.60, 0.012, 0.015
 THICK, GAP = 0.03, 0.002
@@ -22,11 +35,13 @@ SHELF_FRONT = FRONT + 0.052
 """The shelves leave room for the racks of the upper door [m]."""
 HANDLE = (-THICK - 0.056, -0.312)
 """x, y of the handle bars in the doors' frames [m]."""
-BAR_RADIUS = 0.007
+BAR_RADIUS, SEEN_RADIUS = 0.007, 0.0085
+"""Of a handle bar where it is grasped, and as it is seen [m]."""
 BARS = {"upper": (-0.09, 0.20), "lower": (0.02, 0.10)}
 """Middle height in the frame of the door, and length of the handle bar [m]."""
 MINT, WHITE, INSIDE = plastic((0.42, 0.70, 0.68)), (0.95, 0.96, 0.96), (0.88, 0.92, 0.94)
 DARK, CHROME, SEAL = (0.14, 0.14, 0.15), metal((0.84, 0.85, 0.88)), (0.30, 0.32, 0.33)
+BRIGHT, GROOVE = glossy((0.93, 0.94, 0.95), 0.15), (0.31, 0.54, 0.53)
 HALF_PI = 1.57079633
 
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]
@@ -113,7 +128,7 @@ def _body_link() -> Link:
         Visual(mesh_shape("shell", _shell()), MINT),
         Visual(mesh_shape("lining", _lining()), INSIDE),
         Visual(mesh_shape("shelves", _merged(_shelves())), (0.62, 0.74, 0.80)),
-        Visual(mesh_shape("feet", _merged(_feet())), DARK),
+        Visual(mesh_shape("feet", _merged((*_feet(), *_plinth()))), DARK),
         Visual(mesh_shape("coil", _coil()), DARK),
         Visual(mesh_shape("compressor", _merged((_compressor(),))), (0.30, 0.31, 0.33)),
         *(Visual(mesh_shape(name, _merged((part,))), color) for name, part, color in food),
@@ -128,8 +143,8 @@ def _handle(z: float, length: float) -> tuple[Mesh, tuple[Shape, ...]]:
     x, y = HANDLE
     reach = -x - THICK
     ends = tuple(z + side * (length / 2.0 - 0.012) for side in (-1, 1))
-    bar = rod((x, y, z - length / 2.0), (x, y, z + length / 2.0), BAR_RADIUS, 10)
-    posts = tuple(box((reach, 0.012, 0.014), (x + reach / 2.0, y, e)) for e in ends)
+    bar = rod((x, y, z - length / 2.0), (x, y, z + length / 2.0), SEEN_RADIUS, 14)
+    posts = tuple(box((reach, 0.014, 0.018), (x + reach / 2.0, y, e)) for e in ends)
     stays = tuple(box_shape((reach, 0.012, 0.014), (x + reach / 2.0, y, e)) for e in ends)
     return merge([bar, *posts]), (cylinder_shape(BAR_RADIUS, length, (x, y, z)), *stays)
 
@@ -146,6 +161,24 @@ def _seal(tall: float) -> Mesh:
     strips = [((y[0], y[0] + wide), z), ((y[1] - wide, y[1]), z), (y, (z[0], z[0] + wide)), (y, (z[1] - wide, z[1]))]
     # a rectangle is seen from -x, turned about z from +x
     return merge(rectangle_at(-0.0012, (-own[1], -own[0]), high) for own, high in strips).moved(rpy=(0.0, 0.0, 2.0 * HALF_PI))
+
+
+def _groove(tall: float) -> Mesh:
+    """Return the line that is pressed into the front of a door, around its panel."""
+    inset, wide = 0.024, 0.0035
+    y, z = (-WIDTH + inset, -inset), (inset - tall / 2.0, tall / 2.0 - inset)
+    strips = [((y[0], y[0] + wide), z), ((y[1] - wide, y[1]), z)]
+    strips += [((y[0] + wide, y[1] - wide), span) for span in ((z[0], z[0] + wide), (z[1] - wide, z[1]))]
+    return merge(rectangle_at(-THICK - 0.0006, *strip) for strip in strips)
+
+
+def _plinth() -> tuple[Box, ...]:
+    """Return the dark board below the doors and the rubber between them."""
+    half = WIDTH / 2.0
+    return (
+        _between((FRONT - 0.004, DEPTH / 2.0 - 0.01), (0.006 - half, half - 0.006), (0.0, FOOT)),
+        _between((FRONT - GAP - THICK + 0.005, FRONT), (0.004 - half, half - 0.004), (LOWER[1], UPPER[0])),
+    )
 
 
 def _racks(tall: float) -> tuple[Box, ...]:
@@ -165,9 +198,10 @@ def _door_link(name: str, bounds: tuple[float, float], mass: float) -> Link:
     handle, shapes = _handle(*BARS[name])
     visuals = [
         Visual(mesh_shape(f"{name}_door", bevelled((slab,), 0.004)), MINT),
+        Visual(mesh_shape(f"{name}_groove", _groove(tall)), GROOVE),
         Visual(mesh_shape(f"{name}_pad", _merged((pad,))), WHITE),
         Visual(mesh_shape(f"{name}_seal", _seal(tall)), SEAL),
-        Visual(mesh_shape(f"{name}_handle", merge([handle, _bolted_plates(*BARS[name])])), CHROME),
+        Visual(mesh_shape(f"{name}_handle", merge([handle, _bolted_plates(*BARS[name])])), BRIGHT),
     ]
     solid: list[Box] = [slab]
     if name == "upper":

@@ -46,17 +46,17 @@ def _edges() -> Mesh:
 
 def _back() -> Mesh:
     """Return the thin panel behind, which is only seen: the rails stop what slides there."""
-    return box((0.004, WIDTH - BOARD, HEIGHT - BOARD), (DEPTH / 2.0 - 0.002, 0.0, LEGS + HEIGHT / 2.0))
+    return box((0.0055, WIDTH - 0.018, HEIGHT - 0.018), (DEPTH / 2.0 - 0.00125, 0.0, LEGS + HEIGHT / 2.0))
 
 
 def _cupboard() -> Model:
     lower, upper, *boards = _boards()
     legs = _legs()
     visuals = (
-        Visual(mesh_shape("boards", _seen(tuple(boards))), patterned(BODY, "wood")),
+        Visual(mesh_shape("boards", _seen(tuple(boards))), BODY),
         Visual(mesh_shape("rails", _seen((lower, upper))), BODY),
         Visual(mesh_shape("back", _back()), BACK),
-        Visual(mesh_shape("edges", _edges()), EDGE),
+        Visual(mesh_shape("edges", _edges()), patterned(EDGE, "wood")),
         Visual(mesh_shape("legs", _seen(legs)), LEG),
     )
     link = Link("cupboard", 8.0, visuals, (lower, upper, *boards, *legs))

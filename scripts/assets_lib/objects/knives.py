@@ -18,6 +18,8 @@ SLOT = (0.10, 0.035, 0.010)
 """Depth, width and height of the open slot [m]."""
 BLOCK_LENGTH, BLOCK_WIDTH, ABOVE, BELOW, LOW_EDGE, FOOT = 0.125, 0.10, 0.035, 0.075, 0.06, 0.02
 """Of the block along the slots and across, over and under the open slot; its front ends so high, and the foot is set back [m]."""
+BLOCK_BEVEL, LAYER, RUBBER = 0.003, 0.018, (0.10, 0.10, 0.11)
+"""Of the block: bevel of its outer edges, half the thickness of the layer in the middle [m], and colour of its foot."""
 BOARD, BOARD_BEVEL = (0.24, 0.16, 0.015), 0.003
 WALNUT, MAPLE, GROOVE = patterned((0.50, 0.31, 0.18), "wood"), patterned((0.86, 0.72, 0.50), "wood"), (0.62, 0.47, 0.29)
 GRIP, STEEL, EDGE, DARK = plastic((0.09, 0.09, 0.10)), metal((0.78, 0.80, 0.83)), metal((0.92, 0.93, 0.95)), (0.05, 0.03, 0.02)
@@ -95,10 +97,38 @@ def _upright(points: np.ndarray, half: float) -> list[Vec3]:
 
 def _body() -> Mesh:
     """Return what is seen of the block: a wedge that stands on its whole length, where what collides stands on less."""
-    outline, bevel = _profile(ABOVE), 0.003
+    outline, half = _standing(), BLOCK_WIDTH / 2.0
+    sides = []
+    for side in (-1.0, 1.0):
+        points = [(outline, LAYER), (outline, half - BLOCK_BEVEL), (grown(outline, -BLOCK_BEVEL), half)]
+        sides.append(hull_of(np.round(np.array([(x, side * y, z) for corners, y in points for x, z in corners]), 6)))
+    return merge(sides)
+
+
+def _core() -> Mesh:
+    """Return the lighter layer in the middle of the block."""
+    return hull_of(np.round(np.array(_upright(_standing(), LAYER)), 6))
+
+
+def _foot() -> Mesh:
+    """Return the rubber below the block."""
+    low, high = _standing()[0, 0], _standing()[1, 0]
+    return bevelled_box((high - low + 0.0012, BLOCK_WIDTH + 0.0012, 0.005), ((low + high) / 2.0, 0.0, 0.0025), 0.001)
+
+
+def _face() -> Mesh:
+    """Return the lighter wood of the end around the mouths of the slots."""
+    low, high = 0.004 - BELOW, ABOVE - 0.004
+    points = rectangle(BLOCK_WIDTH - 0.008, high - low) + (0.0, (low + high) / 2.0)
+    x, z = _at(0.0, 0.0)
+    return mark(points, 0.0003, "x").moved((float(x), 0.0, float(z)), (0.0, -SLANT, np.pi))
+
+
+def _standing() -> np.ndarray:
+    """Return the outline (n, 2) of what is seen of the block, counter-clockwise."""
+    outline = _profile(ABOVE)
     outline[:2] = (outline[-1, 0], 0.0), (outline[2, 0], 0.0)
-    half = BLOCK_WIDTH / 2.0
-    return hull_of(np.round(np.array(_upright(outline, half - bevel) + _upright(grown(outline, -bevel), half)), 6))
+    return outline
 
 
 def _in_slot(size: Vec3, along: float, side: float, across: float) -> Shape:
@@ -127,11 +157,17 @@ def _mouths() -> Mesh:
     marks += [rectangle(0.034, 0.006) + (side, down) for down in (-0.022, -0.040) for side in (-0.022, 0.022)]
     marks += [rectangle(0.024, 0.006) + (side, -0.058) for side in (-0.022, 0.022)]
     x, z = _at(0.0, 0.0)
-    return merge(mark(points, 0.0004, "x") for points in marks).moved((float(x), 0.0, float(z)), (0.0, -SLANT, np.pi))
+    return merge(mark(points, 0.0008, "x") for points in marks).moved((float(x), 0.0, float(z)), (0.0, -SLANT, np.pi))
 
 
 def _block() -> Model:
-    visuals = (Visual(mesh_shape("body", _body()), WALNUT), Visual(mesh_shape("mouths", _mouths()), DARK))
+    visuals = (
+        Visual(mesh_shape("body", _body()), WALNUT),
+        Visual(mesh_shape("core", _core()), patterned((0.66, 0.45, 0.27), "wood")),
+        Visual(mesh_shape("face", _face()), patterned((0.74, 0.56, 0.36), "wood")),
+        Visual(mesh_shape("mouths", _mouths()), DARK),
+        Visual(mesh_shape("foot", _foot()), RUBBER),
+    )
     mouth = _at(0.0, 0.0)
     notes = (
         f"open slot {SLOT[1]} x {SLOT[2]}, {SLOT[0]} deep; its mouth is at x = {mouth[0]:.4f}, z = {mouth[1]:.4f}, "

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from assets_lib.cabinets import bevelled_box, cabinet, rectangle_at
@@ -140,29 +142,57 @@ def _ticks(x: float) -> Mesh:
 def _glow_link() -> Link:
     """Return what glows while the oven is on: window of the shut door, pilot lamp, plate of the left-most knob."""
     t, w, h = DOOR
-    window = box((0.0008, w - 0.11, h - 0.13), (HINGE[0] - t - 0.0024, 0.0, HINGE[2] + h / 2.0 - 0.015))
+    size = (w - 0.11, h - 0.13)
+    place = (HINGE[0] - t - 0.0024, 0.0, HINGE[2] + h / 2.0 - 0.015)
+    whole = box((0.0008, *size), place)
     x, y, radius = PLATES[0]
 
-    def lights(sides: int, round_: int) -> Mesh:
+    def lights(sides: int, round_: int, window: Sequence[Mesh]) -> Mesh:
         rings = [
             lathe([(r, 0.0), (r - 0.008, 0.0)], sides).moved((x, y, HEIGHT + 0.0068))
             for r in (radius - 0.006, radius - 0.026, radius - 0.046)
         ]
         lamp = cylinder(0.006, 0.004, round_).moved((-DEPTH / 2.0 - 0.004, PILOT_Y, KNOB_Z), (0.0, HALF_PI, 0.0))
-        return merge([window, lamp, *rings])
+        return merge([*window, lamp, *rings])
 
-    seen = Visual(mesh_shape("glow", lights(24, 12)), Paint(GLOW, opacity=0.0, emission=GLOW, reach=0.0))
-    return Link("glow", 0.001, (seen,), weighs=(mesh_shape("", lights(12, 6)),))
+    bright, dim = ([part.moved(place) for part in parts] for parts in _lit_window(size))
+    seen = (
+        Visual(mesh_shape("glow", lights(24, 12, bright)), Paint(GLOW, opacity=0.0, emission=GLOW, reach=0.0)),
+        Visual(mesh_shape("glow_edge", merge(dim)), Paint(GLOW, opacity=0.0)),
+    )
+    return Link("glow", 0.001, seen, weighs=(mesh_shape("", lights(12, 6, [whole])),))
+
+
+def _lit_window(size: tuple[float, float]) -> tuple[list[Mesh], list[Mesh]]:
+    """Return the bright and the dim parts of the lit window, around its middle: dim along its border, dark at the rods."""
+    y, z, t = size[0] / 2.0, size[1] / 2.0, 0.0008
+    edge, low, high, rod_ = 0.016, -z + 0.030, -z + 0.044, 0.003
+
+    def part(ys: tuple[float, float], zs: tuple[float, float]) -> Mesh:
+        return box((t, ys[1] - ys[0], zs[1] - zs[0]), (0.0, (ys[0] + ys[1]) / 2.0, (zs[0] + zs[1]) / 2.0))
+
+    inner = y - edge
+    bright = [part((-inner, inner), (-z + edge, low - rod_)), part((-inner, inner), (high + rod_, z - edge))]
+    steps = np.linspace(-inner, inner, 10)
+    bright += [part((a + rod_ / 2.0, b - rod_ / 2.0), (low, high)) for a, b in zip(steps[:-1], steps[1:], strict=True)]
+    dim = [part((-y, y), span) for span in ((-z, -z + edge), (z - edge, z))]
+    for side in (-1, 1):
+        ys = (inner, y) if side > 0 else (-y, -inner)
+        dim += [part(ys, span) for span in ((-z + edge, low - rod_), (low, high), (high + rod_, z - edge))]
+    return bright, dim
 
 
 def _body_link() -> Link:
     front = -DEPTH / 2.0
     panel = box((0.002, WIDTH, HEIGHT - 0.356), (front - 0.001, 0.0, (HEIGHT + 0.356) / 2.0))
+    tall = CEILING - FLOOR
+    cheeks = [box((0.012, 0.014, tall), (front + 0.0055, s * (WIDTH / 2.0 - WALL - 0.007), FLOOR + tall / 2.0)) for s in (-1, 1)]
     places = _knob_places()
     pilot = cylinder(0.0075, 0.002, 14).moved((front - 0.003, PILOT_Y, KNOB_Z), (0.0, HALF_PI, 0.0))
     visuals = (
         Visual(mesh_shape("shell", _shell()), STEEL),
         Visual(mesh_shape("lining", _lining()), (0.20, 0.19, 0.19)),
+        Visual(mesh_shape("cheeks", merge(cheeks)), STEEL),
         Visual(mesh_shape("panel", panel), DARK),
         Visual(mesh_shape("ticks", _ticks(front - 0.0025)), (1.0, 1.0, 1.0)),
         Visual(mesh_shape("hob", box((DEPTH - 0.02, WIDTH - 0.02, 0.002), (0.0, 0.0, HEIGHT + 0.001))), DARK),

@@ -58,7 +58,15 @@ def _spatula() -> Model:
 
 
 def _neck() -> Mesh:
-    return bevelled_box((0.05, 0.012, 0.008), (0.0, 0.0, 0.0)).moved(on_handle(0.022), (0.0, RISE, 0.0))
+    """Return the shaft below the grip, and the tongue by which it is welded to the rear of the blade."""
+    shaft = bevelled_box((0.042, 0.014, 0.009)).moved(on_handle(0.027), (0.0, RISE, 0.0))
+    rear, low, high = -BLADE[0] / 2.0, 0.0004, BLADE[2] + 0.0016
+    top = [on_handle(0.012, above) for above in (-0.0045, 0.0045)]
+    bend = [(rear + 0.001, 0.013, low), (rear + 0.001, 0.013, high), (rear + 0.012, 0.012, high)]
+    pad = [(rear + 0.001, 0.013), (rear + 0.022, 0.010), (rear + 0.030, 0.004)]
+    sides = (-1.0, 1.0)
+    bent = hull_of(np.array([(x, s * y, z) for x, y, z in [*bend, *((x, 0.007, z) for x, _, z in top)] for s in sides]))
+    return merge([shaft, bent, hull_of(np.array([(x, s * y, z) for x, y in pad for z in (low, high) for s in sides]))])
 
 
 def _grip() -> Mesh:

@@ -145,13 +145,19 @@ def _pocket() -> Model:
     shapes = tuple(box_shape(*one) for one in boxes)
     low = merge(bevelled_box((size[0], size[1], z - 0.010), (at[0], at[1], (z - 0.010) / 2.0)) for size, at in boxes)
     rails = merge(bevelled_box((size[0], size[1], 0.012), (at[0], at[1], z - 0.006)) for size, at in boxes)
-    hole = cylinder(0.036, 0.001, 28).moved((0.036, 0.0, 0.0010))
+    hole = cylinder(0.031, 0.001, 32).moved((0.0385, 0.0, 0.0012))
+    inner = cylinder(0.036, 0.001, 32).moved((0.036, 0.0, 0.0008))
+    rim = [(0.0405, 0.0008), (0.0395, 0.0028), (0.0375, 0.0034), (0.0358, 0.0024), (0.0355, 0.0010)]
+    ring = lathe(rim, 32).moved((0.036, 0.0, 0.0))
+    ring = Mesh(np.column_stack([np.clip(ring.vertices[:, 0], 0.0, x - WALL), *ring.vertices.T[1:]]), ring.faces)
     cloth = box_shape((x - WALL, y - 2.0 * WALL, 0.001), ((x - WALL) / 2.0, 0.0, 0.0005))
     visuals = (
         Visual(mesh_shape("cushions", low), patterned(FELT, "cloth"), crease=0.1),
         Visual(mesh_shape("rails", rails), patterned(plastic(WALNUT), "wood"), crease=0.1),
         Visual(mesh_shape("cloth", cloth.mesh()), patterned(FELT, "cloth")),
-        Visual(mesh_shape("hole", hole), (0.05, 0.05, 0.05)),
+        Visual(mesh_shape("hole_wall", inner), (0.17, 0.13, 0.10)),
+        Visual(mesh_shape("hole", hole), (0.015, 0.015, 0.015)),
+        Visual(mesh_shape("hole_rim", ring), plastic((0.42, 0.25, 0.13))),
     )
     link = Link("billiard_pocket", 1.0, visuals, shapes, friction=0.6)
     notes = (f"opens towards -x and upwards; {x} deep, {y} wide, {z} high, walls {WALL}; floor and hole are only seen",)

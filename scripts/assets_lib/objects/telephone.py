@@ -118,14 +118,15 @@ def _cradle() -> Model:
     pins = [bevelled_box((0.006, 0.003, 0.0014), 0.0005).moved(_on_bed(0.010, 0.0, s * 0.010), TURN) for s in (-1, 1)]
     light = bevelled_box((0.004, 0.010, 0.001), 0.0004).moved(_on_bed(-STOP[0] / 2.0, STOP[1], 0.034), TURN)
     bed = bevelled_box((length - 0.004, 2.0 * inner - 0.002, 0.0006), 0.0003).moved(_on_bed(length / 2.0, -0.0002), TURN)
-    cord = [(0.058, 0.0, 0.006), (0.085, 0.0, 0.003), (0.10, 0.02, 0.003), (0.10, 0.06, 0.003)]
+    end = CRADLE[0] / 2.0
+    relief = [(0.0052, end - 0.004, end + 0.004), (0.0040, end + 0.004, end + 0.009), (0.0030, end + 0.009, end + 0.014)]
     visuals = (
         Visual(mesh_shape("wedge", _wedge(CRADLE[1], 0.0)), BASE),
         Visual(mesh_shape("cheeks", merge(seen)), BASE),
         Visual(mesh_shape("bed", bed), (0.30, 0.32, 0.36)),
         Visual(mesh_shape("pins", merge(pins)), BRASS),
         Visual(mesh_shape("light", light), shining((0.25, 0.85, 0.35))),
-        Visual(mesh_shape("cord", merge(rod(a, b, 0.003, 8) for a, b in zip(cord[:-1], cord[1:], strict=True))), DARK),
+        Visual(mesh_shape("cord", merge(rod((a, 0.0, 0.0055), (b, 0.0, 0.0055), radius, 12) for radius, a, b in relief)), DARK),
     )
     shapes = (mesh_shape("wedge_hull", _wedge(CRADLE[1], SKIN)), *cheeks, stop)
     middle = _on_bed(HANDSET[0] / 2.0, HANDSET[2] / 2.0)

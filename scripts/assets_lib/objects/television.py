@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
-from assets_lib.cabinets import bevelled, bevelled_box
-from assets_lib.mesh import FloatArray, Mesh, box, cylinder, hull_of, merge
+from assets_lib.cabinets import bevelled, bevelled_box, rectangle_at
+from assets_lib.mesh import FloatArray, Mesh, box, cylinder, hull_of, lathe, merge
 from assets_lib.prisms import mark, regular_polygon
-from assets_lib.urdf import Joint, Link, Model, Visual, box_shape, cylinder_shape, mesh_shape, plastic
+from assets_lib.urdf import Joint, Link, Model, Visual, box_shape, cylinder_shape, glossy, mesh_shape, plastic, shining
 
 PANEL, BOTTOM = (0.03, 0.40, 0.25), 0.045
 """Size of the panel, and height of its lower edge [m]."""
@@ -18,6 +20,8 @@ SCREEN = (PANEL[1] - 2.0 * BEZEL, PANEL[2] - 2.0 * BEZEL - 0.008)
 """Width and height of the screen [m]."""
 SHEET = 0.0006
 """Thickness of a layer of the image [m]."""
+TOP_SHADE, GLOSS, HILLS = 0.82, 0.06, (0.20, 0.55, 0.18)
+"""Shade of the upper part of the screen, share of the light that the screen mirrors, and colour of the hills."""
 CASE, TRIM, DARK = plastic((0.10, 0.10, 0.11)), (0.45, 0.46, 0.48), (0.03, 0.03, 0.04)
 
 REMOTE, CAP_RADIUS, PROUD, TRAVEL = (0.16, 0.045, 0.016), 0.007, 0.0055, 0.005
@@ -66,6 +70,59 @@ def _hills() -> list[FloatArray]:
     return [plain, left, right]
 
 
+def _range(tops: FloatArray, layer: int) -> Mesh:
+    """Return a range of hills under a line of points (n, 2), right and up, that goes down to the lower edge of the image."""
+    low, x = -SCREEN[1] / 2.0 + 0.004, -PANEL[0] / 2.0 - 0.0004 - SHEET - 0.0003 * layer
+    spans = zip(tops[:-1], tops[1:], strict=True)
+    return merge(
+        Mesh(
+            np.array([(x, -a[0], MIDDLE + low), (x, -b[0], MIDDLE + low), (x, -b[0], MIDDLE + b[1]), (x, -a[0], MIDDLE + a[1])]),
+            np.array([(0, 1, 2), (0, 2, 3)]),
+        )
+        for a, b in spans
+    )
+
+
+def _line(base: float, waves: tuple[tuple[float, float, float], ...]) -> FloatArray:
+    """Return points (n, 2) across the image, right and up: a height and waves (height, number, phase) [m]."""
+    share = np.linspace(0.0, 1.0, 29)
+    up = base + sum(height * np.sin(2.0 * np.pi * number * share + phase) for height, number, phase in waves)
+    return np.column_stack([(share - 0.5) * SCREEN[0], up])
+
+
+def _landscape() -> tuple[Visual, ...]:
+    """Return what is seen of the lower part of the image: bright hills far away, darker ones before them, and a meadow."""
+    ranges = {
+        "far_hills": (_line(-0.006, ((0.022, 1.0, 0.4), (0.009, 2.6, 1.0))), 1, (1.0, 0.86)),
+        "hills": (_line(-0.040, ((0.020, 1.3, 3.4), (0.006, 3.1, 0.0))), 2, (0.80, 0.62)),
+        "meadow": (_line(-0.074, ((0.010, 0.7, 0.9),)), 3, (0.98, 0.72)),
+    }
+    return tuple(
+        Visual(mesh_shape(name, _range(tops, layer)), glossy(HILLS, GLOSS), crease=0.1, grade=_fade(*shades))
+        for name, (tops, layer, shades) in ranges.items()
+    )
+
+
+def _fade(high: float, low: float) -> Callable[[FloatArray], FloatArray]:
+    """Return shades that fall from the middle of the image to its lower edge."""
+    return lambda places: np.interp(places[:, 2] - MIDDLE, (-SCREEN[1] / 2.0, 0.0), (low, high))
+
+
+def _sky() -> Visual:
+    """Return the screen, whose shade grows towards the horizon; behind the digits it is even, so that these are not seen."""
+    edges = (-SCREEN[1] / 2.0 + 0.004, -0.02, 0.03, SCREEN[1] / 2.0 - 0.07, SCREEN[1] / 2.0 + 0.004)
+    shades = (0.90, 1.0, 0.90, TOP_SHADE, TOP_SHADE)
+    x, half = -PANEL[0] / 2.0 - 0.0004 - SHEET, SCREEN[0] / 2.0
+    bands = [rectangle_at(x, (-half, half), (MIDDLE + a, MIDDLE + b)) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    sides = _sheet(_rectangle(0.0, 0.004, *SCREEN), 0).moved((0.0001, 0.0, 0.0))
+    return Visual(
+        mesh_shape("screen", merge([*bands, sides])),
+        glossy((0.55, 0.80, 1.0), GLOSS),
+        crease=0.1,
+        grade=lambda places: np.interp(places[:, 2] - MIDDLE, edges, shades),
+    )
+
+
 def _digit(place: int, strokes: str) -> list[FloatArray]:
     """Return the strokes of a digit in a row that begins in the upper left corner of the screen."""
     x, y, found = -SCREEN[0] / 2.0 + 0.032 + 2.0 * DIGIT * place, SCREEN[1] / 2.0 - 0.042, []
@@ -98,8 +155,12 @@ def _television() -> Model:
     }
     for name, (parts, layer, paint) in image.items():
         solid = merge(_sheet(points, layer) for points in parts)
-        seen = solid if layer == 0 else merge(_flat(points, layer) for points in parts)
-        links.append(Link(name, 0.001, (Visual(mesh_shape(name, seen), paint, crease=0.1),), weighs=(mesh_shape("", solid),)))
+        seen: tuple[Visual, ...] = (_sky(),) if name == "screen" else _landscape()
+        if name not in ("screen", "hills"):
+            flat, shade = merge(_flat(points, layer + 2) for points in parts), 1.0 if name == "sun" else TOP_SHADE
+            bright = glossy(shining(paint), GLOSS) if name in SEGMENTS else glossy(paint, GLOSS)
+            seen = (Visual(mesh_shape(name, flat), bright, crease=0.1, grade=lambda places, s=shade: np.full(len(places), s)),)
+        links.append(Link(name, 0.001, seen, weighs=(mesh_shape("", solid),)))
     joints = tuple(Joint(f"{name}_mount", "fixed", "television", name, (0.0, 0.0, 0.0)) for name in image)
     notes = (
         f"screen faces -x; panel {x} x {y} x {z}, its lower edge at z = {BOTTOM}; foot {FOOT}",
@@ -120,7 +181,8 @@ def _glyph(name: str) -> Mesh:
 def _remote() -> Model:
     x, y, z = REMOTE
     keys = [box((0.007, 0.009, 0.002), (-0.045 - 0.0115 * i, 0.013 * j, z + 0.0005)) for i in range(3) for j in (-1, 0, 1)]
-    wells = [cylinder(CAP_RADIUS + 0.0025, 0.0008, 16).moved((place, 0.0, z)) for place in CAPS.values()]
+    well = lathe([(CAP_RADIUS + 0.0025, 0.0), (CAP_RADIUS + 0.0025, 0.0004), (CAP_RADIUS + 0.0002, 0.0004)], 24)
+    wells = [well.moved((place, 0.0, z)) for place in CAPS.values()]
     visuals = (
         Visual(mesh_shape("shell", bevelled_box(REMOTE, (0.0, 0.0, z / 2.0), 0.003)), plastic((0.17, 0.18, 0.21)), crease=0.1),
         Visual(

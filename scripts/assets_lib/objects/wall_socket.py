@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from assets_lib.mesh import Mesh, box, cylinder, hull_of, lathe, merge, rod
@@ -35,8 +37,11 @@ WALL, TRIM, WHITE, BLACK, METAL = (
     (0.08, 0.08, 0.09),
     metal((0.92, 0.92, 0.95)),
 )
+IDLE = (0.74, 0.76, 0.79)
+"""Colour of the lights as long as no task colours them: like the heads of screws."""
 CASE, YELLOW, LIVE = plastic((0.24, 0.25, 0.29)), (0.98, 0.80, 0.10), (0.15, 0.95, 0.25)
 
+FRAME = plastic((0.83, 0.83, 0.80))
 SIGN_HEIGHT = SOCKET_HEIGHT - 0.018
 
 Span = tuple[tuple[float, float], tuple[float, float], tuple[float, float]]
@@ -97,8 +102,9 @@ def _light() -> Link:
     )
     lit = glossy(shining(YELLOW, emission=LIVE))
     visuals = (
-        Visual(mesh_shape("light", merge([sign(0.0), domes])), lit),
-        Visual(mesh_shape("light_sides", sides), plastic(YELLOW)),
+        Visual(mesh_shape("light", domes), replace(lit, color=IDLE)),
+        Visual(mesh_shape("sign", sign(0.0)), lit),
+        Visual(mesh_shape("light_sides", sides), plastic(IDLE)),
     )
     spread = merge([sign(-0.055), *(cylinder(0.012, 0.006, 12).moved(place, turned) for place in places)])
     return Link("light", 0.001, visuals, weighs=(mesh_shape("", spread),))
@@ -112,12 +118,18 @@ def _panel() -> Model:
     turned = (0.0, np.pi / 2.0, 0.0)
     places = [(-PLATE_THICKNESS - 0.0002, side * PITCH / 2.0, SOCKET_HEIGHT) for side in (-1.0, 1.0)]
     ring = merge(cylinder(HOLE * 0.62, 0.0006, 16).moved(place, turned) for place in places)
-    frame = box((0.003, PLATE + 0.016, PLATE + 0.016), (-0.0015, 0.0, SOCKET_HEIGHT))
+    frame = bevelled_box((PLATE + 0.016, PLATE + 0.016, 0.005), 0.002).moved((0.0, 0.0, SOCKET_HEIGHT), (0.0, -np.pi / 2.0, 0.0))
+    screws = [
+        lathe([(0.0032, 0.0), (0.0026, 0.0012), (0.0, 0.0014)], 14).moved(
+            (-PLATE_THICKNESS, 0.0, SOCKET_HEIGHT + s * 0.027), (0.0, -np.pi / 2.0, 0.0)
+        )
+        for s in (-1, 1)
+    ]
     visuals = (
         Visual(mesh_shape("wall", merge(box(s.size, s.xyz) for s in (*wall, back))), WALL),
-        Visual(
-            mesh_shape("trim", merge([box(foot.size, foot.xyz), box((0.004, WIDTH, 0.02), (-0.002, 0.0, 0.01)), frame])), TRIM
-        ),
+        Visual(mesh_shape("trim", merge([box(foot.size, foot.xyz), box((0.004, WIDTH, 0.02), (-0.002, 0.0, 0.01))])), TRIM),
+        Visual(mesh_shape("frame", frame), FRAME),
+        Visual(mesh_shape("plate_screws", merge(screws)), METAL),
         Visual(mesh_shape("plate", merge(box(s.size, s.xyz) for s in plate)), WHITE),
         Visual(mesh_shape("hole_rims", ring), BLACK),
         _bolt(),

@@ -92,6 +92,13 @@ def _half(sign: float) -> FloatArray:
     return np.array([(x, y * ROCKER[0] / 2.0, sign * z) for x, z in outline for y in (-1.0, 1.0)])
 
 
+def _skirt(sign: float) -> Mesh:
+    """Return what is seen of one half: its front and, behind that, sides as deep as the well, so that the plate stays closed."""
+    half, end = ROCKER[0] / 2.0, ROCKER[1] / 2.0
+    outline = ((VALLEY, 0.0), (BACK + 0.008, 0.0), (TIP, end), (TIP + 0.006, end), (TIP + 0.026, end - 0.004))
+    return hull_of(np.array([(x, y * half, sign * z) for x, z in outline for y in (-1.0, 1.0)]))
+
+
 def _marks() -> Mesh:
     """Return a bar on the upper half and a ring on the lower one."""
     slope = float(np.arctan2(VALLEY - TIP, ROCKER[1] / 2.0))
@@ -104,8 +111,8 @@ def _marks() -> Mesh:
 def _rocker() -> Link:
     upper, lower = (hull_of(_half(sign)) for sign in (1.0, -1.0))
     visuals = (
-        Visual(mesh_shape("upper_half", upper), RED, crease=0.3),
-        Visual(mesh_shape("lower_half", lower), DARK_RED, crease=0.3),
+        Visual(mesh_shape("upper_half", _skirt(1.0)), RED, crease=0.3),
+        Visual(mesh_shape("lower_half", _skirt(-1.0)), DARK_RED, crease=0.3),
         Visual(mesh_shape("marks", _marks()), WHITE),
     )
     solid = tuple(mesh_shape(f"{name}_solid", half) for name, half in (("upper", upper), ("lower", lower)))
