@@ -71,7 +71,7 @@ def _knight(z: float) -> tuple[Mesh, Mesh | None]:
         (-0.0035, high - 0.003),
     ]
     head += [(-0.0070, high - 0.009), (-0.0030, high - 0.013)]
-    parts = [_sideways(neck, 0.0045, 0.0012), _sideways(head, 0.0048, 0.0012)]
+    parts = [_rounded(neck, 0.0068), _rounded(head, 0.0064)]
     ears = ((-0.0045, high - 0.005), (0.0005, high - 0.0045), (-0.0030, high))
     parts += [_sideways(ears, 0.0012, 0.0003).moved((0.0, side * 0.0028, 0.0)) for side in (-1.0, 1.0)]
     crest = [
@@ -91,6 +91,15 @@ def _sideways(outline: Sequence[Point], half: float, bevel: float) -> Mesh:
     flat = [(x, z, side * half) for x, z in grown(points, -bevel) for side in (-1.0, 1.0)]
     edge = [(x, z, side * (half - bevel)) for x, z in points for side in (-1.0, 1.0)]
     return hull_of(np.round(np.array(flat + edge), 6)).moved(rpy=(np.pi / 2.0, 0.0, 0.0))
+
+
+def _rounded(outline: Sequence[Point], half: float) -> Mesh:
+    """Return a cushion with an outline (x, z), in the middle `half` thick to both sides."""
+    points = np.array(outline)
+    middle = points.mean(axis=0)
+    levels = ((1.0, 0.30), (0.93, 0.62), (0.78, 0.86), (0.52, 1.0))
+    found = [(x, z, s * half * y) for share, y in levels for x, z in middle + (points - middle) * share for s in (-1.0, 1.0)]
+    return hull_of(np.round(np.array(found), 6)).moved(rpy=(np.pi / 2.0, 0.0, 0.0))
 
 
 def _bishop(z: float) -> tuple[Mesh, Mesh | None]:

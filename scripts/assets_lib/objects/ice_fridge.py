@@ -99,7 +99,7 @@ def _fridge() -> Link:
     nozzle = cylinder_shape(0.016, 0.02, (-0.095, MIDDLE, NICHE[1][1] - 0.01))
     tube = lathe([(0.0, -0.004), (0.011, -0.004), (0.012, -0.01), (0.016, -0.01), (0.02, 0.01), (0.0, 0.01)], 12)
     grille = [box((0.08, 0.004, 0.003), (FRONT + 0.05, MIDDLE + 0.012 * i, NICHE[1][0] + 0.002)) for i in range(-5, 6)]
-    feet = [box((0.04, 0.04, FOOT), (x, y, FOOT / 2.0)) for x in (-0.09, 0.09) for y in (-0.17, 0.17)]
+    plinth = box((BACK - FRONT - 0.012, 2.0 * HALF - 0.012, FOOT), ((FRONT + BACK) / 2.0, 0.0, FOOT / 2.0))
     seams = [box((0.002, 0.004, HEIGHT - FOOT - 0.006), (FRONT - 0.0002, SEAM, (HEIGHT + FOOT) / 2.0))]
     vents = [box((0.002, 0.30, 0.004), (BACK + 0.0005, 0.0, 0.10 + 0.014 * i)) for i in range(8)]
     shell = cabinet((FRONT, BACK), (-HALF, HALF), (FOOT, HEIGHT), NICHE[0], (NICHE[1],), DEEP)
@@ -107,7 +107,7 @@ def _fridge() -> Link:
     visuals = (
         Visual(mesh_shape("shell", shell), STEEL, crease=0.1),
         Visual(mesh_shape("lining", _lining()), DARK, crease=0.1),
-        Visual(mesh_shape("dark", merge([*feet, panel, *seams, *vents])), DARK, crease=0.1),
+        Visual(mesh_shape("dark", merge([plinth, panel, *seams, *vents])), DARK, crease=0.1),
         Visual(mesh_shape("bars", bars), HANDLES),
         Visual(mesh_shape("tube", tube.moved(nozzle.xyz)), CHROME),
         Visual(mesh_shape("grille", merge(grille)), GRILLE, crease=0.1),

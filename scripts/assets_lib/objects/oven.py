@@ -165,11 +165,11 @@ def _glow_link() -> Link:
 
 def _lit_window(size: tuple[float, float]) -> tuple[list[Mesh], list[Mesh]]:
     """Return the bright and the dim parts of the lit window, around its middle: dim along its border, dark at the rods."""
-    y, z, t = size[0] / 2.0, size[1] / 2.0, 0.0008
+    y, z = size[0] / 2.0, size[1] / 2.0
     edge, low, high, rod_ = 0.016, -z + 0.030, -z + 0.044, 0.003
 
     def part(ys: tuple[float, float], zs: tuple[float, float]) -> Mesh:
-        return box((t, ys[1] - ys[0], zs[1] - zs[0]), (0.0, (ys[0] + ys[1]) / 2.0, (zs[0] + zs[1]) / 2.0))
+        return rectangle_at(-0.0004, ys, zs)
 
     inner = y - edge
     bright = [part((-inner, inner), (-z + edge, low - rod_)), part((-inner, inner), (high + rod_, z - edge))]
@@ -186,7 +186,8 @@ def _body_link() -> Link:
     front = -DEPTH / 2.0
     panel = box((0.002, WIDTH, HEIGHT - 0.356), (front - 0.001, 0.0, (HEIGHT + 0.356) / 2.0))
     tall = CEILING - FLOOR
-    cheeks = [box((0.012, 0.014, tall), (front + 0.0055, s * (WIDTH / 2.0 - WALL - 0.007), FLOOR + tall / 2.0)) for s in (-1, 1)]
+    sides = (s * (WIDTH / 2.0 - WALL - 0.007) for s in (-1, 1))
+    cheeks = [rectangle_at(front - 0.0005, (y - 0.007, y + 0.007), (FLOOR, FLOOR + tall)) for y in sides]
     places = _knob_places()
     pilot = cylinder(0.0075, 0.002, 14).moved((front - 0.003, PILOT_Y, KNOB_Z), (0.0, HALF_PI, 0.0))
     visuals = (

@@ -87,7 +87,7 @@ def _fittings() -> Mesh:
     return merge([*feet, *stems, _tube(), collar.moved((x, 0.0, 0.0))])
 
 
-def _tube(sides: int = 12) -> Mesh:
+def _tube(sides: int = 16) -> Mesh:
     """Return the spout as one bent tube."""
     line = np.array(_spout_line())
     along = np.gradient(line, axis=0)
@@ -149,7 +149,7 @@ def _stream_link() -> Link:
         (0.026, low),
         (0.016, low + 0.0012),
     ]
-    water = lathe([*pool, (0.0075, low + 0.004), (0.0060, low + 0.02), (0.0065, top)], 20)
+    water = lathe([*pool, (0.0105, low + 0.004), (0.0080, low + 0.02), (0.0085, top)], 16)
     angles = np.arctan2(water.vertices[:, 1], water.vertices[:, 0])
     outside = np.hypot(water.vertices[:, 0], water.vertices[:, 1]) > 0.045
     spread = 1.0 + outside * (0.10 * np.sin(2.0 * angles + 0.4) + 0.06 * np.sin(3.0 * angles))

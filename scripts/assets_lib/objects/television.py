@@ -159,7 +159,7 @@ def _television() -> Model:
         if name not in ("screen", "hills"):
             flat, shade = merge(_flat(points, layer + 2) for points in parts), 1.0 if name == "sun" else TOP_SHADE
             bright = glossy(shining(paint), GLOSS) if name in SEGMENTS else glossy(paint, GLOSS)
-            seen = (Visual(mesh_shape(name, flat), bright, crease=0.1, grade=lambda places, s=shade: np.full(len(places), s)),)
+            seen = (Visual(mesh_shape(name, flat), bright, crease=0.1, grade=_fade(shade, shade)),)
         links.append(Link(name, 0.001, seen, weighs=(mesh_shape("", solid),)))
     joints = tuple(Joint(f"{name}_mount", "fixed", "television", name, (0.0, 0.0, 0.0)) for name in image)
     notes = (

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from assets_lib.mesh import FloatArray, Mesh, box, cylinder, hull_of, merge, rod
-from assets_lib.prisms import bevelled_box
+from assets_lib.prisms import bevelled_box, mark
 from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, glass, mesh_shape, metal, plastic
 
 RIM, HEIGHT, WATER = 0.15, 0.24, 0.085
@@ -23,7 +23,7 @@ CERAMIC, SHADE, SEAT_COLOR, CHROME, BLUE = (
     (0.80, 0.83, 0.86),
     plastic((0.10, 0.33, 0.60)),
     metal((0.62, 0.64, 0.67)),
-    glass((0.35, 0.68, 0.85)),
+    glass((0.66, 0.84, 0.91)),
 )
 
 Level = tuple[float, float, float, float]
@@ -86,7 +86,7 @@ def _cistern() -> tuple[Mesh, Mesh]:
 def _pan() -> Link:
     cistern, button = _cistern()
     brackets = merge(box((0.016, 0.016, 0.012), (HINGE[0] + 0.002, y, RIM + 0.006)) for y in (-0.055, 0.055))
-    water = _loft([(*level[:3], z) for level, z in ((INNER[-1], WATER - 0.001), (INNER[-1], WATER + 0.001))], count=16)
+    water = mark(outline(*INNER[-1][:3], 44), WATER + 0.001, "z")
     visuals = (
         Visual(mesh_shape("bowl", _loft((*OUTER, *INNER), count=28)), CERAMIC),
         Visual(mesh_shape("cistern", cistern), CERAMIC),

@@ -126,6 +126,8 @@ def _body_link() -> Link:
     top = _between((-0.15, 0.15), (-0.17, 0.17), (HEIGHT, HEIGHT + 0.002))
     back = [box((0.002, 0.26, 0.30), (DEPTH / 2.0 + 0.001, 0.0, 0.24))]
     hoses = [rod((DEPTH / 2.0 + 0.008, y, 0.06), (DEPTH / 2.0 + 0.008, y, 0.42), 0.008, 6) for y in (-0.15, 0.15)]
+    plinth = box((DEPTH - 0.016, WIDTH - 0.016, FOOT), (0.0, 0.0, FOOT / 2.0))
+    line = box((0.002, WIDTH - 0.03, 0.003), (FRONT - 0.0005, 0.0, 0.052))
     visuals = (
         Visual(mesh_shape("shell", _merged(_shell())), WHITE),
         Visual(mesh_shape("drum", _merged(_drum())), (0.55, 0.57, 0.60)),
@@ -143,7 +145,8 @@ def _body_link() -> Link:
         Visual(mesh_shape("display", box((0.006, 0.09, 0.024), (FRONT - 0.003, -0.02, 0.415))), shining((0.15, 0.85, 0.55))),
         Visual(mesh_shape("top", _merged((top,))), (0.20, 0.32, 0.58)),
         Visual(mesh_shape("back", merge([*back, *hoses])), (0.48, 0.50, 0.53)),
-        Visual(mesh_shape("feet", _merged(_feet())), DARK),
+        Visual(mesh_shape("feet", plinth), DARK),
+        Visual(mesh_shape("kick_line", line), (0.62, 0.64, 0.68)),
     )
     dial = cylinder_shape(0.028, 0.03, (FRONT - 0.016, -0.12, 0.40), (0.0, HALF_PI, 0.0))
     pile = box_shape((0.10, 0.15, 0.06), (-0.045, 0.0, MIDDLE - HOLE + 0.03))
