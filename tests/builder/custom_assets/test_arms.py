@@ -26,6 +26,7 @@ def z1(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return make_arm("z1", Z1, tmp_path_factory.mktemp("arms"), flange="link06").file
 
 
+@pytest.mark.simulation
 def test_the_folder_needs_no_other_file(z1: Path) -> None:
     """Meshes lie in it, small ones; its numbers are those of the source."""
     description = robot_description(z1)
@@ -41,6 +42,7 @@ def test_the_folder_needs_no_other_file(z1: Path) -> None:
     assert [line for line in z1.read_text().splitlines() if line.endswith(MISSING)][0].startswith("acceleration")
 
 
+@pytest.mark.simulation
 def test_the_home_points_down_and_is_free(z1: Path) -> None:
     """The gripper goes on the flange, 51 mm along the axis of the last joint."""
     model = RobotModel(robot_description(z1))
@@ -85,6 +87,7 @@ def test_a_joint_beside_the_arm_is_named(tmp_path: Path) -> None:
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.simulation
 def test_missing_numbers_are_listed(tmp_path: Path) -> None:
     """A joint without a torque gets a careful one, and a line says so in the file and in the report."""
     root = ET.parse(Z1).getroot()
