@@ -51,6 +51,7 @@ VALUES: dict[str, object] = {
     "OSError": OSError(errno.ENOSPC, "No space left on device"),
     "Exception": ValueError("why"),
     "Collection[str]": ("reach_target", "push_button"),
+    "tuple[str, ...]": ("joint1", "joint2"),
     "Sequence[str]": ["reach_target", "why"],
     "list[str]": ["first", "second"],
     "Sequence[float]": (0.001,),

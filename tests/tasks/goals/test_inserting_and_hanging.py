@@ -138,9 +138,9 @@ def test_as_many_mugs_as_asked_have_to_hang(goal: Goal) -> None:
 
 
 def test_only_the_frame_shows_a_picture() -> None:
-    """The wall has none of its colours but cream: whoever sees a picture sees the frame."""
+    """The wall has none of its colours: whoever sees a picture sees the frame."""
     with running("hang_frame_on_hanger") as task:
         frame, wall = (
             {color for visuals in task.world.body(name).mixed_colors.values() for color in visuals} for name in ("frame", "wall")
         )
-    assert len(frame & wall) == 1 and len(frame) > 4
+    assert not frame & wall and len(frame) > 4
