@@ -61,6 +61,7 @@ class Host:
         with contextlib.suppress(EOFError, OSError, WireError):
             while True:
                 question, self._stop = self._channel.receive(), False
+                signal.alarm(0)  # an alarm of a text before would end the process
                 self._channel.send(self._answer(question))
 
     def _answer(self, question: Question) -> dict[str, Any]:
