@@ -204,7 +204,7 @@ def format_srdf(robot: str, pairs: Iterable[tuple[str, str, str]]) -> str:
     for first, second, reason in pairs:
         ET.SubElement(root, "disable_collisions", link1=first, link2=second, reason=reason)
     ET.indent(root)
-    head = '<?xml version="1.0"?>\n<!-- Made by scripts/disabled_pairs.py from the URDF. -->\n'
+    head = '<?xml version="1.0"?>\n<!-- Pairs found by sampling configurations of the URDF. -->\n'
     return head + ET.tostring(root, encoding="unicode") + "\n"
 
 

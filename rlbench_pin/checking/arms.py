@@ -1,4 +1,4 @@
-"""What an arm has to do, measured: its models agree, inverse kinematics and gripper work, it keeps its limits and demonstrates.
+"""Measurements of an arm: its models agree, inverse kinematics and gripper work, it keeps its limits and demonstrates.
 
 Each measurement is a function of a description; `check_arm` compares all of them with the bounds of the arms of the catalogue.
 """
@@ -50,13 +50,13 @@ class ArmCheck:
     """One line of the report on an arm."""
 
     name: str
-    """What was checked."""
+    """Name of the check."""
     figure: str
-    """What was measured."""
+    """The measured figure, with its unit."""
     passed: bool | None
     """Whether it is good; None where it only informs."""
     advice: str = ""
-    """What to do when it is not."""
+    """The next step when it is not."""
 
 
 def check_arm(description: RobotDescription, actions: int = 300) -> Iterator[ArmCheck]:
@@ -320,7 +320,7 @@ def _demonstrates(task_name: str) -> Checker:
     return check
 
 
-_MODELS = "The URDF means two things: give every link an <inertial>, and put no mass on fixed frames."
+_MODELS = "Simulation and model read the URDF differently: give every link an <inertial>, and put no mass on fixed frames."
 _NOT_DOWN = "Change `home` in the TOML file; `rlbench-pin arm new` looks for one again."
 _REACH = "Move `base_pose` nearer to the workspace or higher; `arm new` prints how much is reached."
 CHECKS: tuple[tuple[str, Checker, str], ...] = (

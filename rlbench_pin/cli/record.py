@@ -255,7 +255,7 @@ class Record:
         fixed = self._fixed(protocol)
         given = {name: getattr(self, name) for name in fixed} | {"tasks": named_tasks(self.tasks)}
         given["cameras"] = fixed["cameras"] if set(self.cameras) == set(fixed["cameras"]) else self.cameras
-        protocol.check_agrees(*({_flag(name): value for name, value in table.items()} for table in (given, fixed)))
+        protocol.check_agrees(given, fixed, tasks="TASK...")
         found: dict[str, tuple[tuple[int, int], ...]] = {}
         for task, places in split_places(protocol, self.split).items():
             if self.split == "test":
@@ -311,10 +311,6 @@ def _paired_folders(paired: Sequence[str], out: Path) -> dict[str, Path]:
     from rlbench_pin.robot import robot_description
 
     return {robot: out / robot_description(robot).name for robot in split_names(paired)}
-
-
-def _flag(name: str) -> str:
-    return "TASK..." if name == "tasks" else f"--{name.replace('_', '-')}"
 
 
 def spelled_out(arguments: Sequence[str]) -> list[str]:

@@ -246,8 +246,8 @@ def write_model(
     statistics = {name: tensor for name, tensor in _statistics(env).items() if name.startswith("seen/")}
     write_tensors(folder / MODEL, {**weights, **statistics})
     sizes = {"seen": int(np.prod(env.observation_space.shape)), "actions": int(np.prod(env.action_space.shape))}  # type: ignore[arg-type]
-    told = {"ticks": TICKS, "steps": model.num_timesteps, "instructions": said, "joint_names": list(joints)}
-    write_settings(folder / SETTINGS, KIND.format(config.algorithm), {**config.identity(), **sizes, **told})
+    saved = {"ticks": TICKS, "steps": model.num_timesteps, "instructions": said, "joint_names": list(joints)}
+    write_settings(folder / SETTINGS, KIND.format(config.algorithm), {**config.identity(), **sizes, **saved})
 
 
 def _learned(model: Model) -> Tensors:

@@ -51,7 +51,7 @@ _CLEAR = 0.03
 _MARGIN = 0.25
 """Distance from the joint limits that is enough at home [rad]."""
 _HELD = 0.4
-"""What the gripper carries gets farther from the base than the tip by at most this [m]."""
+"""An object in the gripper reaches farther from the base than the tip by at most this [m]."""
 _ASSUMED = {"acceleration": f"[rad/s^2] {MISSING}"}
 """Keys that no URDF gives, with the remark on their line."""
 _OF_GRIPPER = {"gripper_force": f"[N] {MISSING}", "finger_speed": f"[m/s] {MISSING}"}

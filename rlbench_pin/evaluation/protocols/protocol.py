@@ -323,16 +323,18 @@ class Protocol:
             complete = [part.label for part in parts if known.issuperset(part.task_names)]
             raise ProtocolTasksMissing(self.label, missing, complete, () if self.name in protocol_names() else known)
 
-    def check_agrees(self, given: Mapping[str, object], fixed: Mapping[str, object]) -> None:
-        """Raise ProtocolConflict where a setting has another value than the protocol fixes.
+    def check_agrees(self, given: Mapping[str, object], fixed: Mapping[str, object], tasks: str = "--tasks") -> None:
+        """Raise ProtocolConflict where a setting has another value than the protocol fixes; it is named as a flag.
 
         Args:
             given: Setting -> value.
             fixed: Setting -> value of the protocol.
+            tasks: How tasks are given to the command.
         """
         for setting, wanted in fixed.items():
             if given[setting] != wanted:
-                raise ProtocolConflict(self.label, setting, given[setting], wanted)
+                flag = tasks if setting == "tasks" else f"--{setting.replace('_', '-')}"
+                raise ProtocolConflict(self.label, flag, given[setting], wanted)
 
     def content(self) -> dict[str, Any]:
         """Return the whole protocol as plain data, as its file has it."""

@@ -106,8 +106,7 @@ class EvaluationConfig:
         as_choice(protocol.gripper, "gripper action mode", GRIPPER_MODES)
         protocol.check_tasks_exist()
         fixed = protocol_settings(protocol)
-        given = {name: getattr(self, name) for name in fixed}
-        protocol.check_agrees(*({_flag(name): value for name, value in table.items()} for table in (given, fixed)))
+        protocol.check_agrees({name: getattr(self, name) for name in fixed}, fixed)
 
     @classmethod
     def of_protocol(cls, policy: str, protocol: Protocol) -> EvaluationConfig:
@@ -177,11 +176,6 @@ def protocol_settings(protocol: Protocol) -> dict[str, Any]:
         "robot": protocol.robot,
         "tell_task": protocol.tell_task,
     }
-
-
-def _flag(name: str) -> str:
-    """Return the flag of `rlbench-pin evaluate` for a setting."""
-    return f"--{name.replace('_', '-')}"
 
 
 def evaluation_seed(seed: int, index: int) -> int:

@@ -76,8 +76,9 @@ class SimGripper:
         self._couple()
         self._fingers = [self._model.link_index(link) for link in description.finger_links]
         for index in self._fingers:  # anchors keep a friction grip from creeping
-            friction = description.pad_friction
-            self._client.change(bullet.changeDynamics, self._model.uid, index, lateralFriction=friction, frictionAnchor=1)
+            self._client.change(
+                bullet.changeDynamics, self._model.uid, index, lateralFriction=description.pad_friction, frictionAnchor=1
+            )
         self._control: FingerControl
         self._stop()
         robot.on_reset.append(lambda fingers_too: self._stop() if fingers_too else None)

@@ -138,7 +138,7 @@ def test_as_many_mugs_as_asked_have_to_hang(goal: Goal) -> None:
 
 
 def test_only_the_frame_shows_a_picture() -> None:
-    """The wall has none of its colours: whoever sees a picture sees the frame."""
+    """The wall has none of its colours: only the frame shows an image."""
     with running("hang_frame_on_hanger") as task:
         frame, wall = (
             {color for visuals in task.world.body(name).mixed_colors.values() for color in visuals} for name in ("frame", "wall")
