@@ -112,7 +112,7 @@ def fingers_of(description: RobotDescription) -> Fingers:
     for name in drives:
         if name not in joints:
             raise RobotModelError(f"The URDF of '{description.name}' has no joint '{name}'; its gripper joints are {drives}.")
-    follows = {name: way for name in joints if name not in drives and (way := _way_of(name, joints, drives)) is not None}
+    follows = {name: way for name in joints if name not in drives and (way := way_of(name, joints, drives)) is not None}
     links = (description.hand_link, *description.finger_links)
     carried = _carried(description.hand_link, urdf.joints)
     shown = [link.name for link in urdf.links if link.visuals or link.collisions]
@@ -123,8 +123,14 @@ def fingers_of(description: RobotDescription) -> Fingers:
     return replace(fingers, travels=_travels(fingers, description, joints))
 
 
-def _way_of(name: str, joints: Mapping[str, UrdfJoint], drives: tuple[str, ...]) -> Follows | None:
-    """Return how a joint follows one of the drives, perhaps by way of others; None when it does not."""
+def way_of(name: str, joints: Mapping[str, UrdfJoint], drives: tuple[str, ...]) -> Follows | None:
+    """Return how a joint follows one of the drives, perhaps by way of others; None when it does not.
+
+    Args:
+        name: Name of the joint.
+        joints: All joints of the URDF by name.
+        drives: Names of the drives.
+    """
     ratio, offset, seen = 1.0, 0.0, {name}
     while (way := joints[name].follows) is not None:
         ratio, offset, name = ratio * way.ratio, offset + ratio * way.offset, way.joint

@@ -11,6 +11,7 @@ import pinocchio as pin
 
 from rlbench_pin.errors import RobotModelError
 from rlbench_pin.robot.description import HAND_CAMERA
+from rlbench_pin.robot.fingers import way_of
 from rlbench_pin.robot.geometry import extent_along, link_geometry, to_placement
 from rlbench_pin.spatial import FloatArray, pose_to_se3, se3_to_pose
 from rlbench_pin.urdf import Follows, Urdf, UrdfJoint, kinematic_urdf, read_urdf
@@ -236,20 +237,14 @@ class _Hand:
         for name, joint in joints.items():
             if joint.kind == "fixed" or name in result:
                 continue
-            ratio, offset, leader = 1.0, 0.0, joint
-            while leader.name not in (first.name, second.name):
-                way = leader.follows
-                if way is None or way.joint not in joints:
-                    raise RobotModelError(
-                        f"Joint '{name}' of '{self.file.name}' moves freely. Mark it as <mimic> of '{first.name}'."
-                    )
-                ratio, offset, leader = ratio * way.ratio, offset + ratio * way.offset, joints[way.joint]
+            way = way_of(name, joints, (first.name, second.name))
+            if way is None:
+                raise RobotModelError(f"Joint '{name}' of '{self.file.name}' moves freely. Mark it as <mimic> of '{first.name}'.")
             of_second = (T_base_tip.actInv(self.placement(joint.child, {}).translation))[1] > 0.0
-            if leader.name == first.name and of_second and second.follows is not None and other.ratio != 0.0:
-                share = ratio / other.ratio
-                result[name] = Follows(second.name, share, offset - share * other.offset)
-            else:
-                result[name] = Follows(leader.name, ratio, offset)
+            if way.joint == first.name and of_second and second.follows is not None and other.ratio != 0.0:
+                share = way.ratio / other.ratio
+                way = Follows(second.name, share, way.offset - share * other.offset)
+            result[name] = way
         return result
 
     def positions(
