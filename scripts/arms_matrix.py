@@ -18,6 +18,7 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
+from rlbench_pin.checking.page import interval
 from rlbench_pin.checking.plan import Item
 from rlbench_pin.checking.records import DemoTrial
 from rlbench_pin.checking.run import CheckProgress, TrialJournal, run_trials
@@ -78,7 +79,7 @@ def page(matrix: Mapping[str, Mapping[str, dict[str, object]]], tasks: Sequence[
     lines = [
         "# Arms and tasks",
         "",
-        "Written by `python scripts/arms_matrix.py`. First tries that succeed [%], with the 95 % Wilson interval.",
+        "Written by `python scripts/arms_matrix.py`. First tries that succeed, with the 95 % Wilson interval.",
         "",
     ]
     lines += ["| Arm | Tasks at 80 % or more | First tries |", "|---|---|---|"]
@@ -95,8 +96,7 @@ def page(matrix: Mapping[str, Mapping[str, dict[str, object]]], tasks: Sequence[
 def _text(found: dict[str, object] | None) -> str:
     if found is None:
         return ""
-    low, high = found["wilson_95"]  # type: ignore[misc]
-    text = f"{100 * float(str(found['rate'])):.0f} ({100 * low:.0f} to {100 * high:.0f})"  # type: ignore[has-type]
+    text = interval(found)
     causes = found["causes"]
     assert isinstance(causes, dict)
     below = float(str(found["rate"])) < ENOUGH
