@@ -13,7 +13,7 @@ export OMP_NUM_THREADS ?= 1
 
 help:
 	@echo "make demo    a Panda takes the lid off a saucepan: an episode and a video in out/demo"
-	@echo "make check   format, lint, types and the tests that play no episodes: before every commit"
+	@echo "make check   format, lint, types and the quick tests: before every commit"
 	@echo "make test    all tests but the long ones: before a merge"
 	@echo "make test-browser  the task builder in a browser, which it installs where it may"
 	@echo "make lint    format, lint and types only"

@@ -9,8 +9,9 @@ import pytest
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-SIMULATION = ("contract", "integration", "cli", "evaluation")
-"""Folders whose tests play episodes or run commands; `make check` leaves them out, single tests elsewhere are marked."""
+SIMULATION = ("builder", "cli", "contract", "datasets", "evaluation", "integration", "tasks")
+"""Folders whose tests play episodes, run commands, or build many worlds or files; `make check` leaves them out, single tests
+elsewhere are marked."""
 SLOW = 14_400
 """Time limit of a test that is marked `slow` [s]; `timeout` in pyproject.toml is that of the others."""
 
