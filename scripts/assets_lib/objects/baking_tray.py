@@ -12,7 +12,7 @@ RIM = 0.007
 GRIP = (0.036, 0.014, 0.032)
 GRIP_CENTER = (-DEPTH / 2.0 - GRIP[0] / 2.0, 0.0, 0.022)
 BLOCK = (0.20, 0.27, 0.03)
-STEEL, DARK, RUBBER, WOOD = metal((0.74, 0.69, 0.60)), metal((0.58, 0.53, 0.45)), (0.16, 0.16, 0.17), (0.66, 0.50, 0.33)
+STEEL, DARK, RUBBER, WOOD = metal((0.60, 0.62, 0.66)), metal((0.46, 0.48, 0.52)), (0.16, 0.16, 0.17), (0.66, 0.50, 0.33)
 
 
 def _parts() -> tuple[Shape, ...]:

@@ -21,7 +21,7 @@ TOP = 0.018
 """Height of the part that the fingers hold [m]."""
 COLUMN = 0.009
 """Half the width of what collides above the foot [m]."""
-COLORS: dict[str, Vec3] = {"white": (0.95, 0.93, 0.86), "black": (0.26, 0.18, 0.13)}
+COLORS: dict[str, Vec3] = {"white": (0.95, 0.93, 0.86), "black": (0.34, 0.20, 0.12)}
 ACCENTS: dict[str, Vec3] = {"white": (0.80, 0.66, 0.40), "black": (0.62, 0.47, 0.28)}
 """Colour of crowns, mitres, battlements and manes, by that of the man."""
 SEGMENTS = 14

@@ -150,7 +150,7 @@ def _movement_link() -> Link:
     """Return the long hand and the key, which turn as one; the origin is on the axle."""
     length, width = HAND
     tail = 0.018
-    hand = box((THIN, width, length + tail), (HAND_X, 0.0, (length - tail) / 2.0))
+    hand = box((THIN, 0.6 * width, length + tail), (HAND_X, 0.0, (length - tail) / 2.0))
     boss = cylinder(0.010, THIN + 0.002, 12).moved((HAND_X, 0.0, 0.0), (0.0, HALF_PI, 0.0))
     low, high = DEPTH / 2.0, WING_X + WING[0] / 2.0
     axle = rod((low, 0.0, 0.0), (high - 0.004, 0.0, 0.0), 0.007, 10)

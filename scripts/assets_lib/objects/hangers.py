@@ -27,7 +27,7 @@ PEG_TOP = -0.048
 SLOT, PLATE = 0.0135, (0.006, 0.09, 0.055)
 """Width of the slot of the stand, and size of the plates on its sides [m]."""
 BASE = (0.10, 0.15, 0.016)
-STEEL, WOOD, DARK = metal((0.74, 0.75, 0.78)), (0.36, 0.19, 0.10), (0.20, 0.20, 0.22)
+STEEL, BRASS, WOOD, DARK = metal((0.74, 0.75, 0.78)), metal((0.70, 0.48, 0.16)), (0.36, 0.19, 0.10), (0.20, 0.20, 0.22)
 
 
 def _hook_points() -> list[Vec3]:
@@ -69,7 +69,7 @@ def _hanger() -> Model:
         icosphere(DEEP / 2.0, 1).scaled((0.75, 1.0, 1.0)).moved((0.0, s * HALF, APEX - HALF * np.tan(SLOPE))) for s in (-1, 1)
     ]
     visuals = (
-        Visual(mesh_shape("hook", _tube(points, WIRE)), STEEL),
+        Visual(mesh_shape("hook", _tube(points, WIRE)), BRASS),
         Visual(
             mesh_shape("shoulders", merge([*(shape.mesh() for shape in shoulders), *tips])), patterned(WOOD, "wood"), crease=0.5
         ),

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from assets_lib.mesh import Mesh, box, cylinder, lathe, merge, rod
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, patterned, plastic
+from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, plastic
 
 RADIUS, HEIGHT, WALL, FLOOR = 0.09, 0.09, 0.005, 0.006
 SEGMENTS = 16
-STEEL, DARK = patterned(metal((0.62, 0.64, 0.67)), "brushed"), plastic((0.12, 0.12, 0.13))
+STEEL, DARK = metal((0.66, 0.68, 0.71)), plastic((0.12, 0.12, 0.13))
 RED = (0.72, 0.12, 0.10)
 KNOB_RADIUS, KNOB_LENGTH, NECK, LID = 0.015, 0.025, 0.008, 0.01
 KNOB_HEIGHT = HEIGHT + LID + NECK + KNOB_LENGTH / 2.0
@@ -81,7 +81,7 @@ def _lid() -> Model:
     )
     links = (
         Link("knob", 0.02, (Visual(mesh_shape("knob", merge([knob, neck])), DARK),), grip, friction=1.0),
-        Link("cover", 0.23, (Visual(mesh_shape("lid", plate), patterned((0.70, 0.72, 0.75), "brushed")),), cover, friction=1.0),
+        Link("cover", 0.23, (Visual(mesh_shape("lid", plate), metal((0.74, 0.76, 0.79))),), cover, friction=1.0),
     )
     joint = Joint("weld", "fixed", "knob", "cover", (0.0, 0.0, 0.0))
     return Model("saucepan_lid", "objects/saucepan_lid", "centre of the knob", links, (joint,), notes=notes)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from assets_lib.mesh import Mesh, box, lathe, merge
-from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, mesh_shape, metal, pane
+from assets_lib.urdf import Joint, Link, Model, Shape, Visual, box_shape, cylinder_shape, glass, mesh_shape, metal
 
 RADIUS, RIM = 0.0375, 0.24
 """Of the belly, and height of the rim [m]."""
@@ -14,7 +14,7 @@ CAP_RADIUS, CAP_HEIGHT, CAP_WALL = 0.0175, 0.035, 0.003
 GAP = 0.0005
 """Between the rim and the inside of the cap [m]."""
 SIDES = 12
-GREEN, PAPER, RED, GOLD = pane((0.08, 0.24, 0.12), 0.78), (0.93, 0.90, 0.80), (0.60, 0.07, 0.12), metal((0.85, 0.68, 0.28))
+GREEN, PAPER, RED, GOLD = glass((0.08, 0.24, 0.12)), (0.93, 0.90, 0.80), (0.60, 0.07, 0.12), metal((0.85, 0.68, 0.28))
 
 
 def _bottle() -> Mesh:

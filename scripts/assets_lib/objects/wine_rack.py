@@ -16,8 +16,8 @@ from assets_lib.urdf import (
     Visual,
     box_shape,
     cylinder_shape,
+    glass,
     mesh_shape,
-    pane,
     patterned,
     plastic,
 )
@@ -39,8 +39,8 @@ SLOPE = RADIUS * float(np.sqrt(2.0))
 STORED = -0.105
 """Where the bottoms of the bottles in the lower row are, along x [m]."""
 GREEN, DARK, PAPER, BURGUNDY = (
-    pane((0.09, 0.20, 0.12), 0.85),
-    pane((0.12, 0.10, 0.06), 0.9),
+    glass((0.09, 0.20, 0.12)),
+    glass((0.12, 0.10, 0.06)),
     (0.92, 0.89, 0.80),
     (0.42, 0.07, 0.12),
 )
