@@ -8,16 +8,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
+from scipy import ndimage
 
-from rlbench_pin.checking.overlay import with_veil
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.environment.presets import clear_view, low_dim_config, make_environment
 from rlbench_pin.errors import DemoError
 from rlbench_pin.observation import CAMERAS, Demo, Observation
 from rlbench_pin.robot.description import DEFAULT_ROBOT
+from rlbench_pin.robot.fingers import fingers_of
 from rlbench_pin.robot.geometry import bounds, box_corners, visual_geometry
 from rlbench_pin.sim import Body, CameraView, Images, Request, ShadowMap, World, WorldState, framed
-from rlbench_pin.spatial import FloatArray
+from rlbench_pin.spatial import FloatArray, pose_to_matrix
 from rlbench_pin.tasks import Task
 
 SIZE = 384
@@ -31,8 +32,10 @@ _AFTER = 1.0
 _RELEASED, _FALLEN = 0.5, 0.03
 """Time for which the gripper opens [s], and motion by which a body that it held has fallen then [m]."""
 _HIDDEN = ", arm hidden on the left"
+_HAND, _BLUR = 0.75, 1.2
+"""Opacity of the hand where only the gripper is drawn, and softness of its edge [px]; fingers are opaque."""
 _SHADOW = 0.4
-"""How much of the arm's shadow is seen where the arm is translucent."""
+"""How much of the arm's shadow is seen where only the gripper is drawn."""
 _LARGE = 0.35
 """From this longest side on a body is not framed whole [m]."""
 _NEAR = 0.16
@@ -42,10 +45,15 @@ _WHOLE, _TINY = 1.4, 0.1
 moves keeps this share of its length."""
 _AROUND = 0.04
 """Room around all that is framed [m]."""
+_CLEAR_WAY = 0.05
+"""A way from the first to the last frame that is longer should lie across the image [m]."""
 _LEVER = 0.1
 """Distance from its axis at which a rotation is measured [m]."""
-_SHORT, _LONG = 10, 40
-"""Frames between contact and success without one half way, and between contact and grasp from which on both are shown."""
+_SHORT, _LONG, _VERY_LONG = 10, 40, 350
+"""Frames between contact and success without one half way, between contact and grasp from which on both are shown, and from which
+on more are shown: one between contact and grasp, and one for each quarter of the way between grasp and success."""
+_AT = 0.7
+"""Share of the time between contact and grasp at which the one between them is taken."""
 _STILL, _MOVED = 5e-4, 3e-3
 """Motion of a link that is noise between two frames, and over a demonstration [m]."""
 _DIRECTIONS = [(side * azimuth, tilt) for tilt in (25.0, 40.0, 55.0) for azimuth in range(15, 180, 30) for side in (1, -1)]
@@ -63,11 +71,13 @@ _WELL = 0.3
 _PAST_ARM, _REVEALED, _APART = 0.4, 3.0, 1.5
 """Weights of what is seen past the arm, of what a door or a lid hides, and of the distance in the image between what has been
 taken away and the rest."""
-_STEEP = 0.25
+_STEEP = 0.5
 """Loss of a view for each step of tilt above the flattest."""
 _FACING, _BEFORE, _CLEARLY = 6.0, (-0.1, 0.5), 0.6
 """Gain of a view from the side on which the bodies that move are; cosines between which it grows; and how clear that side is at
 least, as the length of the mean of unit vectors, to count in full."""
+_ACROSS = 2.0
+"""Weight of the share of the motion's length that is seen."""
 _BESIDE = 0.01
 """Distance at which bodies touch, in images [m]."""
 _MARGIN, _GAP, _CAPTION, _TITLE = 8, 8, 18, 54
@@ -85,7 +95,7 @@ class Moment:
     arm_hidden: bool
     """Whether the arm is left out of its image."""
     task: Image.Image
-    """Its image; the arm, where it is shown, is translucent."""
+    """Its image; of the arm, where it is shown, only the gripper, with a translucent hand."""
     with_arm: Image.Image
     """The same with the whole arm."""
     cameras: Mapping[str, Image.Image]
@@ -153,8 +163,8 @@ def demo_moments(
 ) -> tuple[Demo, list[Moment]]:
     """Play a demonstration, and return it and its events in images; see `demo_sheet`.
 
-    Task views show the arm translucent, the first not at all. The last is taken 1 s after success, with arm and gripper
-    stationary; it does not show the arm either, unless the gripper holds a body, or nothing of the task moves.
+    Task views show of the arm only the gripper, and the first nothing of it. The last is taken 1 s after success,
+    with arm and gripper stationary; it does not show the gripper either, unless that holds a body, or nothing of the task moves.
     """
     with make_environment(low_dim_config(), robot=robot) as environment:
         task_environment = environment.get_task(task)
@@ -270,9 +280,10 @@ def present_frame(world: World) -> Frame:
 def events(poses: Sequence[FloatArray], holds: Sequence[bool], touches: Sequence[bool]) -> dict[str, int]:
     """Choose the events of a demonstration, and return name -> number of the frame, in order.
 
-    They are the reset; the first contact, unless a grasp follows soon; the first grasp; the frame at which the links have covered
-    half of their path since then; and success, the last frame. Where success follows the contact at once, there is a frame of the
-    approach in place of the one half way.
+    They are the reset; the first contact, unless a grasp follows soon; the first grasp, and one frame before it when it follows
+    late; the frame at which the links have covered half of their path since then, and in long demonstrations those of a quarter
+    and three quarters; and success, the last frame.
+    Where success follows the contact at once, there is a frame of the approach in place of the one half way.
 
     Args:
         poses: Of each frame the poses (n, 7) of the links of the task.
@@ -284,6 +295,8 @@ def events(poses: Sequence[FloatArray], holds: Sequence[bool], touches: Sequence
     found = {"reset": 0}
     if contact is not None and (grasp is None or grasp - contact > _LONG):
         found["first contact"] = contact
+        if grasp is not None and grasp - contact > _VERY_LONG:
+            found["before the grasp"] = contact + int(_AT * (grasp - contact))
     if grasp is not None:
         found["grasp"] = grasp
     begin = max(found.values())
@@ -291,8 +304,10 @@ def events(poses: Sequence[FloatArray], holds: Sequence[bool], touches: Sequence
         found["approach"] = 3 * begin // 4
     else:
         path = np.cumsum([0.0, *(_distances(a, b, _STILL).sum() for a, b in zip(poses[begin:], poses[begin + 1 :]))])
-        passed = np.searchsorted(path, path[-1] / 2.0) if path[-1] > _MOVED else (last - begin) // 2
-        found["half way"] = begin + int(passed)
+        shares = {"a quarter": 0.25, "half way": 0.5, "three quarters": 0.75} if last - begin > _VERY_LONG else {"half way": 0.5}
+        for event, share in shares.items():
+            passed = np.searchsorted(path, share * path[-1]) if path[-1] > _MOVED else share * (last - begin)
+            found[event] = begin + int(passed)
     middle = {event: k for event, k in found.items() if 0 < k < last}
     return {"reset": 0, **dict(sorted(middle.items(), key=lambda item: item[1])), "success": last}
 
@@ -346,15 +361,32 @@ def task_view(world: World, frames: Sequence[Frame], size: int) -> CameraView:
     masks = []
     for frame in frames:
         world.restore(frame.state)
-        _hide_arm(world)
+        world.robot.show([])
         masks.append([world.render(view, rgb=False, depth=False).mask for view in views])
+        world.robot.show()
     score = _clearness(np.array(masks), with_arm, moving or still, still)
     tilts = sorted({tilt for _, tilt in _DIRECTIONS})
     score -= _STEEP * np.array([tilts.index(tilt) for _, tilt in _DIRECTIONS])
     azimuths = np.radians([azimuth for azimuth, _ in _DIRECTIONS])
     side = np.column_stack([np.cos(azimuths), np.sin(azimuths)]) @ _side_of_motion(links, poses, moves)
     score += _FACING * np.clip(side, *_BEFORE)
+    score += _ACROSS * np.log(_across([view.pose for view in views], poses, moves))
     return replace(views[int(np.argmax(score))], size=(size, size))
+
+
+def _across(cameras: Sequence[FloatArray], poses: Sequence[FloatArray], moves: NDArray[np.bool_]) -> FloatArray:
+    """Return the share (views,) of the way of the links that move, from the first to the last frame, that lies across the image.
+
+    Args:
+        cameras: Poses (7,) of cameras.
+        poses: Of each frame the poses (n, 7) of the links.
+        moves: Which links move (n,).
+    """
+    ways = (poses[-1] - poses[0])[moves, :3]
+    ways = ways[np.linalg.norm(ways, axis=1) > _CLEAR_WAY]
+    forward = np.array([pose_to_matrix(pose)[:3, 2] for pose in cameras])
+    along = np.square(forward @ ways.T).sum(axis=1) / max(float(np.square(ways).sum()), 1e-12)
+    return np.asarray(np.sqrt(np.maximum(1.0 - along, 0.04)))
 
 
 def _side_of_motion(links: Sequence[tuple[Body, str]], poses: Sequence[FloatArray], moves: NDArray[np.bool_]) -> FloatArray:
@@ -475,36 +507,36 @@ def _moment(task: TaskEnvironment, label: str, frame: Frame, view: CameraView, *
     views[OVERVIEW] = clear_view()[OVERVIEW].view(world, task.runtime.description)
     cameras = rendered(world, list(views.values()), small)
     whole, shadows = _fine(world, view), world.renderer.shadow_map()
-    _hide_arm(world)
-    shaded = _fine(world, view, shadows)  # before `bare`: the renderer takes stationary links with their own shadows next time
-    bare = _fine(world, view)
-    image = bare.rgb if hides_arm else _translucent(task, bare, whole, shaded)
-    world.restore(frame.state)
+    image = _without_arm(task, view) if hides_arm else _with_gripper(task, view, shadows)
     shown, with_arm = (_reduced(rgb, size) for rgb in (image, whole.rgb))
     return Moment(label, view, hides_arm, shown, with_arm, dict(zip(views, cameras, strict=True)))
 
 
-def _translucent(task: TaskEnvironment, bare: Images, whole: Images, shaded: Images) -> NDArray[np.uint8]:
-    """Return what a camera sees through the arm.
-
-    Args:
-        task: The task.
-        bare: Its image without the arm.
-        whole: With the arm.
-        shaded: With the arm's shadow, but without the arm.
-    """
-    world, names = task.world, task.world.masks
-    assert bare.rgb is not None and shaded.rgb is not None
-    bodies = [number for number, name in names.items() if name.split("/")[0] in world.bodies]
-    arm = [number for number, name in names.items() if number not in bodies and name not in world.room]
-    fingers = [number for number in arm if names[number].split("/")[-1] in task.runtime.description.finger_links]
-    mixed = np.round(bare.rgb + _SHADOW * (shaded.rgb.astype(np.float32) - bare.rgb)).astype(np.uint8)
-    return with_veil(replace(bare, rgb=mixed), whole, arm, fingers, bodies)
+def _without_arm(task: TaskEnvironment, view: CameraView, shadows: ShadowMap | None = None) -> NDArray[np.uint8]:
+    """Return the image of a camera without the arm, and without its shadow unless `shadows` are given."""
+    task.world.robot.show([])
+    image = _fine(task.world, view, shadows).rgb
+    task.world.robot.show()
+    assert image is not None
+    return image
 
 
-def _hide_arm(world: World) -> None:
-    """Put the arm far below the floor, for images only; restoring a state brings it back."""
-    world.robot.model.set_base_pose([0.0, 0.0, -10.0, 0.0, 0.0, 0.0, 1.0])
+def _with_gripper(task: TaskEnvironment, view: CameraView, shadows: ShadowMap) -> NDArray[np.uint8]:
+    """Return what a camera sees with the gripper alone, its hand translucent, and a lighter shadow of the arm."""
+    world, arm = task.world, task.runtime.description
+    bare, shaded = (_without_arm(task, view, light).astype(np.float32) for light in (None, shadows))
+    world.robot.show(fingers_of(arm).links)
+    own = _fine(world, view, shadows)
+    world.robot.show()
+    assert own.rgb is not None and own.mask is not None
+    links = {number: name.split("/") for number, name in world.masks.items()}
+    opacity = np.zeros(own.mask.shape, dtype=np.float32)
+    for number, (body, *rest) in links.items():
+        if body == arm.name and rest and rest[-1] in fingers_of(arm).links:
+            opacity[own.mask == number] = 1.0 if rest[-1] in arm.finger_links else _HAND
+    share = ndimage.gaussian_filter(opacity, _BLUR)[..., None]
+    image = bare + _SHADOW * (shaded - bare)
+    return np.asarray(np.round(image + (own.rgb - image) * share).clip(0.0, 255.0), dtype=np.uint8)
 
 
 def rendered(world: World, views: Sequence[CameraView], size: int) -> list[Image.Image]:

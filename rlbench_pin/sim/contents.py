@@ -76,7 +76,7 @@ class Contents:
         self.places.place_bodies()
         self.resting = Resting(client, self.bodies, self.room)
         room_ids = {name: self._masks.first_id(body.model) for name, body in self.room.items()}
-        appearance = Appearance(self._mixed_colors, self._finishes)
+        appearance = Appearance(self._mixed_colors, self._finishes, lambda: self.robot.hidden_links)
         self.renderer = Renderer(client, self.room, room_ids, self._masks.table, appearance)
         self.robot = SimRobot(arm, robot, self._contacts, timestep, substeps)
         self.texture_overrides = TextureOverrides(self.renderer, arm, self.bodies, self.room)

@@ -49,6 +49,16 @@ def test_events(motion: Poses, holds: list[bool], touches: list[bool], expected:
     assert list(found) == list(expected)
 
 
+def test_a_long_demonstration_is_shown_in_quarters() -> None:
+    """A long carry, after a door that took long."""
+    frames = 800
+    motion = [np.array([[x, 0, 0, 0, 0, 0, 1.0]]) for x in np.linspace(0.0, 8.0, frames + 1)]
+    found = events(motion, [k >= 400 for k in range(frames + 1)], [k >= 20 for k in range(frames + 1)])
+    quarters = ["a quarter", "half way", "three quarters"]
+    assert list(found) == ["reset", "first contact", "before the grasp", "grasp", *quarters, "success"]
+    assert list(found.values()) == pytest.approx([0, 20, 286, 400, 500, 600, 700, 800], abs=1)
+
+
 @pytest.mark.simulation
 @pytest.mark.parametrize(("name", "body", "joint"), [("pick_and_lift", "block", None), ("open_drawer", "chest", "drawer_bottom")])
 def test_the_task_is_in_the_image(name: str, body: str, joint: str | None) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -175,6 +175,7 @@ class SimRobot:
         position_gain: Share of the position error that a motor removes in one physics step.
         grip: The fingers.
         on_reset: Functions that `reset_configuration` calls with whether the fingers were set as well.
+        hidden_links: Links that images do not show, by PyBullet's numbers of body and link; see `show`.
     """
 
     def __init__(
@@ -198,6 +199,7 @@ class SimRobot:
         self._states: FloatArray | None = None
         self._kept_torques: FloatArray | None = None
         self.on_reset: list[Callable[[bool], None]] = []
+        self.hidden_links: frozenset[tuple[int, int]] = frozenset()
         self._goals: FloatArray | None = None
         self._feed: list[float] = []
         self._control = ArmControl("velocity", np.zeros(len(infos)), np.zeros(len(infos)))
@@ -283,6 +285,11 @@ class SimRobot:
             return np.zeros(3)
         force = sum(np.multiply(p[9], p[7]) + np.multiply(p[10], p[11]) + np.multiply(p[12], p[13]) for p in points)
         return pose_to_se3(self.link_pose(link)).rotation.T @ force
+
+    def show(self, links: Collection[str] | None = None) -> None:
+        """Let images show these links of the robot alone, or all of them again; nothing else changes."""
+        hidden = () if links is None else (name for name in self.model.links if name not in links)
+        self.hidden_links = frozenset((self.model.uid, self.model.link_index(name)) for name in hidden)
 
     def touching(self) -> tuple[str, ...]:
         """Names of the bodies that arm or gripper touch, sorted."""

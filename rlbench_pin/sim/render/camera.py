@@ -16,7 +16,7 @@ from rlbench_pin.values import as_image_size, as_number, as_vector
 
 _NEAR, _FAR = 0.05, 6.0
 _MARGIN = 1.06
-_NARROWEST, _WIDEST = 0.45, 1.6
+_NARROWEST, _WIDEST = 0.25, 1.6
 """Optics of `framed`: nearest and farthest distance [m], room beside the points, fields of view [rad]."""
 
 

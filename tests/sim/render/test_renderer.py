@@ -221,3 +221,21 @@ def test_renderers_are_chosen_by_name(monkeypatch):
         World(SceneSpec(format=1), PANDA, renderer="egl")
     with World(SceneSpec(format=1), PANDA, renderer="auto") as world:
         assert not world.client.hardware
+
+
+def test_links_of_the_robot_can_be_hidden(world):
+    """Hidden links are neither seen nor cast a shadow; afterwards every byte is as before."""
+    view = views(world, (128, 128))["front"]
+    before = world.render(view, shadows=True)
+    world.robot.show(["panda_hand"])
+    hand = world.render(view, shadows=True)
+    world.robot.show([])
+    nothing = world.render(view, shadows=True)
+    world.robot.show()
+    after = world.render(view, shadows=True)
+    names = {number: name for number, name in world.masks.items() if name.startswith("panda/")}
+    assert {names[number] for number in np.unique(hand.mask) if number in names} == {"panda/panda_hand"}
+    assert not np.isin(nothing.mask, list(names)).any()
+    is_table = nothing.mask == before.mask
+    assert (nothing.rgb[is_table].astype(int).sum(axis=1) >= before.rgb[is_table].astype(int).sum(axis=1) - 6).all()
+    assert np.array_equal(before.rgb, after.rgb) and np.array_equal(before.mask, after.mask)

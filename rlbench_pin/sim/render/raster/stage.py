@@ -280,6 +280,8 @@ class Appearance:
     colour of its last visual for all."""
     finishes: Callable[[], Finishes] = dict
     """Returns the finishes of visuals, of links that have some."""
+    hidden: Callable[[], frozenset[Link]] = frozenset
+    """Returns the links that images do not show, by body and link number."""
 
 
 @dataclass(frozen=True)
@@ -332,13 +334,14 @@ class Stage:
     def __init__(self, client: PhysicsClient, room: frozenset[int], appearance: Appearance) -> None:
         self._client, self._room, self._appearance = client, room, appearance
         self._mixed: Visuals = {}
+        self._hidden: frozenset[Link] = frozenset()
         self._entries: list[tuple] = []
         self._visuals: tuple[Visual, ...] = ()
         self._placed: Placed | None = None
         self.layers = Layers()
         self._bodies: dict[int, int] = {}
         self._from_com: dict[int, NDArray] = {}
-        self.materials = _materials([], {}, {})
+        self.materials = _materials([], {}, {}, frozenset())
 
     def update(self) -> Placed | None:
         """Take shapes, colours and places of this instant; None when there is a shape that cannot be drawn here."""
@@ -347,10 +350,10 @@ class Stage:
             bullet.getBodyUniqueId(i, physicsClientId=identifier) for i in range(bullet.getNumBodies(physicsClientId=identifier))
         ]
         entries = [entry for uid in uids if uid not in self._room for entry in _entries_of(uid, identifier)]
-        mixed = self._appearance.mixed_colors()
-        if entries != self._entries or mixed != self._mixed:
-            self._entries, self._mixed = entries, mixed
-            self.materials = _materials(entries, mixed, self._appearance.finishes())
+        mixed, hidden = self._appearance.mixed_colors(), self._appearance.hidden()
+        if entries != self._entries or mixed != self._mixed or hidden != self._hidden:
+            self._entries, self._mixed, self._hidden = entries, mixed, hidden
+            self.materials = _materials(entries, mixed, self._appearance.finishes(), hidden)
             visuals = tuple(_visual(entry) for entry in entries)
             if visuals != self._visuals:
                 parts = _parts(visuals, bool(self.materials.patterns))
@@ -418,8 +421,9 @@ def _colors_of(entries: list[tuple], mixed: Visuals) -> NDArray[np.float32]:
     return colors.astype(np.float32)
 
 
-def _materials(entries: list[tuple], mixed: Visuals, known: Finishes) -> Materials:
+def _materials(entries: list[tuple], mixed: Visuals, known: Finishes, hidden: frozenset[Link]) -> Materials:
     colors = _colors_of(entries, mixed)
+    colors[[entry[:2] in hidden for entry in entries], 3] = 0.0
     left = {link: list(finishes) for link, finishes in known.items()}
     finishes = [left[entry[:2]].pop(0) if left.get(entry[:2]) else DULL for entry in entries]
     gloss = np.array([finish.gloss for finish in finishes], dtype=np.float32).reshape(-1, 3)
