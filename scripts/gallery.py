@@ -20,7 +20,7 @@ COLUMNS, SIZE, GAP, SEED = 2, 320, 4, 0
 HEAD = """# Gallery
 
 The {count} tasks of the library, each in a demonstration of seed 0 and variation 0, with a sentence that asks for it. On the left
-the arm is at work; on the right is the result 1 s after success, without the arm, or with a translucent one that holds an object.
+the arm is at work; on the right is the result 1 s after success, without the arm, or with the gripper that holds an object.
 Each image links to the task's contact sheet: its events from a camera aimed at the task, the five cameras of observations and
 `clear_robot_side`.
 [All tasks on one sheet](images/tasks.jpg).
