@@ -64,7 +64,7 @@ def test_the_gallery_shows_every_task() -> None:
 
 @pytest.mark.simulation
 def test_the_gallery_quotes_instructions() -> None:
-    """Each is the first of its task for seed and variation 0: otherwise `python scripts/gallery.py TASK` draws it anew."""
+    """Each is the first of its task for seed and variation 0: otherwise `python scripts/gallery.py` writes it anew."""
     with make_environment(low_dim_config()) as environment:
         for name in library_names():
             descriptions, _ = environment.get_task(name).reset(seed=0, variation=0)

@@ -227,6 +227,13 @@ def contact_sheet(
     return sheet
 
 
+def first_and_last(sheet: Image.Image, size: int = SIZE) -> tuple[Image.Image, Image.Image]:
+    """Return the task views, `size` px wide, of the first and the last row of a sheet of `demo_sheet`."""
+    tops = (_TITLE + _CAPTION, sheet.height - 2 * _MARGIN - size)
+    first, last = (sheet.crop((_MARGIN, top, _MARGIN + size, top + size)) for top in tops)
+    return first, last
+
+
 def font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
     """Return the font of images, `size` high [px]."""
     return ImageFont.load_default(size)
