@@ -62,7 +62,8 @@ class Evaluate:
     policy: tyro.conf.Positional[MaybePolicy] = ""
     """`noop`, `random`, `expert` (the planner of demonstrations), `classical`, `cloning?folder=FOLDER`,
     `key_frames?folder=FOLDER`, `ppo:FOLDER`, `sac:FOLDER`, `sb3:FILE`, `lerobot:FOLDER`, `module:factory`,
-    `file.py:factory`, or the address of a policy server: `tcp://HOST:PORT`, `unix:PATH`. See docs/policies.md."""
+    `file.py:factory`, or the address of a policy server: `tcp://HOST:PORT`, `unix:PATH`, or
+    `openpi://HOST:PORT?mapping=NAME` and `vla-eval://HOST:PORT?mapping=NAME`. See docs/policies.md."""
     tasks: TaskNames = TASKS
     """Task names, task files, sets of tasks such as FS10_V1, or `all`, separated by spaces or commas."""
     protocol: MaybeProtocol = None

@@ -39,7 +39,7 @@ class Serve:
         if not self.policy:
             raise TaskEnvironmentError("No policy was named. Use `rlbench-pin serve POLICY`, for example `my_policy.py:make`.")
         found = find_policy(self.policy)
-        if found.place == "socket":
+        if found.place in ("socket", "websocket"):
             raise TaskEnvironmentError(f"'{self.policy}' is the address of a server. Name the policy itself.")
         try:
             listener = listen(self.address, self.anywhere)

@@ -129,7 +129,7 @@ def find_learner(reference: str) -> str:
         if name not in LEARNERS:
             raise UnknownName("few-shot learner", name, tuple(LEARNERS))
         return f"{LEARNERS[name]}?{query}" if query else LEARNERS[name]
-    if reference.startswith(("sb3:", "lerobot:", "unix:", "tcp:")):
+    if reference.startswith(("sb3:", "lerobot:", "unix:", "tcp:", "openpi:", "vla-eval:")):
         raise PolicyReferenceError(reference, "is a policy, not a few-shot learner", f"One is called {_FORMS}.")
     return find_policy(reference).target
 

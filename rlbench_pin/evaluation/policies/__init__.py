@@ -2,6 +2,7 @@
 
 from rlbench_pin.evaluation.policies.adapters import FunctionPolicy, KeyFrame, KeyFramePolicy, Noop, Random
 from rlbench_pin.evaluation.policies.client import PolicyClient, open_policy
+from rlbench_pin.evaluation.policies.mapping import MappingError, PolicyMapping, load_mapping, mapping_names
 from rlbench_pin.evaluation.policies.policy import (
     FaultKind,
     LibraryMissing,
@@ -22,11 +23,13 @@ __all__ = [
     "KeyFrame",
     "KeyFramePolicy",
     "LibraryMissing",
+    "MappingError",
     "Noop",
     "Policy",
     "PolicyClient",
     "PolicyContext",
     "PolicyFault",
+    "PolicyMapping",
     "PolicyOfAnotherArm",
     "PolicyReferenceError",
     "PolicySettings",
@@ -34,5 +37,7 @@ __all__ = [
     "Random",
     "Reference",
     "find_policy",
+    "load_mapping",
+    "mapping_names",
     "open_policy",
 ]

@@ -26,6 +26,7 @@ from rlbench_pin.evaluation.policies.wire import (
     validate_action,
     visible_fields,
 )
+from rlbench_pin.evaluation.policies.wires import WirePolicy, parse_address
 from rlbench_pin.observation import Observation
 from rlbench_pin.processes.child import ChildProcess
 from rlbench_pin.values import as_number
@@ -93,6 +94,8 @@ def open_policy(reference: str | Policy, *, time_limit: float = 30.0, start_limi
             return InProcessPolicy(make_policy(found.target))
         except NoPolicy as error:
             raise PolicyReferenceError(reference, f"cannot be made: {str(error).rstrip('.')}") from error
+    if found.place == "websocket":
+        return WirePolicy(parse_address(found.target), time_limit, start_limit)
     socketed = found.place == "socket"
     transport: Transport = SocketTransport(found.target) if socketed else SubprocessTransport(reference, found.target)
     return RemotePolicy(transport, time_limit, start_limit)

@@ -19,6 +19,7 @@ from urllib.parse import parse_qsl, quote
 from rlbench_pin.errors import MissingExtra, UnknownName, nearest_name
 from rlbench_pin.evaluation.policies.policy import LibraryMissing, PolicyReferenceError
 from rlbench_pin.evaluation.policies.policy_server import NoPolicy, split_tcp
+from rlbench_pin.evaluation.policies.wires import SCHEMES, parse_address
 
 _POLICIES = "rlbench_pin.evaluation.policies"
 _BASELINES = "rlbench_pin.baselines"
@@ -35,8 +36,8 @@ IN_PROCESS = ("noop", "random")
 EXPERT = "expert"
 """The planner's own demonstrations; the evaluation plays them itself."""
 FORMS = (
-    "`module:factory`, `file.py:factory`, `sb3:FILE`, `ppo:FOLDER`, `sac:FOLDER`, `lerobot:FOLDER`, `unix:PATH` or"
-    " `tcp://HOST:PORT`"
+    "`module:factory`, `file.py:factory`, `sb3:FILE`, `ppo:FOLDER`, `sac:FOLDER`, `lerobot:FOLDER`, `unix:PATH`,"
+    " `tcp://HOST:PORT`, `openpi://HOST:PORT?mapping=NAME` or `vla-eval://HOST:PORT?mapping=NAME`"
 )
 
 
@@ -46,7 +47,7 @@ class Reference:
 
     text: str
     """As it was written."""
-    place: Literal["in-process", "subprocess", "socket"]
+    place: Literal["in-process", "subprocess", "socket", "websocket"]
     """Transport of the policy."""
     target: str
     """`module:factory` or `file.py:factory` with arguments, or an address."""
@@ -58,7 +59,7 @@ def find_policy(reference: str) -> Reference:
     Args:
         reference: A name of `BUILT_IN`, `module:factory`, `file.py:factory`, `sb3:FILE`, `ppo:FOLDER`, `sac:FOLDER`,
             `lerobot:FOLDER`, `unix:PATH` or `tcp://HOST:PORT`; but for the last two, `?key=value&...` may follow, arguments
-            of the factory.
+            of the factory. Or `openpi://HOST:PORT?mapping=NAME`, `vla-eval://HOST:PORT?mapping=NAME`.
 
     Raises:
         UnknownName: It is a single word, and no policy of this package is called so.
@@ -69,6 +70,9 @@ def find_policy(reference: str) -> Reference:
         raise PolicyReferenceError(reference, f"is called by a text such as {FORMS}")
     if reference.startswith(("unix:", "tcp:")):
         return _at_address(reference)
+    if reference.startswith(tuple(f"{scheme}:" for scheme in SCHEMES)):
+        parse_address(reference)
+        return Reference(reference, "websocket", reference)
     for kind, find in (("sb3:", _sb3), ("lerobot:", _lerobot), ("ppo:", _trained), ("sac:", _trained)):
         if reference.startswith(kind):
             return Reference(reference, "subprocess", find(reference, reference.removeprefix(kind)))
