@@ -31,7 +31,10 @@ SILENT = ("docs/gymnasium.md",)
 FILES = {
     "docs/compatibility.md": {"program.py": "import rlbench\nprint(rlbench.__version__)\n"},
     "docs/protocols.md": {"pair.toml": next(b.body for b in ALL if b.page == "docs/protocols.md" and b.language == "toml")},
-    "docs/policies.md": {"my_policy.py": (ROOT / "examples" / "policies" / "my_policy.py").read_text(encoding="utf-8")},
+    "docs/policies.md": {
+        "my_policy.py": (ROOT / "examples" / "policies" / "my_policy.py").read_text(encoding="utf-8"),
+        "my_mapping.toml": next(b.body for b in ALL if b.page == "docs/policies.md" and b.language == "toml"),
+    },
 }
 """Files of the reader that a page takes for granted."""
 

@@ -64,7 +64,6 @@ HOMES: dict[str, tuple[str, ...]] = {
     "zarr": ("datasets",),
     "gymnasium": ("gym", "compat", "baselines"),
     "msgpack": ("evaluation",),
-    "websockets": ("evaluation",),
     "torch": ("baselines",),
     "safetensors": ("baselines",),
     "stable_baselines3": ("baselines",),

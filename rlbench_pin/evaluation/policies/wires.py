@@ -15,6 +15,7 @@ import threading
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from itertools import count
 from types import ModuleType
 from typing import Any, Literal, NoReturn
 from urllib.parse import parse_qsl
@@ -35,6 +36,8 @@ SCHEMES = ("openpi", "vla-eval")
 """Schemes of addresses."""
 LARGEST_FRAME = 64 * 2**20
 """Bytes of a frame of a server at most."""
+MOST_CONTAINERS = 100_000
+"""Maps and lists in a frame at most."""
 CONNECT_LIMIT = 10.0
 """How long connecting may take [s]."""
 CLOSE_LIMIT = 2.0
@@ -162,10 +165,18 @@ def decode_frame(frame: bytes) -> Any:
     """Return the message in a frame of either wire.
 
     Raises:
-        WireError: It is not msgpack, or has an array of objects, or one whose bytes do not have its shape.
+        WireError: It is not msgpack, or has too many maps and lists, which take far more memory than their bytes; or it has an
+            array of objects, or one whose bytes do not have its shape.
     """
+    containers = count()
+
+    def counted(found: Any) -> Any:
+        if next(containers) >= MOST_CONTAINERS:
+            raise WireError(f"A frame has more than {MOST_CONTAINERS} maps and lists.")
+        return _from_map(found) if isinstance(found, dict) else found
+
     try:
-        return msgpack.unpackb(frame, object_hook=_from_map, raw=False, strict_map_key=False)
+        return msgpack.unpackb(frame, object_hook=counted, list_hook=counted, raw=False, strict_map_key=False)
     except WireError:
         raise
     except Exception as error:  # what msgpack raises depends on what is wrong
@@ -239,6 +250,12 @@ class WirePolicy:
                 self._connect()
             except MappingError as error:
                 self._fail("wrong answer", f"Connected again, it serves something else than before: {error}")
+        layout = self._mapping.action
+        if not layout.is_pose and layout.joints != context.joints:
+            self._fail(
+                "wrong answer",
+                f"The mapping '{self._mapping.source}' is for {layout.joints} joints, the arm has {context.joints}.",
+            )
         self._instruction, self._chunk = instruction, []
         if self._address.scheme == "vla-eval":
             if self._in_episode:
@@ -323,7 +340,7 @@ class WirePolicy:
             host = f"[{address.host}]" if ":" in address.host else address.host
             self._connection = client.connect(
                 f"ws://{host}:{address.port}", sock=connected, compression=None, max_size=LARGEST_FRAME, close_timeout=1.0,
-                open_timeout=self._start_limit, additional_headers=headers, ping_interval=None,
+                open_timeout=self._start_limit, additional_headers=headers, ping_interval=None, max_queue=1,
             )  # fmt: skip
         except TimeoutError as error:
             raise PolicyFault("timed out", f"{address} does not answer.", _START) from error
@@ -444,6 +461,8 @@ def check_openpi(mapping: PolicyMapping, metadata: Mapping[Any, Any]) -> None:
     Raises:
         MappingError: They differ.
     """
+    if metadata.get("needs_session_id") is True:
+        raise MappingError("A server of openpi", True, "has to work without session numbers: 'needs_session_id' is not supported")
     _check(mapping, "action", "action_dim", metadata.get("action_dim"), mapping.action.size)
     space = metadata.get("action_space")
     if isinstance(space, str) and mapping.action.arm not in _ACTION_SPACES.get(space, (mapping.action.arm,)):

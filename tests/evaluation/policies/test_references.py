@@ -27,6 +27,8 @@ MODULE = "tests.evaluation.policies.policies_for_tests"
         (f"{MODULE}:INSTANCE", "subprocess"),
         ("unix:/nowhere", "socket"),
         ("tcp://localhost:80", "socket"),
+        ("openpi://localhost:80?mapping=libero&replan=5", "websocket"),
+        ("vla-eval://[::1]:80?mapping=peract&token=a", "websocket"),
     ],
 )
 def test_what_there_is_is_found(reference: str, place: str) -> None:

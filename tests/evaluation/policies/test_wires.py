@@ -8,6 +8,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -147,6 +148,15 @@ def test_vla_eval_is_told_when_episodes_begin_and_end() -> None:
     assert handle.last["images"]["agentview"].shape == (256, 256, 3)
 
 
+def test_a_mapping_for_other_joints_costs_the_episode() -> None:
+    """Seven joints of DROID, and an arm with six."""
+    with served(OpenPi()) as port:
+        policy = open_policy(f"openpi://127.0.0.1:{port}?mapping=droid")
+        with pytest.raises(PolicyFault, match="is for 7 joints, the arm has 6"):
+            policy.reset("Push.", replace(CONTEXT, joints=6))
+        policy.close()
+
+
 def test_a_token_may_stand_in_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
     """So it is not in the reference, which results files have."""
     monkeypatch.setenv("WIRE_TOKEN", "secret")
@@ -178,6 +188,7 @@ def _hang(ws: Any) -> None:
         ),
         (lambda ws: ws.send(b"\xc1garbage"), "wrong answer", "is not msgpack"),
         (lambda ws: ws.send(b"\x91" * 5000), "wrong answer", "is not msgpack"),
+        (lambda ws: ws.send(b"\xdd\x00\x02\x00\x00" + b"\x80" * 2**17), "wrong answer", "more than 100000 maps and lists"),
         (lambda ws: ws.send(b"\x01"), "wrong answer", r"has the shape \(\)"),
         (lambda ws: ws.socket.sendall(b"\xff\xff\xff\xff"), "wrong answer", "broken or larger"),
         (lambda ws: ws.send(encode_openpi({"action": 1})), "wrong answer", "has no 'actions'; its keys: action"),
@@ -349,6 +360,15 @@ def test_arrays_arrive_as_they_were(encode: Callable[[object], bytes], dtype: st
         np.testing.assert_array_equal(back, array)
 
 
+def test_arrays_are_spelled_as_the_servers_expect() -> None:
+    """Keys are bytes for openpi, and text for vla-eval."""
+    array = np.array([[1.0, 2.0]], np.float32)
+    parts = {"__ndarray__": True, "data": array.tobytes(), "dtype": "<f4", "shape": [1, 2]}
+    assert msgpack.unpackb(encode_vla_eval({"a": array})) == {"a": parts}
+    sent = msgpack.unpackb(encode_openpi({"a": array}), strict_map_key=False)
+    assert sent == {"a": {key.encode(): value for key, value in parts.items()}}
+
+
 @pytest.mark.parametrize(
     ("parts", "says"),
     [
@@ -401,6 +421,7 @@ def test_a_frame_that_is_too_long(monkeypatch: pytest.MonkeyPatch) -> None:
         ({"action_dim": 8}, "'action' contradicts the server, which has action_dim 8. Got 7"),
         ({"action_space": "joint_position"}, "'action.arm' contradicts"),
         ({"observation_keys": ["observation/state", "observation/depth"]}, "lacks the key 'observation/depth'"),
+        ({"needs_session_id": True}, "'needs_session_id' is not supported"),
         ({"image_resolution": [180, 320]}, "'images.observation/image' contradicts"),
     ],
 )
