@@ -57,6 +57,7 @@ def _tip_rotation(layout: str) -> Callable[[Any], np.ndarray]:
 _STATES: Mapping[str, tuple[str, Callable[[Any], Any]]] = {
     "joint_positions": ("joint_positions", np.asarray),
     "joint_velocities": ("joint_velocities", np.asarray),
+    "task_low_dim_state": ("task_low_dim_state", np.asarray),
     "tip_position": ("gripper_pose", lambda pose: pose[:3]),
     "fingers": ("gripper_joint_positions", np.asarray),
     "fingers_mirrored": ("gripper_joint_positions", lambda fingers: np.asarray(fingers) * [1.0, -1.0]),
@@ -65,12 +66,12 @@ _STATES: Mapping[str, tuple[str, Callable[[Any], Any]]] = {
     **{name: ("gripper_pose", _tip_rotation(layout)) for name, layout in _TIP.items()},
 }
 STATES: tuple[str, ...] = tuple(_STATES)
-"""Parts of a state vector: `joint_positions` [rad] and `joint_velocities` [rad/s], (n,); `tip_position` (3,) [m] and the
-rotation of the tip, `tip_` and its layout; `fingers` (2,) [m], the second negative in `fingers_mirrored`; `gripper_open` (1,), 1
-open and 0 closed; `gripper_closed`, the other way round."""
+"""Parts of a state vector: `joint_positions` [rad] and `joint_velocities` [rad/s], (n,); `task_low_dim_state`, the poses of
+objects of the task; `tip_position` (3,) [m] and the rotation of the tip, `tip_` and its layout; `fingers` (2,) [m], the second
+negative in `fingers_mirrored`; `gripper_open` (1,), 1 open and 0 closed; `gripper_closed`, the other way round."""
 _FIXED_SIZES = {"tip_position": 3, "fingers": 2, "fingers_mirrored": 2, "gripper_open": 1, "gripper_closed": 1}
 STATE_SIZES: Mapping[str, int] = {**_FIXED_SIZES, **{name: ROTATIONS[layout] for name, layout in _TIP.items()}}
-"""Part of a state vector -> how many numbers it has; joints are left out, as arms differ."""
+"""Part of a state vector -> how many numbers it has; joints and the state of a task are left out, as arms and tasks differ."""
 
 
 class MappingError(PolicySettingsError):
@@ -281,7 +282,7 @@ class PolicyMapping:
         return (self.instruction, *self.images, *self.states)
 
     def state_size(self, key: str) -> int | None:
-        """How many numbers the state under a key has; None where joints are in it."""
+        """How many numbers the state under a key has; None where that depends on the arm or the task."""
         sizes = [STATE_SIZES.get(part) for part in self.states[key]]
         return None if None in sizes else sum(size for size in sizes if size is not None)
 

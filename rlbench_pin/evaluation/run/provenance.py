@@ -68,6 +68,8 @@ def policy_digests(reference: str) -> dict[str, str]:
         return {}
     name, _, query = reference.partition("?")
     values = [unquote(pair.partition("=")[2]) for pair in query.split("&") if pair]
+    if reference.startswith(("openpi:", "vla-eval:")):  # of these, a mapping may be a file; a preset goes with the commit
+        return {str(file): _digest(file) for text in values if text.endswith(".toml") for file in _files(text)}
     kind, _, rest = name.partition(":")
     named = [rest, f"{rest}.zip"][: 2 if kind == "sb3" else 1] if kind in ("sb3", "lerobot") else []
     named += [name.rpartition(":")[0]] if name.rpartition(":")[0].endswith(".py") else []

@@ -219,7 +219,7 @@ def test_every_part_of_a_state_can_be_sent(part: str) -> None:
     """Its size is the one that is compared with the server's."""
     mapping = mapping_of({**LEAST, "states": {"s": [part]}}, "a.toml")
     observation = seen()
-    observation.joint_velocities = np.arange(7.0)
+    observation.joint_velocities = observation.task_low_dim_state = np.arange(7.0)
     assert mapping.state_size("s") in (None, len(mapping.encode(observation, "")["s"]))
 
 

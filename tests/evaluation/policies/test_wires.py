@@ -15,9 +15,11 @@ from typing import Any
 import msgpack
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from rlbench_pin.environment.observations import ObservationConfig
 from rlbench_pin.errors import MissingExtra, UnknownName
+from rlbench_pin.evaluation import EvaluationConfig, evaluate
 from rlbench_pin.evaluation.policies import (
     MappingError,
     PolicyClient,
@@ -32,6 +34,7 @@ from rlbench_pin.evaluation.policies import (
 from rlbench_pin.evaluation.policies.policy_server import WireError
 from rlbench_pin.evaluation.policies.wires import check_openpi, check_vla_eval, decode_frame, encode_openpi, encode_vla_eval
 from rlbench_pin.observation import Observation
+from rlbench_pin.processes import SerialEngine
 
 server = pytest.importorskip("websockets.sync.server")
 CONTEXT = PolicyContext("panda", 7, (-1.0,) * 8, (1.0,) * 8, 0.05, 100, seed=1, task="reach_target")
@@ -519,3 +522,48 @@ def test_without_the_library(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(MissingExtra) as caught:
         find_policy("openpi://localhost:1?mapping=libero")
     assert caught.value.extra == "wires" and caught.value.library == "websockets"
+
+
+# Episodes ---------------------------------------------------------------------------------------------------------------------
+
+REACHING = """
+replan = 2
+[states]
+state = ["tip_position", "tip_quaternion_xyzw", "task_low_dim_state"]
+[action]
+arm = "delta_pose"
+frame = "{frame}"
+scale = 0.05
+"""
+
+
+class Reacher:
+    """A server of openpi whose policy moves the tip to the ball, by at most 5 cm along each axis; it may die in an episode."""
+
+    def __init__(self, frame: str, dies_at: int = 0) -> None:
+        self.frame, self.dies_at, self.requests = frame, dies_at, 0
+
+    def __call__(self, ws: Any) -> None:
+        ws.send(encode_openpi({}))
+        for frame in ws:
+            self.requests += 1
+            if self.requests == self.dies_at:
+                return
+            state = decode_frame(frame)["state"]
+            way = state[7:10] - state[:3]
+            turned = Rotation.from_quat(state[3:7]).inv().apply(way) if self.frame == "tip" else way
+            ws.send(encode_openpi({"actions": [[*np.clip(turned / 0.05, -1.0, 1.0).tolist(), 0.0, 0.0, 0.0, 1.0]]}))
+
+
+@pytest.mark.simulation
+@pytest.mark.parametrize("frame", ["world", "tip"])
+def test_a_served_policy_reaches_the_ball(frame: str, tmp_path: Path) -> None:
+    """Deltas in both frames; a server that dies costs one episode, and the next one connects again."""
+    file = tmp_path / "reaching.toml"
+    file.write_text(REACHING.format(frame=frame), encoding="utf-8")
+    with served(Reacher(frame, dies_at=3)) as port:
+        address = f"openpi://127.0.0.1:{port}?mapping={file}"
+        config = EvaluationConfig(policy=address, tasks=("reach_target",), episodes=4, max_steps=40)
+        results = evaluate(config, tmp_path / "results.json", engine=SerialEngine())
+    assert [episode.fault for episode in results.episodes] == ["unreachable", "", "", ""]
+    assert [episode.success for episode in results.episodes] == [False, True, True, True]

@@ -35,6 +35,9 @@ def test_files_that_a_reference_names(tmp_path: Path) -> None:
     assert policy_digests(f"{file}:Still?gain=4") == {str(file): sha(b"1")}
     assert policy_digests(f"sb3:{tmp_path / 'm'}?arm=X") == {str(zipped): sha(b"2")}
     assert policy_digests(f"lerobot:{tmp_path / 'models'}") == {str(inner): sha(b"3")}
+    own = tmp_path / "own.toml"
+    own.write_bytes(b"4")
+    assert policy_digests(f"openpi://localhost:1?mapping={own}&token={tmp_path}") == {str(own): sha(b"4")}
     assert policy_digests(f"cloning?folder={tmp_path / 'models'}") == {str(inner): sha(b"3")}
     for other in ("noop", "random", "json:loads", f"unix:{file}", "tcp://localhost:5", "cloning?folder=%00", "cloning?folder="):
         assert policy_digests(other) == {}, other
