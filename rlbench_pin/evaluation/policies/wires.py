@@ -224,7 +224,8 @@ class WirePolicy:
         self._mapping = address.mapping
         self._connection: Any = None
         self._settings: PolicySettings | None = None
-        self._instruction, self._chunk, self._seq, self._in_episode = "", [np.zeros(0)][:0], 0, False
+        self._chunk: list[np.ndarray] = []
+        self._instruction, self._seq, self._in_episode = "", 0, False
 
     @property
     def settings(self) -> PolicySettings:
