@@ -314,7 +314,7 @@ def test_a_server_that_has_restarted_between_episodes_costs_nothing() -> None:
         policy.reset("Push.", CONTEXT)
         handle.reply = lambda ws: (ws.send(encode_openpi({"actions": np.zeros((1, 7))})), ws.close())[0]
         policy.act(SEEN)
-        time.sleep(0.3)
+        time.sleep(1.0)  # until the client has seen the end
         handle.reply = None
         policy.reset("Push.", CONTEXT)
         assert policy.act(SEEN).shape == (8,)
