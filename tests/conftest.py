@@ -9,7 +9,7 @@ import pytest
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-SIMULATION = ("builder", "cli", "contract", "datasets", "evaluation", "integration", "tasks")
+SIMULATION = ("assets", "builder", "cli", "compat", "contract", "datasets", "evaluation", "integration", "tasks")
 """Folders whose tests play episodes, run commands, or build many worlds or files; `make check` leaves them out, single tests
 elsewhere are marked."""
 SLOW = 14_400
