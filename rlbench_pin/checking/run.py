@@ -188,7 +188,7 @@ def _as_tuple(value: Any) -> Any:
 def task_marks(tasks: Sequence[str]) -> dict[str, str]:
     """Return task -> a checksum of all files and versions of libraries that its trials depend on."""
     marks = {}
-    for task in tasks:
+    for task in as_names(tasks, "tasks"):
         mark, scene = _package_mark().copy(), find_task(task).scene_file()
         own = (scene.with_suffix(".py"), scene)
         for file in (*own, *_named_objects(own), *_own_assets(scene)):

@@ -29,7 +29,7 @@ SKIPPED = frozenset({
     "FrictionTrial", "RepeatTrial", "RefusedOpening", "WordsTrial",
     "Rate", "NoopEpisode", "Move", "TaskInfo", "StoredEpisode", "RecordReport", "ReplayResult", "Command",
     "CheckProgress", "Failure", "Item", "Reach", "TaskReport", "TaskState", "DemoOutcome", "EnvironmentState",
-    "SegmentReport", "ActionSpec", "EpisodeItem", "EpisodeOutcome", "EvaluationProgress", "PolicyContext",
+    "SegmentReport", "ActionSpec", "EpisodeItem", "EpisodeOutcome", "EvaluationProgress", "PolicyContext", "PolicyMapping",
     "Reference", "TaskSet", "Comparison", "Pairs", "TaskComparison", "PValues", "Summary",
     "TaskSummary", "Estimate", "Table", "ProtocolRow", "ProtocolSummary",  # records that doors return, or policies are given
     "Follower", "TrackingProblem", "Waypoint", "Task",  # what the package makes itself; users read them
@@ -200,6 +200,7 @@ def protocol_samples() -> dict[str, object]:
         "ProtocolTask.variations": (0,),
         "Split.episodes": 1,
         "load_protocol.name": "peract18",
+        "load_mapping.name": "libero",
         "summarise_protocol.results": results,
         "protocol_table.summary": evaluation.summarise_protocol(results),
         "check_same_protocol.results": [results, results],

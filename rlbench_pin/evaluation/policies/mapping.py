@@ -334,6 +334,7 @@ def load_mapping(name: str) -> PolicyMapping:
         UnknownName: No preset is called so; proposes the nearest name.
         MappingError: The file is missing, or is not a mapping; names file, key and value.
     """
+    name = as_text(name, "A mapping", MappingError)
     if name.endswith(".toml") or "/" in name:
         path = Path(name)
     elif name in mapping_names():

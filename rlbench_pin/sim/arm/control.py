@@ -14,7 +14,7 @@ from rlbench_pin.sim.body import ContactReader, LoadedModel
 from rlbench_pin.sim.client import PASSES, bullet
 from rlbench_pin.spatial import FloatArray, pose_to_se3
 from rlbench_pin.urdf import CONTINUOUS
-from rlbench_pin.values import action_vector, as_flag, finite_vector
+from rlbench_pin.values import action_vector, as_flag, as_names, finite_vector
 
 DriveMode = Literal["position", "velocity", "torque"]
 """Control mode of the arm's motors."""
@@ -287,9 +287,15 @@ class SimRobot:
         return pose_to_se3(self.link_pose(link)).rotation.T @ force
 
     def show(self, links: Collection[str] | None = None) -> None:
-        """Let images show these links of the robot alone, or all of them again; nothing else changes."""
-        hidden = () if links is None else (name for name in self.model.links if name not in links)
-        self.hidden_links = frozenset((self.model.uid, self.model.link_index(name)) for name in hidden)
+        """Let images show these links of the robot alone, or all of them when None; nothing else changes.
+
+        Raises:
+            InvalidValue: It is no list of names.
+            UnknownName: The robot has no such link.
+        """
+        shown = self.model.links if links is None else as_names(links, "links")
+        hidden = {self.model.link_index(name) for name in self.model.links} - {self.model.link_index(name) for name in shown}
+        self.hidden_links = frozenset((self.model.uid, index) for index in hidden)
 
     def touching(self) -> tuple[str, ...]:
         """Names of the bodies that arm or gripper touch, sorted."""
