@@ -14,7 +14,7 @@ from tests.builder.worker.conftest import copy_of
 
 pytestmark = pytest.mark.simulation
 
-_LIMITS = WorkerLimits(open=3.0, reset=3.0, tick=3.0, memory=2**29)
+_LIMITS = WorkerLimits(open=3.0, reset=10.0, tick=3.0, memory=2**29)
 _IN_STEP = "        if not self.is_green and self.pressed.met():"
 _IN_INIT = "        self.button = self.world.body"
 
