@@ -336,12 +336,14 @@ class ShadowMap:
             np.concatenate([getattr(each, name).take(points) for each, points in zip(spots, chosen, strict=True)])
             for name in ("right", "down", "block")
         )
-        if any(each.is_fine for each in spots):
-            (sharp,) = _between([shade.sharp], right - np.float32(0.5), down - np.float32(0.5))
-        else:
-            place = down.astype(np.int64) * _SIZE
-            place += right.astype(np.int64)
-            sharp = shade.sharp.take(place).astype(np.float32)
+        place = down.astype(np.int64) * _SIZE
+        place += right.astype(np.int64)
+        sharp = shade.sharp.take(place).astype(np.float32)
+        ends = np.cumsum([0, *(len(points) for points in chosen)])
+        for each, begin, end in zip(spots, ends, ends[1:]):
+            if each.is_fine:
+                own = slice(begin, end)
+                (sharp[own],) = _between([shade.sharp], right[own] - np.float32(0.5), down[own] - np.float32(0.5))
         for values in (right, down):
             values -= np.float32(2.0)
             values *= np.float32(0.25)

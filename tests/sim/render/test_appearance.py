@@ -290,6 +290,15 @@ def test_what_rests_is_kept_for_one_set_of_cameras(world):
         assert world.renderer.render_all(requests)[1].rgb.tobytes() == expected
 
 
+def test_a_camera_near_the_table_does_not_change_what_others_see(world):
+    """One whose pixels are smaller than those of the shadows sees these smooth; shadows in other images stay as they are."""
+    expected = world.renderer.render_all([Request(SIDE, shadows=True)])[0].rgb.tobytes()
+    for height in (0.05, 0.4):
+        pose = look_at((0.3, 0.0, TABLE_HEIGHT + height), (0.31, 0.0, TABLE_HEIGHT))
+        near = CameraView(pose=pose, fov=0.6, size=(64, 64), near=0.01, far=6.0)
+        assert world.renderer.render_all([Request(near, shadows=True), Request(SIDE, shadows=True)])[1].rgb.tobytes() == expected
+
+
 def test_a_rectangle_that_fills_the_picture_is_drawn_as_among_others(world, monkeypatch):
     """The short way for what sees the table alone gives the colours of the long one, but for texels at a rounding border."""
     view = CameraView(pose=look_at((0.3, 0.0, 1.15), (0.32, 0.05, TABLE_HEIGHT)), fov=0.6, size=(64, 64), near=0.05, far=6.0)
