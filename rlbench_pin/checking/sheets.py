@@ -15,7 +15,6 @@ from rlbench_pin.environment.presets import clear_view, low_dim_config, make_env
 from rlbench_pin.errors import DemoError
 from rlbench_pin.observation import CAMERAS, Demo, Observation
 from rlbench_pin.robot.description import DEFAULT_ROBOT
-from rlbench_pin.robot.fingers import fingers_of
 from rlbench_pin.robot.geometry import bounds, box_corners, visual_geometry
 from rlbench_pin.sim import Body, CameraView, Images, Request, ShadowMap, World, WorldState, framed
 from rlbench_pin.spatial import FloatArray, pose_to_matrix
@@ -32,8 +31,11 @@ _AFTER = 1.0
 _RELEASED, _FALLEN = 0.5, 0.03
 """Time for which the gripper opens [s], and motion by which a body that it held has fallen then [m]."""
 _HIDDEN = ", arm hidden on the left"
-_HAND, _BLUR = 0.75, 1.2
-"""Opacity of the hand where only the gripper is drawn, and softness of its edge [px]; fingers are opaque."""
+_HAND, _THROUGH, _COVERED, _BLUR = 0.95, 0.3, 0.22, 2.0
+"""Opacity of the hand where only the gripper is drawn, in front of all else and of links of the task that are not longer than so
+much [m], and how soft the border between both is [px]; fingers are opaque."""
+_OUTLINE = 0.55
+"""Opacity of the dark line around the hand."""
 _SHADOW = 0.4
 """How much of the arm's shadow is seen where only the gripper is drawn."""
 _LARGE = 0.35
@@ -45,6 +47,8 @@ _WHOLE, _TINY = 1.4, 0.1
 moves keeps this share of its length."""
 _AROUND = 0.04
 """Room around all that is framed [m]."""
+_BESIDE_TASK = 0.09
+"""Distance from all else that is framed up to which the gripper is framed [m]."""
 _CLEAR_WAY = 0.05
 """A way from the first to the last frame that is longer should lie across the image [m]."""
 _LEVER = 0.1
@@ -68,15 +72,15 @@ _ENOUGH = 0.7
 """A view that shows so much of what the best one shows of a link is as good in that."""
 _WELL = 0.3
 """A view that shows so much of what the best one shows of a link shows it well."""
-_PAST_ARM, _REVEALED, _APART = 0.4, 3.0, 1.5
-"""Weights of what is seen past the arm, of what a door or a lid hides, and of the distance in the image between what has been
-taken away and the rest."""
-_STEEP = 0.5
+_FINGERS, _END, _REVEALED, _APART = 1.0, 3.0, 3.0, 1.5
+"""Weights of what is seen of the fingers, of what has been moved at the end, of what a door or a lid hides, and of the distance
+in the image between what has been taken away and the rest."""
+_STEEP = 0.6
 """Loss of a view for each step of tilt above the flattest."""
 _FACING, _BEFORE, _CLEARLY = 6.0, (-0.1, 0.5), 0.6
 """Gain of a view from the side on which the bodies that move are; cosines between which it grows; and how clear that side is at
 least, as the length of the mean of unit vectors, to count in full."""
-_ACROSS = 2.0
+_ACROSS = 2.5
 """Weight of the share of the motion's length that is seen."""
 _BESIDE = 0.01
 """Distance at which bodies touch, in images [m]."""
@@ -345,8 +349,9 @@ def task_view(world: World, frames: Sequence[Frame], size: int) -> CameraView:
     """Choose the camera that is aimed at the task, of `size` px, and return it; the world is in the last frame then.
 
     Its image contains at all frames the links that move, the bodies that are not large, and the parts of large ones that are near
-    the links that move; where none does, the tip after the reset. It stands in that direction in which the links that move and
-    their motion are seen best, not opposite to the side from which they come.
+    the links that move; where none does, the tip after the reset; and between the first and the last frame the gripper where it
+    is near to all that. It stands in that direction in which the links that move, their motion and the fingers are seen best,
+    not opposite to the side from which they come.
     """
     names, poses = _common_poses(frames)
     links = [(world.bodies[body], link) for body, link in names]
@@ -357,21 +362,24 @@ def task_view(world: World, frames: Sequence[Frame], size: int) -> CameraView:
         points = np.concatenate([points, others])
     if not moves.any():
         points = np.concatenate([points, [frame.tip for frame in frames[1:]]])
+    points = np.concatenate([points, _gripper_points(world, frames[1:-1], points)])
     views = [framed(eye, points, (_SMALL, _SMALL)) for eye in _eyes(points)]
     ids = {name: number for number, name in world.masks.items()}
-    own = [(body.name, ids[_mask_name(body, link)]) for body, link in links]
+    numbers = [(body.name, ids[_mask_name(body, link)]) for body, link in links]
     moving, still = (
-        [link for link, is_moving in zip(own, moves, strict=True) if is_moving == wanted] for wanted in (True, False)
+        [link for link, is_moving in zip(numbers, moves, strict=True) if is_moving == wanted] for wanted in (True, False)
     )
-    world.restore(frames[-1].state)
-    with_arm = np.array([world.render(view, rgb=False, depth=False).mask for view in views])
-    masks = []
+    masks: list[NDArray[np.int32]] = []
     for frame in frames:
         world.restore(frame.state)
-        world.robot.show([])
-        masks.append([world.render(view, rgb=False, depth=False).mask for view in views])
+        world.robot.show([] if frame in (frames[0], frames[-1]) else world.robot.grip.links)
+        masks.append(np.array([world.render(view, rgb=False, depth=False).mask for view in views]))
         world.robot.show()
-    score = _clearness(np.array(masks), with_arm, moving or still, still)
+    arm = world.robot.description
+    score = _clearness(np.array(masks), moving or still, still)
+    fingers = [ids[f"{arm.name}/{link}"] for link in arm.finger_links]
+    for mask in masks[1:-1]:
+        score += _FINGERS / len(masks[1:-1]) * _log_share(np.isin(mask, fingers).sum(axis=(1, 2)))
     tilts = sorted({tilt for _, tilt in _DIRECTIONS})
     score -= _STEEP * np.array([tilts.index(tilt) for _, tilt in _DIRECTIONS])
     azimuths = np.radians([azimuth for azimuth, _ in _DIRECTIONS])
@@ -419,9 +427,7 @@ def _side_of_motion(links: Sequence[tuple[Body, str]], poses: Sequence[FloatArra
     return np.asarray(side / max(float(np.linalg.norm(side)), _CLEARLY))
 
 
-def _clearness(
-    masks: NDArray[np.int32], with_arm: NDArray[np.int32], moving: Sequence[tuple[str, int]], still: Sequence[tuple[str, int]]
-) -> FloatArray:
+def _clearness(masks: NDArray[np.int32], moving: Sequence[tuple[str, int]], still: Sequence[tuple[str, int]]) -> FloatArray:
     """Return how well each view (views,) shows the links that move, above all at the last frame, and their motion.
 
     It also counts what is seen of what a door or a lid hides at the first or at the last frame, more than of the door, and of the
@@ -429,8 +435,7 @@ def _clearness(
     it well is like that.
 
     Args:
-        masks: Masks (frames, views, h, w) without the arm.
-        with_arm: Those of the last frame with the arm (views, h, w).
+        masks: Masks (frames, views, h, w), of the arm only with the gripper, and without that at the first and the last frame.
         moving: Body and mask id of the links that move.
         still: Body and mask id of the others.
     """
@@ -439,11 +444,10 @@ def _clearness(
     for body, number in moving:
         shown = masks == number
         pixels = shown.sum(axis=(2, 3))
-        past_arm = (with_arm == number).sum(axis=(1, 2))
         changed = (shown[0] != shown[-1]).sum(axis=(1, 2))
-        for weight, part in ((1.0, pixels.mean(axis=0)), (1.0, pixels[0]), (_PAST_ARM, past_arm), (1.0, changed)):
+        for weight, part in ((1.0, pixels.mean(axis=0)), (1.0, pixels[0]), (1.0, changed)):
             score += weight * _log_share(part) / len(moving)
-        at_last = _log_share(pixels[-1]) if body in doors else 2.0 * _log_share(pixels[-1], enough=1.0)
+        at_last = _END / 2.0 * _log_share(pixels[-1]) if body in doors else _END * _log_share(pixels[-1], enough=1.0)
         score += at_last / len(moving)
         rest = np.isin(masks[0], [other for name, other in still if name != body])
         before = (shown[-1] & rest).sum(axis=(1, 2)) / np.maximum(pixels[-1], 1)
@@ -485,6 +489,20 @@ def _points_to_frame(links: Sequence[tuple[Body, str]], poses: Sequence[FloatArr
     return np.concatenate([points + _AROUND * side for side in (*np.eye(3), *-np.eye(3))])
 
 
+def _gripper_points(world: World, frames: Sequence[Frame], points: FloatArray) -> FloatArray:
+    """Return corners (n, 3) of the gripper in frames where it is near to points (m, 3) [m]; the world is in the last then."""
+    low, high = points.min(axis=0) - _BESIDE_TASK, points.max(axis=0) + _BESIDE_TASK
+    shapes = visual_geometry(world.robot.model.urdf)
+    found = [np.zeros((0, 3))]
+    for frame in frames:
+        world.restore(frame.state)
+        for link in world.robot.grip.links:
+            corners = box_corners(bounds(shapes[link]), world.robot.link_pose(link))
+            if (corners.min(axis=0) < high).all() and (corners.max(axis=0) > low).all():
+                found.append(corners.clip(low, high))
+    return np.concatenate(found)
+
+
 def _eyes(points: FloatArray) -> list[FloatArray]:
     """Positions (3,) from which a camera may look at points (n, 3) [m]."""
     middle = (points.min(axis=0) + points.max(axis=0)) / 2.0
@@ -514,36 +532,54 @@ def _moment(task: TaskEnvironment, label: str, frame: Frame, view: CameraView, *
     views[OVERVIEW] = clear_view()[OVERVIEW].view(world, task.runtime.description)
     cameras = rendered(world, list(views.values()), small)
     whole, shadows = _fine(world, view), world.renderer.shadow_map()
-    image = _without_arm(task, view) if hides_arm else _with_gripper(task, view, shadows)
+    image = _without_arm(task, view).rgb if hides_arm else _with_gripper(task, view, shadows)
     shown, with_arm = (_reduced(rgb, size) for rgb in (image, whole.rgb))
     return Moment(label, view, hides_arm, shown, with_arm, dict(zip(views, cameras, strict=True)))
 
 
-def _without_arm(task: TaskEnvironment, view: CameraView, shadows: ShadowMap | None = None) -> NDArray[np.uint8]:
-    """Return the image of a camera without the arm, and without its shadow unless `shadows` are given."""
+def _without_arm(task: TaskEnvironment, view: CameraView, shadows: ShadowMap | None = None) -> Images:
+    """Return the images of a camera without the arm, and without its shadow unless `shadows` are given."""
     task.world.robot.show([])
-    image = _fine(task.world, view, shadows).rgb
+    images = _fine(task.world, view, shadows)
     task.world.robot.show()
-    assert image is not None
-    return image
+    return images
 
 
 def _with_gripper(task: TaskEnvironment, view: CameraView, shadows: ShadowMap) -> NDArray[np.uint8]:
-    """Return what a camera sees with the gripper alone, its hand translucent, and a lighter shadow of the arm."""
+    """Return what a camera sees with the gripper alone, and a lighter shadow of the arm.
+
+    Small links of the task are seen through the hand.
+    """
     world, arm = task.world, task.runtime.description
-    bare, shaded = (_without_arm(task, view, light).astype(np.float32) for light in (None, shadows))
-    world.robot.show(fingers_of(arm).links)
+    bare, shaded = _without_arm(task, view), _without_arm(task, view, shadows)
+    world.robot.show(world.robot.grip.links)
     own = _fine(world, view, shadows)
     world.robot.show()
-    assert own.rgb is not None and own.mask is not None
-    links = {number: name.split("/") for number, name in world.masks.items()}
-    opacity = np.zeros(own.mask.shape, dtype=np.float32)
-    for number, (body, *rest) in links.items():
-        if body == arm.name and rest and rest[-1] in fingers_of(arm).links:
-            opacity[own.mask == number] = 1.0 if rest[-1] in arm.finger_links else _HAND
-    share = ndimage.gaussian_filter(opacity, _BLUR)[..., None]
-    image = bare + _SHADOW * (shaded - bare)
-    return np.asarray(np.round(image + (own.rgb - image) * share).clip(0.0, 255.0), dtype=np.uint8)
+    colors = [images.rgb.astype(np.float32) for images in (bare, shaded, own) if images.rgb is not None]
+    assert own.mask is not None and bare.mask is not None
+    names = {number: tuple(name.split("/")) for number, name in world.masks.items()}
+    gripper, fingers, small = (
+        np.isin(mask, [number for number, name in names.items() if is_wanted(name)])
+        for mask, is_wanted in (
+            (own.mask, lambda name: name[0] == arm.name and name[-1] in world.robot.grip.links),
+            (own.mask, lambda name: name[0] == arm.name and name[-1] in arm.finger_links),
+            (bare.mask, lambda name: name[0] in world.bodies and _is_small(world.bodies[name[0]], name[-1])),
+        )
+    )
+    through = ndimage.gaussian_filter(ndimage.binary_dilation(small, iterations=2).astype(np.float32), _BLUR)
+    opacity = np.where(fingers, 1.0, _HAND + (_THROUGH - _HAND) * through) * gripper
+    opacity = ndimage.gaussian_filter(opacity, 0.8)[..., None]
+    line = ndimage.gaussian_filter((gripper ^ ndimage.binary_erosion(gripper, iterations=3)).astype(np.float32), 0.8)[..., None]
+    image = colors[0] + _SHADOW * (colors[1] - colors[0])
+    image += (colors[2] - image) * opacity
+    image *= 1.0 - _OUTLINE * line
+    return np.asarray(np.round(image).clip(0.0, 255.0), dtype=np.uint8)
+
+
+def _is_small(body: Body, link: str) -> bool:
+    shapes = visual_geometry(body.model.urdf, body.model.scale)
+    own = shapes.get(link) or [part for parts in shapes.values() for part in parts]
+    return bool(np.ptp(bounds(own), axis=0).max() < _COVERED)
 
 
 def rendered(world: World, views: Sequence[CameraView], size: int) -> list[Image.Image]:

@@ -85,6 +85,27 @@ def test_the_task_is_in_the_image(name: str, body: str, joint: str | None) -> No
 
 
 @pytest.mark.simulation
+def test_the_gripper_is_in_the_image_where_it_holds_an_object() -> None:
+    """Fingers and hand, whole, between the first and the last frame."""
+    with make_environment(low_dim_config()) as environment:
+        task = environment.get_task("pick_and_lift")
+        task.reset(seed=0, variation=0)
+        world, robot = task.world, task.world.robot
+        frames = [present_frame(world)]
+        world.body("block").set_pose(robot.tip_pose())
+        frames += [present_frame(world), present_frame(world)]
+        view = task_view(world, frames, 64)
+        shapes = [
+            box_corners(visual_bounds(robot.model.urdf, link), robot.link_pose(link))
+            for link in (robot.description.hand_link, *robot.description.finger_links)
+        ]
+    u, v, depth = view.to_image @ np.append(np.concatenate(shapes), np.ones((24, 1)), axis=1).T
+    pixels = np.stack([u, v]) / depth
+    assert pixels.min() > 0.0
+    assert pixels.max() < 64.0
+
+
+@pytest.mark.simulation
 def test_the_camera_stands_on_the_side_from_which_an_object_comes() -> None:
     """It sees the socket into which the charger is plugged, not the back of the wall."""
     name = "plug_charger_in_power_supply"
