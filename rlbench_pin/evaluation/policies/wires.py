@@ -228,6 +228,11 @@ class WirePolicy:
         self._instruction, self._seq, self._in_episode = "", 0, False
 
     @property
+    def mapping(self) -> PolicyMapping:
+        """Keys and layout of actions."""
+        return self._mapping
+
+    @property
     def settings(self) -> PolicySettings:
         """Settings of the mapping; the first access connects.
 
@@ -267,16 +272,20 @@ class WirePolicy:
 
     def act(self, observation: Observation) -> np.ndarray:
         """Return the next action of the chunk, or of a new one, float64 (n,)."""
+        values = self.next_values(observation)
+        try:
+            return validate_action(self._mapping.action.decode(values))
+        except ValueError as error:
+            self._fail("wrong answer", f"An action cannot be used: {error}.")
+
+    def next_values(self, observation: Observation) -> np.ndarray:
+        """Return the numbers of the next action as the server sends them, float64, shape (size of the mapping's action,)."""
         if self._connection is None:
             raise PolicyFault("unreachable", "It has ended.", "`reset` connects again.")
         if not self._chunk:
             seen = self._mapping.encode(decode_observation(visible_fields(observation)), self._instruction)
             self._chunk = self._played(self._ask(seen))
-        values = self._chunk.pop(0)
-        try:
-            return validate_action(self._mapping.action.decode(values))
-        except ValueError as error:
-            self._fail("wrong answer", f"An action cannot be used: {error}.")
+        return self._chunk.pop(0)
 
     def close(self) -> None:
         """End the connection; `reset` connects anew."""

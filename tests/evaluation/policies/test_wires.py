@@ -35,25 +35,13 @@ from rlbench_pin.evaluation.policies.policy_server import WireError
 from rlbench_pin.evaluation.policies.wires import check_openpi, check_vla_eval, decode_frame, encode_openpi, encode_vla_eval
 from rlbench_pin.observation import Observation
 from rlbench_pin.processes import SerialEngine
+from tests.evaluation.policies.served import Handler, served
 
-server = pytest.importorskip("websockets.sync.server")
 CONTEXT = PolicyContext("panda", 7, (-1.0,) * 8, (1.0,) * 8, 0.05, 100, seed=1, task="reach_target")
 IMAGE = np.full((256, 256, 3), 7, np.uint8)
 SEEN = Observation(
     front_rgb=IMAGE, wrist_rgb=IMAGE, gripper_pose=np.array([0.3, 0, 1, 1, 0, 0, 0.0]), gripper_joint_positions=np.full(2, 0.04)
 )
-Handler = Callable[[Any], None]
-
-
-@contextmanager
-def served(handle: Handler, **settings: Any) -> Iterator[int]:
-    """A WebSocket server on a free port of this machine."""
-    with server.serve(handle, "127.0.0.1", 0, compression=None, close_timeout=0.1, **settings) as running:
-        thread = threading.Thread(target=running.serve_forever, daemon=True)
-        thread.start()
-        yield running.socket.getsockname()[1]
-        running.shutdown()
-        thread.join(5.0)
 
 
 @contextmanager
