@@ -16,6 +16,7 @@ from rlbench_pin.cli.arm import Arm
 from rlbench_pin.cli.build import Build
 from rlbench_pin.cli.challenge import Challenge
 from rlbench_pin.cli.check import Check
+from rlbench_pin.cli.conventions import Conventions
 from rlbench_pin.cli.dataset import Dataset
 from rlbench_pin.cli.demo import RecordDemos
 from rlbench_pin.cli.doctor import Doctor
@@ -47,6 +48,7 @@ COMMANDS: dict[str, type] = {
     "arm": Arm,
     "doctor": Doctor,
     "evaluate": Evaluate,
+    "conventions": Conventions,
     "challenge": Challenge,
     "serve": Serve,
     "results": ShowResults,

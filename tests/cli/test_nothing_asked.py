@@ -25,6 +25,7 @@ NOTHING = [
     (("record", ","), "No task was named"),
     (("evaluate",), "No policy was named"),
     (("evaluate", "expert", "--tasks", ","), "No task was named"),
+    (("conventions",), "No policy was named. Use `rlbench-pin conventions POLICY`"),
     (("challenge", "run"), "No learner was named. Use `rlbench-pin challenge run LEARNER`"),
     (("dataset", "merge"), "No dataset was named"),
     (("dataset", "export", "robomimic", ".", "out", "--tasks", ","), "No task was named"),

@@ -32,7 +32,8 @@ BASES = (
     ("video", TASK, "--size", "64", "48", "--out", "FILE"),
     ("check", TASK, "--episodes", "0", "--contract-seeds", "0", "--placements", "1", "--out", "FILE"),
     ("problems", "export", TASK, "--out", "FILE"),
-    ("evaluate", "--tasks", "nothing"), ("doctor", "x"), ("serve", "missing.py:make"), ("challenge", "splits"),
+    ("evaluate", "--tasks", "nothing"), ("doctor", "x"), ("serve", "missing.py:make"),
+    ("conventions", "missing.py:make"), ("challenge", "splits"),
     ("challenge", "run", "missing.py:make"), ("nothing",), (),
 )  # fmt: skip
 """Command lines that are short, or refused early; NEW is a new folder, DATA a dataset, FILE a file where a folder should be."""
