@@ -35,7 +35,7 @@ SKIPPED = ("rlbench_pin.compat.",)
 """Modules that need the known names, and a program; a test in a process of its own looks at their errors."""
 KNOWN_NAMES = ("rlbench", "pyrep")
 """Names that exist after `compat.install()`."""
-OPTIONAL = ("ray", "qpsolvers", "torch", "safetensors", "tensorboard", "stable_baselines3")
+OPTIONAL = ("ray", "qpsolvers", "torch", "safetensors", "tensorboard", "stable_baselines3", "vla_eval")
 """Libraries of extras without which a module cannot be imported."""
 DEATH = WorkerDeath(WorkItem("reach_target", "reach_target", 0, 0, 1, (0,)), "SIGKILL")
 # Annotation of an argument -> a value for it.

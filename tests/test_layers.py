@@ -64,6 +64,7 @@ HOMES: dict[str, tuple[str, ...]] = {
     "zarr": ("datasets",),
     "gymnasium": ("gym", "compat", "baselines"),
     "msgpack": ("evaluation",),
+    "vla_eval": ("evaluation",),
     "torch": ("baselines",),
     "safetensors": ("baselines",),
     "stable_baselines3": ("baselines",),

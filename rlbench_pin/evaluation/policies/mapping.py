@@ -25,7 +25,7 @@ from rlbench_pin.errors import InvalidValue, UnknownName, nearest_name
 from rlbench_pin.evaluation.policies.policy import PolicySettingsError
 from rlbench_pin.evaluation.policies.settings import LARGEST_IMAGE, blank_observations
 from rlbench_pin.observation import CAMERAS, Observation
-from rlbench_pin.values import as_image_size, as_number, as_text, as_whole
+from rlbench_pin.values import as_array, as_image_size, as_number, as_text, as_whole
 
 _FOLDER = Path(__file__).parent / "mappings"
 LONGEST_CHUNK = 1000
@@ -314,6 +314,33 @@ class PolicyMapping:
                 place = place.setdefault(name, {})
             place[last] = value
         return encoded
+
+    def chunk(self, answer: object, most: int) -> np.ndarray:
+        """Return the first actions of a reply as they are, shape (up to `most`, size), for `action.decode`.
+
+        Args:
+            answer: The reply, a map with the key of the actions; or the actions alone, shape (size,) or (horizon, size).
+            most: How many are wanted; those beyond are not looked at.
+
+        Raises:
+            ValueError: The key is missing, or under it is no array of this shape with finite numbers.
+        """
+        layout = self.action
+        value: Any = answer.get(layout.key) if isinstance(answer, Mapping) else answer
+        if value is None:
+            keys = ", ".join(map(str, list(answer)[:8])) if isinstance(answer, Mapping) else "none"
+            raise ValueError(f"The reply has no '{layout.key}'; its keys: {keys[:200]}.")
+        try:
+            chunk = np.atleast_2d(as_array(value, "actions"))
+        except InvalidValue as error:
+            raise ValueError(f"'{layout.key}' is a {type(value).__name__}, not an array of numbers.") from error
+        if chunk.ndim != 2 or len(chunk) == 0 or chunk.shape[1] != layout.size:
+            named = f"the mapping '{self.source}' has {layout.size} numbers for an action"
+            raise ValueError(f"'{layout.key}' has the shape {np.shape(value)}; {named}.")
+        bad = np.argwhere(~np.isfinite(chunk[:most]))
+        if len(bad):
+            raise ValueError(f"'{layout.key}' has NaN or infinity at index {bad[0].tolist()}.")
+        return chunk[:most]
 
 
 # Files ------------------------------------------------------------------------------------------------------------------------

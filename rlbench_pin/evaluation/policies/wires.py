@@ -23,14 +23,20 @@ from urllib.parse import parse_qsl
 import msgpack
 import numpy as np
 
-from rlbench_pin.errors import InvalidValue, MissingExtra, nearest_name
-from rlbench_pin.evaluation.policies.mapping import LONGEST_CHUNK, MappingError, PolicyMapping, load_mapping, mapping_names
+from rlbench_pin.errors import MissingExtra, nearest_name
+from rlbench_pin.evaluation.policies.mapping import (
+    LONGEST_CHUNK,
+    ROTATIONS,
+    MappingError,
+    PolicyMapping,
+    load_mapping,
+    mapping_names,
+)
 from rlbench_pin.evaluation.policies.policy import LONGEST_DETAIL, FaultKind, PolicyContext, PolicyFault, PolicyReferenceError
 from rlbench_pin.evaluation.policies.policy_server import WireError, split_tcp
 from rlbench_pin.evaluation.policies.settings import PolicySettings
 from rlbench_pin.evaluation.policies.wire import decode_observation, validate_action, visible_fields
 from rlbench_pin.observation import Observation
-from rlbench_pin.values import as_array
 
 SCHEMES = ("openpi", "vla-eval")
 """Schemes of addresses."""
@@ -318,23 +324,10 @@ class WirePolicy:
 
     def _played(self, answer: Any) -> list[np.ndarray]:
         """Return the actions of a reply that are played before the next request."""
-        layout = self._mapping.action
-        value = answer.get(layout.key) if isinstance(answer, Mapping) else answer
-        if value is None:
-            keys = ", ".join(map(str, list(answer)[:8])) if isinstance(answer, Mapping) else "none"
-            self._fail("wrong answer", f"The reply has no '{layout.key}'; its keys: {keys[:200]}.")
         try:
-            chunk = np.atleast_2d(as_array(value, "actions"))
-        except InvalidValue:
-            self._fail("wrong answer", f"'{layout.key}' is a {type(value).__name__}, not an array of numbers.")
-        if chunk.ndim != 2 or len(chunk) == 0 or chunk.shape[1] != layout.size:
-            named = f"the mapping '{self._mapping.source}' has {layout.size} numbers for an action"
-            self._fail("wrong answer", f"'{layout.key}' has the shape {np.shape(value)}; {named}.")
-        played = chunk[: self._mapping.replan]
-        bad = np.argwhere(~np.isfinite(played))
-        if len(bad):
-            self._fail("wrong answer", f"'{layout.key}' has NaN or infinity at index {bad[0].tolist()}.")
-        return list(played)
+            return list(self._mapping.chunk(answer, self._mapping.replan))
+        except ValueError as error:
+            self._fail("wrong answer", str(error))
 
     # Connection
 
@@ -459,6 +452,13 @@ _GRIPPERS = {
     "binary_close_negative": (1.0, -1.0),
     "binary_close_01": (0.0, 1.0),
 }
+_JOINTS = {"joint_velocities": "joint_velocity", "joint_deltas": "joint_delta_pos"}
+_STATE_FORMATS = {
+    ("tip_position", "tip_axis_angle", "fingers_mirrored"): "eef_pos3_axisangle3_gripper2",
+    ("tip_position", "tip_euler_rpy", "fingers_mirrored"): "eef_pos3_euler3_gripper2",
+    ("tip_position", "tip_quaternion_xyzw", "gripper_open"): "eef_pos3_quat4_gripper1",
+    ("joint_positions",): "joint_positions",
+}
 
 
 def check_openpi(mapping: PolicyMapping, metadata: Mapping[Any, Any]) -> None:
@@ -517,6 +517,36 @@ def check_vla_eval(mapping: PolicyMapping, hello: Mapping[Any, Any]) -> None:
     for key in mapping.states:
         if key in ("state", "states") and type(state) is int and state > 0 and mapping.state_size(key) is not None:
             _check(mapping, f"states.{key}", "'state'", state, mapping.state_size(key))
+
+
+def vla_eval_specs(mapping: PolicyMapping) -> dict[str, dict[str, dict[str, Any]]]:
+    """Return what a mapping says in the words of vla-eval, as its `hello` does: `action_spec` and `observation_spec`.
+
+    Each is name -> `name`, `dims` and `format`. Conventions for which vla-eval has no word are called as in our mappings.
+
+    Args:
+        mapping: The mapping.
+    """
+    layout = mapping.action
+    gripper = {pair: word for word, pair in _GRIPPERS.items()}.get((layout.gripper_open, layout.gripper_closed), "raw")
+    if layout.is_pose:
+        arm = _spec("position", 3, {arm: word for word, arm in _POSITIONS.items()}[layout.arm])
+        words = {rotation: word for word, rotation in _ROTATIONS.items()}
+        arm |= _spec("rotation", ROTATIONS[layout.rotation], words.get(layout.rotation, layout.rotation))
+    else:
+        arm = _spec("joints", layout.joints, _JOINTS.get(layout.arm, layout.arm))
+    seen = {"language": {"name": "language", "dims": 0, "format": "language"}}
+    for key, image in mapping.images.items():
+        seen |= _spec(key.removeprefix("images."), 0, "rgb_hwc_uint8" if image.product == "rgb" else image.product, "image")
+    for key, parts in mapping.states.items():
+        seen |= _spec(
+            "state" if key == "states" else key, mapping.state_size(key) or 0, _STATE_FORMATS.get(parts, "+".join(parts)), "state"
+        )
+    return {"action_spec": arm | _spec("gripper", 1, gripper), "observation_spec": seen}
+
+
+def _spec(key: str, dims: int, form: str, name: str = "") -> dict[str, dict[str, Any]]:
+    return {key: {"name": name or key, "dims": dims, "format": form}}
 
 
 def _specs(value: object) -> dict[str, Mapping[Any, Any]]:

@@ -190,25 +190,45 @@ class Episode:
         Raises:
             PolicyFault: The policy failed.
         """
-        period = self.task.world.control_dt
         client.reset(instruction, context)
         while True:
             action = self._asked(client, seen)
             try:
-                seen, _, over = self.task.step(action)
+                seen, end = self.advance(action, limits, seen)
             except InvalidActionError as error:
-                if error.cause == "wrong shape":
-                    detail = f"an action of shape {action.shape}, where ({len(context.action_low)},) is needed."
-                    raise PolicyFault("wrong answer", detail) from error
-                self.refused[error.cause] += 1
-                over = False
-            self.steps += 1
-            if over:
-                return "success" if self.task.succeeded else "failed"
-            if (self.ticks + sum(self.refused.values())) * period >= limits.seconds - 1e-9:
-                return "seconds"
-            if self.steps >= limits.steps:
-                return "steps"
+                detail = f"an action of shape {action.shape}, where ({len(context.action_low)},) is needed."
+                raise PolicyFault("wrong answer", detail) from error
+            if end is not None:
+                return end
+
+    def advance(self, action: np.ndarray, limits: Limits, seen: Observation) -> tuple[Observation, End | None]:
+        """Play one action.
+
+        Args:
+            action: The action, as the action mode takes it.
+            limits: Where the episode is cut off. A refused action counts as one control tick.
+            seen: The observation before the action.
+
+        Returns:
+            The observation after the action, that of before where the action was refused; and how the episode ended, None
+            where it goes on.
+
+        Raises:
+            InvalidActionError: The action has the wrong shape; nothing has moved.
+        """
+        over = False
+        try:
+            seen, _, over = self.task.step(action)
+        except InvalidActionError as error:
+            if error.cause == "wrong shape":
+                raise
+            self.refused[error.cause] += 1
+        self.steps += 1
+        if over:
+            return seen, "success" if self.task.succeeded else "failed"
+        if (self.ticks + sum(self.refused.values())) * self.task.world.control_dt >= limits.seconds - 1e-9:
+            return seen, "seconds"
+        return seen, "steps" if self.steps >= limits.steps else None
 
     def _asked(self, client: PolicyClient, seen: Observation) -> np.ndarray:
         began = time.perf_counter()
