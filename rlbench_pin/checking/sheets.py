@@ -32,8 +32,8 @@ _RELEASED, _FALLEN = 0.5, 0.03
 """Time for which the gripper opens [s], and motion by which a body that it held has fallen then [m]."""
 _HIDDEN = ", arm hidden on the left"
 _HAND, _THROUGH, _COVERED, _BLUR = 0.95, 0.3, 0.22, 2.0
-"""Opacity of the hand where only the gripper is drawn, in front of all else and of links of the task that are not longer than so
-much [m], and how soft the border between both is [px]; fingers are opaque."""
+"""Opacity of the hand where only the gripper is drawn, in front of all else and of the links of the task that matter and are not
+longer than so much [m], and how soft the border between both is [px]; fingers are opaque."""
 _OUTLINE = 0.55
 """Opacity of the dark line around the hand."""
 _SHADOW = 0.4
@@ -75,7 +75,7 @@ _WELL = 0.3
 _FINGERS, _END, _REVEALED, _APART = 1.0, 3.0, 3.0, 1.5
 """Weights of what is seen of the fingers, of what has been moved at the end, of what a door or a lid hides, and of the distance
 in the image between what has been taken away and the rest."""
-_STEEP = 0.6
+_STEEP = 0.8
 """Loss of a view for each step of tilt above the flattest."""
 _FACING, _BEFORE, _CLEARLY = 6.0, (-0.1, 0.5), 0.6
 """Gain of a view from the side on which the bodies that move are; cosines between which it grows; and how clear that side is at
@@ -99,7 +99,8 @@ class Moment:
     arm_hidden: bool
     """Whether the arm is left out of its image."""
     task: Image.Image
-    """Its image; of the arm, where it is shown, only the gripper, with a translucent hand."""
+    """Its image; of the arm, where it is shown, only the gripper, outlined. Small links that move, and those that they touch at
+    the end, are seen through the hand."""
     with_arm: Image.Image
     """The same with the whole arm."""
     cameras: Mapping[str, Image.Image]
@@ -185,9 +186,11 @@ def demo_moments(
         hides_arm = not held and any(_moves(frames[0], frame, _MOVED) for frame in (*chosen.values(), end))
         note = _HIDDEN if hides_arm else ", object still held" if held else ""
         chosen[f"{_AFTER:.0f} s after success{note}"] = end
-        view = task_view(world, list(chosen.values()), size)
+        view = task_view(world, list(chosen.values()), size, hides_arm=hides_arm)
+        through = _seen_through(world, list(chosen.values()))
         return demo, [
-            _moment(task_environment, label, frame, view, hides_arm=label.endswith(_HIDDEN)) for label, frame in chosen.items()
+            _moment(task_environment, label, frame, view, None if label.endswith(_HIDDEN) else through)
+            for label, frame in chosen.items()
         ]
 
 
@@ -345,8 +348,10 @@ def _common_poses(frames: Sequence[Frame]) -> tuple[list[tuple[str, str]], list[
 # Cameras ----------------------------------------------------------------------------------------------------------
 
 
-def task_view(world: World, frames: Sequence[Frame], size: int) -> CameraView:
+def task_view(world: World, frames: Sequence[Frame], size: int, *, hides_arm: bool = True) -> CameraView:
     """Choose the camera that is aimed at the task, of `size` px, and return it; the world is in the last frame then.
+
+    The arm is hidden at the first frame, and with `hides_arm` at the last.
 
     Its image contains at all frames the links that move, the bodies that are not large, and the parts of large ones that are near
     the links that move; where none does, the tip after the reset; and between the first and the last frame the gripper where it
@@ -372,7 +377,7 @@ def task_view(world: World, frames: Sequence[Frame], size: int) -> CameraView:
     masks: list[NDArray[np.int32]] = []
     for frame in frames:
         world.restore(frame.state)
-        world.robot.show([] if frame in (frames[0], frames[-1]) else world.robot.grip.links)
+        world.robot.show([] if frame is frames[0] or hides_arm and frame is frames[-1] else world.robot.grip.links)
         masks.append(np.array([world.render(view, rgb=False, depth=False).mask for view in views]))
         world.robot.show()
     arm = world.robot.description
@@ -409,7 +414,7 @@ def _side_of_motion(links: Sequence[tuple[Body, str]], poses: Sequence[FloatArra
 
     Furniture and appliances have their fronts there. Doors, drawers and lids do not count.
     """
-    boxes = [bounds(visual_geometry(body.model.urdf, body.model.scale)[link]) for body, link in links]
+    boxes = _boxes(links)
     corners = np.array([[box_corners(box, pose) for box, pose in zip(boxes, own)] for own in poses])
     low, high, middles = corners.min(axis=2), corners.max(axis=2), corners.mean(axis=2)
     sizes = np.linalg.norm([np.ptp(box, axis=0) for box in boxes], axis=1)
@@ -417,14 +422,38 @@ def _side_of_motion(links: Sequence[tuple[Body, str]], poses: Sequence[FloatArra
     still = np.flatnonzero(~np.isin(bodies, bodies[moves]))
     sides = [np.zeros(2)]
     for link in np.flatnonzero(moves & ~np.isin(bodies, bodies[~moves])):
-        gaps = np.maximum(low[:, still] - high[:, link, None], 0.0) + np.maximum(low[:, link, None] - high[:, still], 0.0)
-        apart = np.linalg.norm(gaps, axis=-1)
-        touched = still[apart.min(axis=0, initial=np.inf) < _BESIDE]
+        touched = still[_gaps(low, high, link, still).min(axis=0, initial=np.inf) < _BESIDE]
         if touched.size:
             away = (middles[:, link] - middles[:, touched[sizes[touched].argmax()]])[:, :2]
             sides.append((away / np.maximum(np.linalg.norm(away, axis=-1, keepdims=True), _BESIDE)).mean(axis=0))
     side = np.mean(sides[1:] or sides, axis=0)
     return np.asarray(side / max(float(np.linalg.norm(side)), _CLEARLY))
+
+
+def _gaps(low: FloatArray, high: FloatArray, link: int, others: NDArray[np.int_]) -> FloatArray:
+    """Return the distances (f, k) of the box around a link from those around others, from corners (f, n, 3) [m]."""
+    gaps = np.maximum(low[:, others] - high[:, link, None], 0.0) + np.maximum(low[:, link, None] - high[:, others], 0.0)
+    return np.asarray(np.linalg.norm(gaps, axis=-1))
+
+
+def _boxes(links: Sequence[tuple[Body, str]]) -> list[FloatArray]:
+    """Return the box (2, 3) around each link in its frame [m]."""
+    return [bounds(visual_geometry(body.model.urdf, body.model.scale)[link]) for body, link in links]
+
+
+def _seen_through(world: World, frames: Sequence[Frame]) -> set[str]:
+    """Return the names of masks of small links that move, and of those that they touch at the end; of all where none moves."""
+    names, poses = _common_poses(frames)
+    links = [(world.bodies[body], link) for body, link in names]
+    boxes = _boxes(links)
+    moves = np.max([_distances(poses[0], own, _MOVED) for own in poses], axis=0) > 0.0
+    corners = np.array([[box_corners(box, pose) for box, pose in zip(boxes, poses[-1])]])
+    low, high, every = corners.min(axis=2), corners.max(axis=2), np.arange(len(links))
+    matters = moves | (not moves.any())
+    for link in np.flatnonzero(moves):
+        matters |= _gaps(low, high, link, every)[0] < _BESIDE
+    small = [float(np.ptp(box, axis=0).max()) < _COVERED for box in boxes]
+    return {_mask_name(*link) for link, seen in zip(links, matters & small, strict=True) if seen}
 
 
 def _clearness(masks: NDArray[np.int32], moving: Sequence[tuple[str, int]], still: Sequence[tuple[str, int]]) -> FloatArray:
@@ -435,7 +464,7 @@ def _clearness(masks: NDArray[np.int32], moving: Sequence[tuple[str, int]], stil
     it well is like that.
 
     Args:
-        masks: Masks (frames, views, h, w), of the arm only with the gripper, and without that at the first and the last frame.
+        masks: Masks (frames, views, h, w), of the arm at most with the gripper.
         moving: Body and mask id of the links that move.
         still: Body and mask id of the others.
     """
@@ -473,7 +502,7 @@ def _log_share(pixels: NDArray[np.int_], enough: float = _ENOUGH) -> FloatArray:
 def _points_to_frame(links: Sequence[tuple[Body, str]], poses: Sequence[FloatArray], moves: NDArray[np.bool_]) -> FloatArray:
     """Return points (n, 3) around what the image of the task has to contain [m]; see `task_view`."""
     small = {body.name: float(body.aabb_size().max()) < _LARGE for body, _ in links}
-    boxes = [bounds(visual_geometry(body.model.urdf, body.model.scale)[link]) for body, link in links]
+    boxes = _boxes(links)
     corners = [np.concatenate([box_corners(box, own[k]) for own in poses]) for k, box in enumerate(boxes)]
     whole = [own for own, moving, (body, _) in zip(corners, moves, links, strict=True) if moving or small[body.name]]
     moving = np.concatenate([own for own, is_moving in zip(corners, moves, strict=True) if is_moving or not moves.any()])
@@ -524,7 +553,8 @@ def _mask_name(body: Body, link: str) -> str:
     return body.name if len(body.links) == 1 else f"{body.name}/{link}"
 
 
-def _moment(task: TaskEnvironment, label: str, frame: Frame, view: CameraView, *, hides_arm: bool) -> Moment:
+def _moment(task: TaskEnvironment, label: str, frame: Frame, view: CameraView, through: set[str] | None) -> Moment:
+    """Draw a frame; its task view has the gripper, with masks `through` seen through the hand, or no arm when None."""
     world, size = task.world, view.size[0]
     world.restore(frame.state)
     small = max((size - 2 * _CAPTION - _GAP) // 2, 1)
@@ -532,9 +562,9 @@ def _moment(task: TaskEnvironment, label: str, frame: Frame, view: CameraView, *
     views[OVERVIEW] = clear_view()[OVERVIEW].view(world, task.runtime.description)
     cameras = rendered(world, list(views.values()), small)
     whole, shadows = _fine(world, view), world.renderer.shadow_map()
-    image = _without_arm(task, view).rgb if hides_arm else _with_gripper(task, view, shadows)
+    image = _without_arm(task, view).rgb if through is None else _with_gripper(task, view, shadows, through)
     shown, with_arm = (_reduced(rgb, size) for rgb in (image, whole.rgb))
-    return Moment(label, view, hides_arm, shown, with_arm, dict(zip(views, cameras, strict=True)))
+    return Moment(label, view, through is None, shown, with_arm, dict(zip(views, cameras, strict=True)))
 
 
 def _without_arm(task: TaskEnvironment, view: CameraView, shadows: ShadowMap | None = None) -> Images:
@@ -545,11 +575,8 @@ def _without_arm(task: TaskEnvironment, view: CameraView, shadows: ShadowMap | N
     return images
 
 
-def _with_gripper(task: TaskEnvironment, view: CameraView, shadows: ShadowMap) -> NDArray[np.uint8]:
-    """Return what a camera sees with the gripper alone, and a lighter shadow of the arm.
-
-    Small links of the task are seen through the hand.
-    """
+def _with_gripper(task: TaskEnvironment, view: CameraView, shadows: ShadowMap, through: set[str]) -> NDArray[np.uint8]:
+    """Return what a camera sees with the gripper alone, and a lighter shadow of the arm; masks `through` are seen through it."""
     world, arm = task.world, task.runtime.description
     bare, shaded = _without_arm(task, view), _without_arm(task, view, shadows)
     world.robot.show(world.robot.grip.links)
@@ -557,29 +584,19 @@ def _with_gripper(task: TaskEnvironment, view: CameraView, shadows: ShadowMap) -
     world.robot.show()
     colors = [images.rgb.astype(np.float32) for images in (bare, shaded, own) if images.rgb is not None]
     assert own.mask is not None and bare.mask is not None
-    names = {number: tuple(name.split("/")) for number, name in world.masks.items()}
-    gripper, fingers, small = (
-        np.isin(mask, [number for number, name in names.items() if is_wanted(name)])
-        for mask, is_wanted in (
-            (own.mask, lambda name: name[0] == arm.name and name[-1] in world.robot.grip.links),
-            (own.mask, lambda name: name[0] == arm.name and name[-1] in arm.finger_links),
-            (bare.mask, lambda name: name[0] in world.bodies and _is_small(world.bodies[name[0]], name[-1])),
-        )
+    gripper, fingers = ({f"{arm.name}/{link}" for link in links} for links in (world.robot.grip.links, arm.finger_links))
+    shown, opaque, behind = (
+        np.isin(mask, [number for number, name in world.masks.items() if name in wanted])
+        for mask, wanted in ((own.mask, gripper), (own.mask, fingers), (bare.mask, through))
     )
-    through = ndimage.gaussian_filter(ndimage.binary_dilation(small, iterations=2).astype(np.float32), _BLUR)
-    opacity = np.where(fingers, 1.0, _HAND + (_THROUGH - _HAND) * through) * gripper
+    clear = ndimage.gaussian_filter(ndimage.binary_dilation(behind, iterations=2).astype(np.float32), _BLUR)
+    opacity = np.where(opaque, 1.0, _HAND + (_THROUGH - _HAND) * clear) * shown
     opacity = ndimage.gaussian_filter(opacity, 0.8)[..., None]
-    line = ndimage.gaussian_filter((gripper ^ ndimage.binary_erosion(gripper, iterations=3)).astype(np.float32), 0.8)[..., None]
+    line = ndimage.gaussian_filter((shown ^ ndimage.binary_erosion(shown, iterations=3)).astype(np.float32), 0.8)[..., None]
     image = colors[0] + _SHADOW * (colors[1] - colors[0])
     image += (colors[2] - image) * opacity
     image *= 1.0 - _OUTLINE * line
     return np.asarray(np.round(image).clip(0.0, 255.0), dtype=np.uint8)
-
-
-def _is_small(body: Body, link: str) -> bool:
-    shapes = visual_geometry(body.model.urdf, body.model.scale)
-    own = shapes.get(link) or [part for parts in shapes.values() for part in parts]
-    return bool(np.ptp(bounds(own), axis=0).max() < _COVERED)
 
 
 def rendered(world: World, views: Sequence[CameraView], size: int) -> list[Image.Image]:
