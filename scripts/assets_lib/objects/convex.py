@@ -13,15 +13,16 @@ COUNT = 25
 LENGTH, ACROSS = (0.042, 0.058), (0.03, 0.045)
 """Ranges of the longest side and of the two others at scale 1 [m]."""
 COLORS: tuple[Vec3, ...] = (
-    (0.86, 0.30, 0.24),
-    (0.24, 0.52, 0.78),
-    (0.93, 0.72, 0.22),
-    (0.36, 0.64, 0.36),
-    (0.60, 0.40, 0.70),
-    (0.90, 0.52, 0.25),
-    (0.30, 0.66, 0.66),
-    (0.34, 0.24, 0.20),
+    (0.95, 0.80, 0.74),
+    (0.72, 0.84, 0.94),
+    (0.96, 0.90, 0.68),
+    (0.76, 0.89, 0.74),
+    (0.86, 0.78, 0.92),
+    (0.95, 0.86, 0.76),
+    (0.74, 0.90, 0.90),
+    (0.80, 0.76, 0.72),
 )
+"""Pale colours, which are seen well before the saturated ones of trays."""
 
 
 def _block(rng: np.random.Generator) -> FloatArray:

@@ -150,12 +150,12 @@ def prism(outline: np.ndarray, low: float, high: float) -> Mesh:
 
 
 def _steak() -> Model:
-    fat = prism(_outline(1.0), -0.0095, 0.0092)
-    meat = prism(_outline(0.87), -0.010, 0.010)
+    fat = prism(_outline(1.0), -0.0095, 0.0075)
+    meat = prism(_outline(0.95), -0.010, 0.010)
     bars = [box((0.004, w, 0.0012), (x, 0.0, 0.0101)) for x, w in ((-0.03, 0.032), (-0.01, 0.038), (0.01, 0.038), (0.03, 0.032))]
     visuals = (
-        Visual(mesh_shape("fat", fat), (0.93, 0.80, 0.66)),
-        Visual(mesh_shape("meat", meat), (0.48, 0.14, 0.10)),
+        Visual(mesh_shape("fat", fat), (0.82, 0.62, 0.48)),
+        Visual(mesh_shape("meat", meat), (0.52, 0.20, 0.14)),
         Visual(mesh_shape("sear_marks", merge(bars)), (0.18, 0.07, 0.05)),
     )
     hull = hull_of(np.round(prism(_outline(1.0), -0.010, 0.010).vertices, 5))

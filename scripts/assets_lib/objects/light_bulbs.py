@@ -64,9 +64,13 @@ def _reflector_shapes() -> tuple[Shape, ...]:
 
 def _cable() -> Mesh:
     """Return the cable and the plug at its end."""
-    steps = [(-0.058, 0.0), (-0.10, 0.0), (-0.13, 0.03)]
-    rods = [rod((*a, 0.006), (*b, 0.006), 0.004, 6) for a, b in pairwise(steps)]
-    return merge(rods)
+    steps = [(-0.058, 0.0), (-0.10, 0.0), (-0.122, 0.022)]
+    rods = [rod((*a, 0.006), (*b, 0.006), 0.0035, 6) for a, b in pairwise(steps)]
+    along, across = np.array([-0.7071, 0.7071, 0.0]), np.array([0.7071, 0.7071, 0.0])
+    end = np.array([*steps[-1], 0.0075])
+    plug = rod(end, end + 0.016 * along, 0.0075, 10)
+    prongs = [rod(end + side * across, end + side * across + 0.026 * along, 0.0014, 6) for side in (-0.004, 0.004)]
+    return merge([*rods, plug, *prongs])
 
 
 def _lamp() -> Model:
