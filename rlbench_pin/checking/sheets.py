@@ -72,7 +72,7 @@ _ENOUGH = 0.7
 """A view that shows so much of what the best one shows of a link is as good in that."""
 _WELL = 0.3
 """A view that shows so much of what the best one shows of a link shows it well."""
-_FINGERS, _END, _REVEALED, _APART = 1.0, 3.0, 3.0, 1.5
+_FINGERS, _END, _REVEALED, _APART = 1.4, 4.0, 3.0, 1.5
 """Weights of what is seen of the fingers, of what has been moved at the end, of what a door or a lid hides, and of the distance
 in the image between what has been taken away and the rest."""
 _STEEP = 0.8
@@ -384,7 +384,7 @@ def task_view(world: World, frames: Sequence[Frame], size: int, *, hides_arm: bo
     score = _clearness(np.array(masks), moving or still, still)
     fingers = [ids[f"{arm.name}/{link}"] for link in arm.finger_links]
     for mask in masks[1:-1]:
-        score += _FINGERS / len(masks[1:-1]) * _log_share(np.isin(mask, fingers).sum(axis=(1, 2)))
+        score += _FINGERS / len(masks[1:-1]) * _log_share(np.isin(mask, fingers).sum(axis=(1, 2)), enough=_WELL)
     tilts = sorted({tilt for _, tilt in _DIRECTIONS})
     score -= _STEEP * np.array([tilts.index(tilt) for _, tilt in _DIRECTIONS])
     azimuths = np.radians([azimuth for azimuth, _ in _DIRECTIONS])
@@ -476,7 +476,7 @@ def _clearness(masks: NDArray[np.int32], moving: Sequence[tuple[str, int]], stil
         changed = (shown[0] != shown[-1]).sum(axis=(1, 2))
         for weight, part in ((1.0, pixels.mean(axis=0)), (1.0, pixels[0]), (1.0, changed)):
             score += weight * _log_share(part) / len(moving)
-        at_last = _END / 2.0 * _log_share(pixels[-1]) if body in doors else _END * _log_share(pixels[-1], enough=1.0)
+        at_last = _END / 3.0 * _log_share(pixels[-1]) if body in doors else _END * _log_share(pixels[-1], enough=1.0)
         score += at_last / len(moving)
         rest = np.isin(masks[0], [other for name, other in still if name != body])
         before = (shown[-1] & rest).sum(axis=(1, 2)) / np.maximum(pixels[-1], 1)
