@@ -109,8 +109,8 @@ PAD_WIDTH, PAD_LOW, PAD_HIGH, PAD_BACK = 0.022, 0.01367, 0.05117, -0.01885
 """The pad in the frame of the inner finger: size along x, least and largest z, and y of its back [m]."""
 PAD_MASS = 0.006
 """[kg]"""
-NEARLY_SHUT, TIP_TO_END = 0.7, 0.014
-"""At this angle [rad] the pads end so far beyond the tip frame [m]."""
+NEARLY_SHUT, TIP_TO_END = 0.7, 0.0095
+"""At this angle [rad] the pads end so far beyond the tip frame [m], as those of the Panda do."""
 
 
 def airo_folder(given: Path | None = None) -> Path:
