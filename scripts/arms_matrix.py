@@ -3,7 +3,7 @@
 Usage: python scripts/arms_matrix.py [TASK ...] [--robots NAME ...] [--episodes 20] [--workers 2] [--out docs/results]
 Each cell is the share of seeds whose first demonstration succeeds; those of the Panda are in docs/results/demo_success.json.
 Finished trials are kept in out/arms: the same command goes on where it was stopped, and tasks on which nothing changed are not
-played again. `--report` writes what there is, and plays nothing.
+played again. `--report` writes what there is, and plays nothing. Arms that are not named keep the figures of the table.
 """
 
 from __future__ import annotations
@@ -115,15 +115,21 @@ def main() -> None:
     """Play what is missing, and write the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("tasks", nargs="*", default=library_names(), help="all when none is named")
-    parser.add_argument("--robots", nargs="+", default=list(SUPPORTED_ROBOTS), help="all when none is named")
+    arms = list(SUPPORTED_ROBOTS)
+    parser.add_argument("--robots", nargs="+", choices=arms, default=arms, help="all when none is named")
     parser.add_argument("--episodes", type=int, default=20, help="seeds of each cell")
     parser.add_argument("--workers", type=int, default=2, help="processes")
     parser.add_argument("--report", action="store_true", help="play nothing")
     parser.add_argument("--out", type=Path, default=ROOT / "docs" / "results", help="folder for arms.json, .md and .png")
     options = parser.parse_args()
     journal = TrialJournal(ROOT / "out" / "arms" / "trials.jsonl", options.tasks)
+    table = options.out / "arms.json"
+    known = json.loads(table.read_text(encoding="utf-8"))["arms"] if table.is_file() else {}
     matrix: dict[str, dict[str, dict[str, object]]] = {}
-    for robot in options.robots:
+    for robot in arms:
+        if robot not in options.robots:
+            matrix |= {robot: known[robot]} if robot in known else {}
+            continue
         if robot == DEFAULT_ROBOT:
             matrix[robot] = swept(options.tasks)
             continue
@@ -143,9 +149,7 @@ def main() -> None:
         [[float(str(cells[task]["rate"])) if task in cells else np.nan for cells in matrix.values()] for task in tasks]
     )
     options.out.mkdir(parents=True, exist_ok=True)
-    (options.out / "arms.json").write_text(
-        json.dumps({"episodes": options.episodes, "arms": matrix}, indent=1) + "\n", encoding="utf-8"
-    )
+    table.write_text(json.dumps({"episodes": options.episodes, "arms": matrix}, indent=1) + "\n", encoding="utf-8")
     (options.out / "arms.md").write_text(page(matrix, tasks), encoding="utf-8")
     draw(options.out / "arms.png", rates, tasks, list(matrix))
 

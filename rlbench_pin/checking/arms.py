@@ -24,7 +24,7 @@ from rlbench_pin.planning.kinematics import solve_ik
 from rlbench_pin.robot import CollisionModel, RobotDescription, RobotModel
 from rlbench_pin.robot.fingers import fingers_of
 from rlbench_pin.scene.spec import BodySpec, SceneSpec
-from rlbench_pin.sim import World
+from rlbench_pin.sim import Body, World
 from rlbench_pin.sim.client import bullet
 from rlbench_pin.spatial import FloatArray, above_table, rotation_distance
 from rlbench_pin.values import as_record, as_whole
@@ -33,6 +33,8 @@ POSITION, ROTATION, TORQUE = 1e-6, 1e-6, 1e-6
 """Largest differences of simulation and model [m], [rad], and of the largest torque."""
 SOLVED = 0.995
 """Least share of reachable poses that are solved."""
+DEPTH = 0.002
+"""Pads may be this far inside a cube that they are shut on [m]."""
 SUNK = 0.005
 """A cube of 1 kg may sink by this in the gripper [m]."""
 POINTS_DOWN = -0.98
@@ -144,12 +146,14 @@ def reached_places(model: RobotModel, count: int = 20) -> int:
 
 @dataclass(frozen=True)
 class Grip:
-    """How the gripper holds a cube of 40 mm and 1 kg by friction alone."""
+    """How the gripper shuts on a cube of 40 mm, and holds one of 1 kg by friction alone."""
 
     opened: float
     """Distance of the pads from the middle when open, the smaller one [m]."""
     shut: float
     """The same when shut on nothing, the larger one [m]."""
+    depth: float
+    """How far the pads are inside the cube after they were shut on it, the deeper one [m]."""
     held: bool
     """Whether the cube is between the fingers after 2 s."""
     sunk: float
@@ -169,23 +173,31 @@ def grip_of(description: RobotDescription) -> Grip:
         _play(world, 40)
         shut = float(world.robot.fingers.max())
         world.robot.reset_configuration(RobotModel(description).home)
-        gripper.set_target(1.0)
-        _play(world, 20)
-        world.dynamics_overrides.set_mass(cube.model, -1, 1.0)
         cube.graspable = True
+        _open_and_shut_on(world, cube)
+        depth = 0.02 - float(world.robot.fingers.min())
+        world.dynamics_overrides.set_mass(cube.model, -1, 1.0)
         gripper.rely_on_friction()
-        cube.set_pose(world.robot.tip_pose())
-        height = cube.position[2]
-        gripper.set_target(0.0)
-        for _ in range(40):
-            world.step()
-            if not gripper.held:
-                cube.set_pose(world.robot.tip_pose())
+        height = _open_and_shut_on(world, cube)
         _play(world, 40)
         held, sunk = gripper.held == ("cube",), float(height - cube.position[2])
         gripper.set_target(1.0)
         _play(world, 20)
-        return Grip(opened, shut, held, sunk, bool(cube.position[2] < height - 0.1))
+        return Grip(opened, shut, depth, held, sunk, bool(cube.position[2] < height - 0.1))
+
+
+def _open_and_shut_on(world: World, cube: Body) -> float:
+    """Open the gripper, and shut it on a cube that floats between the pads until they hold it; return its height there [m]."""
+    world.gripper.set_target(1.0)
+    _play(world, 20)
+    cube.set_pose(world.robot.tip_pose())
+    height = float(cube.position[2])
+    world.gripper.set_target(0.0)
+    for _ in range(40):
+        world.step()
+        if not world.gripper.between_fingers():
+            cube.set_pose(world.robot.tip_pose())
+    return height
 
 
 def _play(world: World, ticks: int) -> None:
@@ -297,8 +309,10 @@ def _camera(description: RobotDescription, _: int) -> Checked:
 
 def _opens(description: RobotDescription, _: int) -> Checked:
     grip = grip_of(description)
-    words = f"opens to {1000 * grip.opened:.1f} mm, shuts to {1000 * grip.shut:.1f} mm, 1 kg sinks {1000 * grip.sunk:.1f} mm"
-    good = grip.opened > 0.9 * description.gripper_open and grip.shut < 0.002 and grip.held and grip.sunk < SUNK and grip.falls
+    words = f"opens to {1000 * grip.opened:.1f} mm, shuts to {1000 * grip.shut:.1f} mm, {1000 * grip.depth:.1f} mm inside a cube"
+    words += f", 1 kg sinks {1000 * grip.sunk:.1f} mm"
+    shuts = grip.shut < 0.002 and grip.depth < DEPTH
+    good = grip.opened > 0.9 * description.gripper_open and shuts and grip.held and grip.sunk < SUNK and grip.falls
     return words + ("" if grip.held else ", not held") + ("" if grip.falls else ", not let go"), good
 
 
