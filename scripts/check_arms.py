@@ -68,8 +68,8 @@ def main() -> None:
     lines = [
         "# Checks of the arms",
         "",
-        "Written by `python scripts/check_arms.py`. Each line is a check of `rlbench-pin arm check`; the last is the median over all",
-        f"tasks of the time of a reset with its check of reach ({options.resets} resets of each task, without images).",
+        "Written by `python scripts/check_arms.py`. Each line is a check of `rlbench-pin arm check`. The last is the time of a reset",
+        f"with its check of reach: the median over all tasks, {options.resets} resets of each, without images.",
         "",
         f"| Check | {' | '.join(arms)} |",
         f"|---|{'---|' * len(arms)}",
