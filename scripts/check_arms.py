@@ -68,7 +68,7 @@ def main() -> None:
     lines = [
         "# Checks of the arms",
         "",
-        "Written by `python scripts/check_arms.py`. Each line is a check of `rlbench-pin arm check`. The last is the time of a reset",
+        "Written by `python scripts/check_arms.py`. Each line is a check of `rlbench-pin arm check`. Last, the time of a reset",
         f"with its check of reach: the median over all tasks, {options.resets} resets of each, without images.",
         "",
         f"| Check | {' | '.join(arms)} |",
