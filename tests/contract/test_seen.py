@@ -24,6 +24,7 @@ HARD_TO_SEE = {
     "press_switch": "only the rocker moves",
     "push_button": "only the cap moves",
     "push_buttons": "only the caps move",
+    "push_buttons4": "only the caps move",
     "play_jenga": "one brick of a tower",
     "put_knife_on_chopping_board": "the blade of the knife is in the block",
     "put_rubbish_in_bin": "a crumpled paper is small",
