@@ -22,6 +22,7 @@ from rlbench_pin.environment.demos import SegmentReport, library_versions
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.processes import GivenUp, Journal, ProcessEngine, SerialEngine, WorkerDeath, run_jobs
 from rlbench_pin.tasks import LIBRARY, find_task
+from rlbench_pin.tasks.registry import source_files
 from rlbench_pin.urdf import read_urdf, solid_urdf
 from rlbench_pin.values import as_function, as_names, as_path, as_record, as_several, as_whole
 
@@ -189,8 +190,8 @@ def task_marks(tasks: Sequence[str]) -> dict[str, str]:
     """Return task -> a checksum of all files and versions of libraries that its trials depend on."""
     marks = {}
     for task in as_names(tasks, "tasks"):
-        mark, scene = _package_mark().copy(), find_task(task).scene_file()
-        own = (scene.with_suffix(".py"), scene)
+        mark, found = _package_mark().copy(), find_task(task)
+        own, scene = source_files(found), found.scene_file()
         for file in (*own, *_named_objects(own), *_own_assets(scene)):
             _add(mark, file)
         marks[task] = mark.hexdigest()

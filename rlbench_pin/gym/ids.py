@@ -31,9 +31,8 @@ def register_ids() -> None:
     """Register every task of the library with gymnasium, and `ANY_TASK`; ids that are there already are left alone."""
     register(ANY_TASK, {"task": ""})
     for file in sorted(_LIBRARY.glob("*.toml")):
-        if file.with_suffix(".py").is_file():
-            for mode in MODES:
-                register(gym_id(file.stem, mode), {"task": file.stem, "observation_mode": mode})
+        for mode in MODES:
+            register(gym_id(file.stem, mode), {"task": file.stem, "observation_mode": mode})
 
 
 def register(name: str, settings: Mapping[str, Any]) -> None:

@@ -356,6 +356,8 @@ def scene_from_raw(raw: Raw, path: Path) -> SceneSpec:
         raw = {"deviation" if table == "departure" else table: content for table, content in raw.items()}
     if raw["format"] == FORMAT:
         raw = _written_out(path, raw)
+    if "base" in raw:
+        raw = _with_base(path, raw)
     try:
         scene = SceneSpec.model_validate({**raw, "file": str(path)})
     except ValidationError as error:
@@ -386,6 +388,33 @@ def _check_format(path: Path, raw: Raw) -> None:
     if isinstance(raw["format"], bool | float) or raw["format"] not in range(1, FORMAT + 1):
         hint = f"This version reads the formats 1 to {FORMAT}."
         raise SceneFileError(path, "key 'format'", f"{raw['format']!r} is not supported.", hint)
+
+
+def _with_base(path: Path, raw: Raw) -> Raw:
+    """Return the tables of a scene over those of its base; deviations are its own."""
+    known, name = {file.stem for file in path.parent.glob("*.toml")} - {path.stem}, str(raw["base"])
+    if name not in known:
+        raise SceneFileError(path, "key 'base'", f"there is no scene '{name}' beside it.", _guess(name, known))
+    file = path.with_name(f"{name}.toml")
+    base = _parse(file)
+    _check_format(file, base)
+    if "base" in base or base["format"] != raw["format"]:
+        raise SceneFileError(path, "key 'base'", f"'{file.name}' has a base itself, or another format.", "Name another scene.")
+    if base["format"] == FORMAT:
+        base = _written_out(file, base)
+    own = {table: _merged(table, base.get(table), content) for table, content in raw.items()}
+    return {**base, "deviation": [], **own}
+
+
+def _merged(table: str, base: Any, own: Any) -> Any:
+    """Return one table over that of the base: the keys of `[placement]`, or entries by name; other content as it is."""
+    if isinstance(base, dict) and isinstance(own, dict):
+        return {**base, **own}
+    if table == "deviation" or not all(isinstance(part, list) and all(isinstance(e, dict) for e in part) for part in (base, own)):
+        return own
+    named = {str(entry.get("name")): entry for entry in own}
+    kept = [named.pop(str(entry.get("name")), entry) for entry in base]
+    return [*kept, *(entry for entry in own if str(entry.get("name")) in named)]
 
 
 def _written_out(path: Path, raw: Raw) -> Raw:

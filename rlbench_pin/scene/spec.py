@@ -387,6 +387,8 @@ class SceneSpec(Spec):
 
     format: Literal[1, 2]
     """Format of the file."""
+    base: Name | None = Field(default=None, exclude=True)
+    """Task beside this one that has the same Python code. Its scene holds here too; a table replaces the one of the same name."""
     placement: PlacementSpec = PlacementSpec()
     body: tuple[BodySpec, ...] = Field(default=(), max_length=MAX_ELEMENTS)
     joint: tuple[JointSpec, ...] = Field(default=(), max_length=MAX_ELEMENTS)

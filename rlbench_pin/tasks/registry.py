@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import importlib
+import inspect
 import re
 import sys
+import tomllib
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from hashlib import sha256
@@ -203,8 +205,8 @@ LIST_COMMAND = "rlbench-pin list"
 
 @lru_cache(maxsize=1)
 def library_names() -> tuple[str, ...]:
-    """Return the names of the tasks of the library: files with a scene beside them."""
-    return tuple(sorted(file.stem for file in LIBRARY.glob("*.py") if file.with_suffix(".toml").is_file()))
+    """Return the names of the tasks of the library: its scene files."""
+    return tuple(sorted(file.stem for file in LIBRARY.glob("*.toml")))
 
 
 def task_names() -> tuple[str, ...]:
@@ -226,13 +228,30 @@ def task_class(name: str) -> type[Task]:
         raise UnknownName("task", name, task_names(), LIST_COMMAND)
     stem = snake_case(name)
     if stem in library_names():
-        return class_in(importlib.import_module(f"rlbench_pin.tasks.library.{stem}"), camel_case(stem))
+        return _library_class(stem)
     plugins = _plugins()
     if stem in plugins.tasks:
         return _plugin_class(plugins.tasks[stem])
     if stem in plugins.faults:
         raise TaskError(plugins.faults[stem])
     raise UnknownName("task", name, task_names(), LIST_COMMAND)
+
+
+@lru_cache(maxsize=256)
+def _library_class(stem: str) -> type[Task]:
+    """Return a class of the library: that of its Python file or, without one, that of the task that its scene names as base."""
+    scene = LIBRARY / f"{stem}.toml"
+    if scene.with_suffix(".py").is_file():
+        return class_in(importlib.import_module(f"rlbench_pin.tasks.library.{stem}"), camel_case(stem))
+    base = _library_class(tomllib.loads(scene.read_text(encoding="utf-8"))["base"])
+    content = {"__module__": base.__module__, "__doc__": base.__doc__, "scene_file": classmethod(lambda cls: scene)}
+    return type(camel_case(stem), (base,), content)
+
+
+def source_files(task: type[Task]) -> tuple[Path, ...]:
+    """Return the Python file of a task and the scene beside it, and then its own scene where these are of its base."""
+    python, scene = Path(inspect.getfile(checked_class(task))), task.scene_file()
+    return tuple(dict.fromkeys((python, python.with_suffix(".toml"), scene)))
 
 
 def find_task(name: str | PathLike[str]) -> type[Task]:

@@ -23,6 +23,8 @@ DEVIATION = '[[deviation]]\nname = "yaw"\nspecified = "0"\nhere = "1"\nreason = 
 MISTAKES = {
     "no format": ("", "key 'format'", "format = 2"),
     "wrong format number": ("format = 3", "key 'format'", "3 is not supported. This version reads the formats 1 to 2"),
+    "base that is not there": ('format = 2\nbase = "open_drawr"', "key 'base'", "there is no scene 'open_drawr' beside it"),
+    "base that is no name": ("format = 2\nbase = []", "key 'base'", "there is no scene '[]' beside it"),
     "no TOML": ("format = = 1", "file", "not valid TOML"),
     "misspelt table": ('format = 1\n[[waypoints]]\nname = "waypoint0"', "key 'waypoints'", "Did you mean 'waypoint'?"),
     "misspelt key": (
@@ -389,6 +391,44 @@ def test_a_file_keeps_its_format(tmp_path: Path, number: int) -> None:
     assert f"format = {number}\n" in file.read_text()
     assert f"pose = [0.3, 0.0, {round(TABLE_HEIGHT + 0.05, 9) if number == 1 else 0.05}]" in file.read_text()
     assert read_scene(file).placement == placed
+
+
+BASE = f"""format = 2
+[placement]
+pose = [0.4, 0.0, 0.0]
+yaw = [-0.1, 0.1]
+[[body]]
+name = "piece0"
+{CUBE}
+poses = [[0.0, 0.0, 0.1], [0.1, 0.0, 0.1]]
+[[frame]]
+name = "above"
+rpy = [0.0, 0.0, 1.5707963]
+{DEVIATION}"""
+
+
+def test_a_scene_replaces_tables_of_its_base_by_name(tmp_path: Path) -> None:
+    """Entries stay in the order of the base, new ones follow; unnamed keys of `[placement]` stay; deviations are its own."""
+    (tmp_path / "first.toml").write_text(BASE)
+    body = '[[body]]\nname = "piece0"\nasset = "objects/cube_45/cube_45.urdf"\npose = [0.0, 0.0, 0.2]\n'
+    rest = '[placement]\nyaw = [-0.2, 0.2]\n[[frame]]\nname = "below"\n'
+    (tmp_path / "second.toml").write_text(f'format = 2\nbase = "first"\n{body}{rest}')
+    base, scene = read_scene(tmp_path / "first.toml"), read_scene(tmp_path / "second.toml")
+    assert [(b.name, b.asset.split("/")[1], b.pose[2]) for b in scene.body] == [
+        ("piece0", "cube_45", 0.2),
+        ("piece1", "cube", 0.1),
+    ]
+    assert scene.frame[0] == base.frame[0] and scene.frame[1].name == "below"
+    assert scene.placement.yaw == (-0.2, 0.2) and scene.placement.pose == base.placement.pose
+    assert len(base.deviation) == 1 and scene.deviation == ()
+
+
+def test_a_base_has_no_base_of_its_own(tmp_path: Path) -> None:
+    (tmp_path / "first.toml").write_text(BASE)
+    (tmp_path / "second.toml").write_text('format = 2\nbase = "first"\n')
+    (tmp_path / "third.toml").write_text('format = 2\nbase = "second"\n')
+    with pytest.raises(SceneFileError, match="'second.toml' has a base itself"):
+        read_scene(tmp_path / "third.toml")
 
 
 def test_a_new_file_has_format_2(tmp_path: Path) -> None:
