@@ -26,6 +26,7 @@ HARD_TO_SEE = {
     "push_buttons": "only the caps move",
     "push_buttons4": "only the caps move",
     "play_jenga": "one brick of a tower",
+    "put_cube_in_safe": "the cube is small",
     "put_knife_on_chopping_board": "the blade of the knife is in the block",
     "put_rubbish_in_bin": "a crumpled paper is small",
     "put_rubbish_in_color_bin": "a crumpled paper is small",
