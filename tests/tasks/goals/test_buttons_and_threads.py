@@ -79,6 +79,25 @@ def test_three_buttons_are_asked_in_their_order(goal: Goal) -> None:
     assert press(goal, 2)
 
 
+@goal_of("push_buttons4", 0, 1, 6, 11, 15)
+def test_up_to_four_buttons_are_asked_in_their_order(goal: Goal) -> None:
+    """The instruction names their colours in that order; neither one less, nor backwards, nor shallow presses count."""
+    names = [color.name for color in BUTTON_COLORS if goal.says(color.name)]
+    count = len(names)
+    palette = {color.rgb: color.name for color in BUTTON_COLORS}
+    asked = [palette[color] for color in colors(goal.task, *(f"button{i}" for i in range(count)))]
+    assert sorted(asked) == sorted(names)
+    assert [goal.says(f"{a}_button") for a in asked].index(True) == 0
+    assert all(goal.says(f"then_the_{a}_one") for a in asked[1:])
+    assert not press(goal, *range(count - 1), *range(count, 4))
+    goal.task.reset_conditions()
+    assert not press(goal, *range(count), depth=0.0028)
+    if count > 1:
+        assert not press(goal, *reversed(range(count)))
+    goal.task.reset_conditions()
+    assert press(goal, *range(count))
+
+
 @goal_of("screw_nail")
 def test_the_screw_has_to_turn_while_the_driver_was_taken(goal: Goal) -> None:
     """By 1.4 rad, either way, from where it is when the driver is first held; what was turned before does not count."""

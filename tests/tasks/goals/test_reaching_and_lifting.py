@@ -58,6 +58,47 @@ def test_the_asked_block_has_to_be_held_at_the_marker(goal: Goal) -> None:
     assert not goal.reached()
 
 
+def ends_at_marker(goal: Goal, word: str, **borders: tuple[float, ...]) -> None:
+    """Check that the toy that is asked for by this word has to be held at the marker; free, or another body is no success."""
+    assert goal.says(word)
+    goal.put("toy", (0.0, 0.0, 0.0), on="marker")
+    assert not goal.reached()
+    assert goal.task.gripper.grasp("distractor0")
+    assert not goal.reached()
+    goal.task.gripper.release()
+    assert goal.task.gripper.grasp("toy")
+    goal.ends("toy", (0.0, 0.0, 0.0), on="marker", **borders)
+    goal.put("toy", (0.1, 0.0, 0.0), on="marker")
+    goal.put("distractor0", (0.0, 0.0, 0.0), on="marker")
+    assert not goal.reached()
+
+
+@goal_of("pick_and_lift_cylinder")
+def test_the_cylinder_has_to_be_held_at_the_marker(goal: Goal) -> None:
+    """It may touch a ball of 6 cm in the ring from any side."""
+    ends_at_marker(goal, "cylinder", x=(-0.0527, 0.0527), y=(-0.0527, 0.0527), z=(-0.0625, 0.0625))
+
+
+@goal_of("pick_and_lift_star")
+def test_the_star_has_to_be_held_at_the_marker(goal: Goal) -> None:
+    """It may touch a ball of 6 cm in the ring from above or below; its mesh has a skin of 1 mm."""
+    ends_at_marker(goal, "star", z=(-0.0612, 0.0612))
+
+
+@goal_of("pick_and_lift_moon")
+def test_the_moon_has_to_be_held_at_the_marker(goal: Goal) -> None:
+    """It may touch a ball of 6 cm in the ring from above or below; its mesh has a skin of 1 mm."""
+    ends_at_marker(goal, "crescent moon", z=(-0.0612, 0.0612))
+
+
+@goal_of("pick_and_lift_toy")
+def test_the_duck_has_to_be_held_at_the_marker(goal: Goal) -> None:
+    """It may touch a ball of 6 cm in the ring, with its bottom as with its head."""
+    ends_at_marker(goal, "rubber duck", z=(0.029,))
+    goal.put("distractor0", (0.2, 0.2, 0.0225))
+    goal.ends("toy", (-0.015, 0.0, -0.051), on="marker", z=(-0.049,), within=2e-3)
+
+
 @goal_of("take_lid_off_saucepan")
 def test_the_lid_has_to_be_held_high_over_the_pan(goal: Goal) -> None:
     """Not free in the air, not held lower or beside the pan; the reward counts the ways of the gripper and of the knob."""

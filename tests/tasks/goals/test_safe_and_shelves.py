@@ -34,6 +34,17 @@ def test_the_bundle_has_to_lie_on_the_asked_level(goal: Goal) -> None:
     goal.needs_release_of("money")
 
 
+@goal_of("put_cube_in_safe")
+def test_the_cube_has_to_lie_in_the_safe(goal: Goal) -> None:
+    """On any level, let go; on the safe, beside it, before it or half out of it does not count."""
+    for place in ((0.0, 0.0, 0.42), (-0.25, 0.0, 0.02), (-0.14, 0.0, 0.04), (-0.13, 0.0, 0.16), (0.0, 0.2, 0.02)):
+        goal.put("cube", place, on="safe")
+        assert not goal.reached(), place
+    for floor in FLOORS.values():
+        goal.ends("cube", (0.02, 0.0, floor + 0.02), on="safe", x=(-0.11, 0.11), y=(-0.13, 0.13), z=(0.04,))
+        goal.needs_release_of("cube")
+
+
 @goal_of("take_money_out_safe", 0, 1, 2)
 def test_the_asked_bundle_has_to_lie_on_the_table(goal: Goal) -> None:
     """Let go in front of the safe; another bundle, one that stays, and one over the table or laid elsewhere do not count."""

@@ -1,0 +1,11 @@
+"""Lift a crescent moon to a floating marker."""
+
+from __future__ import annotations
+
+from rlbench_pin.tasks import PickAndLiftCylinder
+
+
+class PickAndLiftMoon(PickAndLiftCylinder):
+    """The crescent moon must be held at the marker. It, two cubes and the marker stand anywhere in a rectangle."""
+
+    word = "crescent moon"

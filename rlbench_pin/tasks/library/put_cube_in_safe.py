@@ -1,0 +1,31 @@
+"""Put a cube into a safe."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import AnyOf, Detected, NothingGrasped, SpawnBoundary, Task
+
+
+class PutCubeInSafe(Task):
+    """The cube must lie in the open safe, on any of its three levels, let go. Where it lies on the table varies."""
+
+    levels = ("bottom", "middle", "top")
+
+    def init_task(self) -> None:
+        """The cube may be grasped; success is the cube on a level of the safe, let go."""
+        self.cube = self.world.body("cube")
+        self.patch = SpawnBoundary([self.world.region("patch")])
+        self.register_graspable_objects(["cube"])
+        inside = AnyOf([Detected(self.cube, self.world.sensor(f"in_{level}")) for level in self.levels])
+        self.register_success_conditions([inside, NothingGrasped(self.gripper)])
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Place the cube."""
+        self.patch.clear()
+        self.patch.sample(self.cube, rng, min_rotation=(0.0, 0.0, 0.0), max_rotation=(0.0, 0.0, np.pi / 2.0))
+        return [
+            "Put the cube into the safe.",
+            "The open safe is empty, so move the block from the table inside.",
+            "Grasp the small cube and leave it in the safe, on whichever level.",
+        ]
