@@ -10,7 +10,7 @@ import pytest
 
 from rlbench_pin.environment import TaskEnvironment
 from rlbench_pin.environment.demos import DemoPlayer, Omission, try_play
-from rlbench_pin.tasks import Task, task_class
+from rlbench_pin.tasks import Task, task_class, task_scene
 
 
 @dataclass(frozen=True)
@@ -291,13 +291,16 @@ NEGATIVES = {
     "unplug_charger": Negative(spoil=moved("waypoint1", x=-0.098, z=0.0146), done=holding("charger")),  # the pins stay 4 mm deep
     "water_plants": Negative(spoil=moved("waypoint4", x=-0.04, z=0.02), done=holding("can")),  # tilted beside the plant
 }
-"""What each task cannot do without, or must not do; grasping where nothing is said."""
+"""What each task cannot do without, or must not do; grasping where nothing is said.
+
+A task with a base is as that one, unless it says otherwise."""
 
 
 @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_without_its_decisive_action_it_fails(task_env: TaskEnvironment, seed: int) -> None:
     """The script runs as far as it can; the goal is not reached, at no moment of its last segment and not afterwards."""
-    negative = NEGATIVES.get(task_env.get_name(), NO_GRASP)
+    name = task_env.get_name()
+    negative = NEGATIVES.get(name) or NEGATIVES.get(task_scene(task_class(name)).base or name, NO_GRASP)
     task_env.set_variation(negative.variation)
     task_env.reset(seed=seed)
     negative.spoil(task_env.task)

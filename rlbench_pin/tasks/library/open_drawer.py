@@ -10,10 +10,9 @@ from rlbench_pin.tasks import JointMoved, Task
 class OpenDrawer(Task):
     """The asked one of three drawers must come out by 15 cm."""
 
-    drawers = ("bottom", "middle", "top")
-
     def init_task(self) -> None:
-        """Nothing is registered before the drawer is known."""
+        """The chest says which drawers there are, from below."""
+        self.drawers = tuple(name.removeprefix("drawer_") for name in self.world.body("chest").joints)
 
     def variation_count(self) -> int:
         """One for each drawer."""
@@ -24,8 +23,9 @@ class OpenDrawer(Task):
         drawer = self.drawers[variation]
         self.world.frame("waypoint1").move_to(f"handle_{drawer}")
         self.register_success_conditions([JointMoved(self.world.joint(f"chest/drawer_{drawer}"), 0.15)])
+        named, count = drawer.replace("_", " "), {3: "three", 4: "four"}[len(self.drawers)]
         return [
-            f"Pull out the {drawer} drawer.",
-            f"I need something from the {drawer} drawer, open it wide for me.",
-            f"Of the three drawers in the chest, slide the {drawer} one far out.",
+            f"Pull out the {named} drawer.",
+            f"I need something from the {named} drawer, open it wide for me.",
+            f"Of the {count} drawers in the chest, slide the {named} one far out.",
         ]

@@ -123,7 +123,13 @@ class Goal:
         self.task.gripper.release()
 
 
-def goal_of(name: str, *variations: int) -> pytest.MarkDecorator:
-    """Hand a test the `goal` of a task of the library, once for each of these variations; the first, if none is named."""
-    cases = [pytest.param((name, variation), id=f"{name}-{variation}") for variation in variations or (0,)]
+def goal_of(name: str, *variations: int, also: Sequence[str] = ()) -> pytest.MarkDecorator:
+    """Hand a test the `goal` of a task of the library, once for each of these variations; the first, if none is named.
+
+    Args:
+        name: The task.
+        variations: Its variations.
+        also: Tasks that have the same goal with another model of the object.
+    """
+    cases = [pytest.param((task, number), id=f"{task}-{number}") for task in (name, *also) for number in variations or (0,)]
     return pytest.mark.parametrize("goal", cases, indirect=True)

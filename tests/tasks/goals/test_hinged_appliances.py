@@ -8,7 +8,7 @@ import pytest
 from tests.tasks.goals.goal import Goal, goal_of
 
 
-@goal_of("close_fridge")
+@goal_of("close_fridge", also=["close_fridge2"])
 def test_the_fridge_is_shut_up_to_twenty_two_degrees(goal: Goal) -> None:
     """The upper door starts at 1.7 rad and stays there; opened further it is not closed, and the lower door is nothing."""
     door = goal.world.joint("fridge/upper_door")

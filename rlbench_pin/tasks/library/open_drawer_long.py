@@ -1,0 +1,9 @@
+"""Pull out one drawer of a chest of four."""
+
+from __future__ import annotations
+
+from rlbench_pin.tasks.library.open_drawer import OpenDrawer
+
+
+class OpenDrawerLong(OpenDrawer):
+    """The asked one of four drawers must come out by 15 cm."""

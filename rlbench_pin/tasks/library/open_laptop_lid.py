@@ -1,0 +1,23 @@
+"""Open the screen of a notebook computer."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import JointMoved, Task
+
+
+class OpenLaptopLid(Task):
+    """The screen starts 20 degrees open; it must turn up by 70 degrees, until it is upright."""
+
+    def init_task(self) -> None:
+        """Success is a turn of the screen by more than 70 degrees."""
+        self.register_success_conditions([JointMoved(self.world.joint("laptop/screen_hinge"), np.deg2rad(70.0))])
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Return the sentences; only the place of the task varies."""
+        return [
+            "Open the laptop until its screen is upright.",
+            "The notebook is almost shut: lift its lid so far that the screen stands upright.",
+            "I want to type something, so raise the screen of the computer to a right angle.",
+        ]
