@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from rlbench_pin.checking.page import current_keys, interval, page
-from rlbench_pin.evaluation.sets import public_tasks, variant_tasks
+from rlbench_pin.evaluation.sets import gembench_tasks, public_tasks, variant_tasks
 from rlbench_pin.tasks import task_class
 
 CAMERAS = ("naive ", "cpu ", "egl ")
@@ -32,11 +32,12 @@ def variations(names: Iterable[str]) -> int:
 
 def counts(_: dict[str, Any]) -> str:
     """Return the sentence that counts tasks and variations."""
-    public, variants = public_tasks(), variant_tasks()
+    public, variants, further = public_tasks(), variant_tasks(), gembench_tasks()
     return (
         f"{len(public) + len(variants)} tasks with {variations((*public, *variants))} variations: "
         f"the {len(public)} public tasks of RLBench with {variations(public)}, "
-        f"and {len(variants)} known variants with {variations(variants)}."
+        f"and {len(variants)} known variants with {variations(variants)}. "
+        f"GemBench adds {len(further)} tasks with {variations(further)}."
     )
 
 

@@ -19,6 +19,7 @@ from rlbench_pin.values import as_names, as_text
 
 __all__ = [
     "TaskSet",
+    "gembench_tasks",
     "public_tasks",
     "resolve_tasks",
     "task_families",
@@ -85,6 +86,11 @@ def public_tasks() -> tuple[str, ...]:
 def variant_tasks() -> tuple[str, ...]:
     """Return the names of the tasks that the PerAct dialect adds to them."""
     return tuple(_data()["variants"])
+
+
+def gembench_tasks() -> tuple[str, ...]:
+    """Return the names of the tasks that GemBench adds to them, in alphabetical order."""
+    return tuple(_data()["gembench"])
 
 
 def task_families() -> tuple[str, ...]:
@@ -156,4 +162,4 @@ def _named(word: str) -> Iterator[str]:
 
 
 def _known() -> tuple[str, ...]:
-    return (*public_tasks(), *variant_tasks())
+    return (*public_tasks(), *variant_tasks(), *gembench_tasks())

@@ -8,6 +8,7 @@ import pytest
 
 from rlbench_pin.errors import InvalidValue, TaskError, UnknownName
 from rlbench_pin.evaluation.sets import (
+    gembench_tasks,
     public_tasks,
     resolve_tasks,
     task_families,
@@ -38,10 +39,11 @@ IN_NO_SET = {
 
 
 def test_the_public_set_has_106_tasks() -> None:
-    """And the library has them, the variants, and nothing else."""
+    """And the library has them, the variants, the tasks that GemBench adds, and nothing else."""
     assert len(set(public_tasks())) == 106 and list(public_tasks()) == sorted(public_tasks())
     assert not set(variant_tasks()) & set(public_tasks())
-    assert {file.stem for file in LIBRARY.glob("*.toml")} == {*public_tasks(), *variant_tasks()}
+    assert {file.stem for file in LIBRARY.glob("*.toml")} == {*public_tasks(), *variant_tasks(), *gembench_tasks()}
+    assert not set(gembench_tasks()) & {*public_tasks(), *variant_tasks()} and len(set(gembench_tasks())) == 14
 
 
 def test_sizes() -> None:
@@ -69,9 +71,9 @@ def test_agnostos_has_the_tasks_of_peract_and_23_others() -> None:
 
 
 def test_every_task_is_in_one_family() -> None:
-    """Public tasks and variants."""
+    """Public tasks, variants, and those of GemBench."""
     grouped = [name for family in task_families() for name in task_set(family).tasks]
-    assert sorted(grouped) == sorted((*public_tasks(), *variant_tasks()))
+    assert sorted(grouped) == sorted((*public_tasks(), *variant_tasks(), *gembench_tasks()))
 
 
 def test_sets_nest() -> None:
