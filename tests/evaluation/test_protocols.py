@@ -40,12 +40,6 @@ from rlbench_pin.tasks import usable_task_names
 from tests.evaluation.protocols_for_tests import small_file
 
 LEVELS = {"L1": 31, "L2": 28, "L3": 21, "L4": 12}
-MISSING = {
-    "put_cube_in_safe", "pick_and_lift_cylinder", "pick_and_lift_star", "pick_and_lift_moon", "pick_and_lift_toy",
-    "open_laptop_lid", "open_drawer_long", "open_drawer2", "open_drawer3", "open_door2", "open_box2", "close_fridge2",
-    "close_laptop_lid2", "close_microwave2", "push_buttons4", "put_items_in_drawer", "tower4",
-}  # fmt: skip
-"""Tasks of GemBench that are not built yet."""
 
 
 def variations(protocol: Protocol) -> int:
@@ -72,22 +66,23 @@ def test_the_published_protocols_are_complete() -> None:
 
 
 def test_tasks_of_protocols_exist() -> None:
-    """All but those of GemBench that are not built yet; L1 is complete."""
+    """All of them."""
     names = {name for protocol in protocol_names() for name in load_protocol(protocol).task_names}
-    assert names - set(usable_task_names()) == MISSING
-    load_protocol("gembench:L1").check_tasks_exist()
+    assert names <= set(usable_task_names())
+    for name in protocol_names():
+        load_protocol(name).check_tasks_exist()
 
 
 def test_variations_of_protocols_exist() -> None:
     """PerAct-18, AGNOSTOS and the few-shot sets have all variations of their tasks, GemBench names some that exist."""
     with make_environment(low_dim_config()) as environment:
-        names = {n for p in protocol_names() for n in load_protocol(p).task_names} - MISSING
+        names = {n for p in protocol_names() for n in load_protocol(p).task_names}
         counts = {name: environment.get_task(name).variation_count() for name in names}
     for protocol in map(load_protocol, protocol_names()):
         for task in protocol.tasks:
             if protocol.name != "gembench":
                 assert task.variations == tuple(range(counts[task.name])), (protocol.name, task.name)
-            elif task.name not in MISSING:
+            else:
                 assert max(task.variations) < counts[task.name], task.name
 
 
@@ -108,13 +103,14 @@ def test_unknown_protocols(name: str, error: type[Exception], said: str) -> None
         load_protocol(name)
 
 
-@pytest.mark.parametrize("name", ["gembench", "gembench:L3"])
-def test_missing_tasks(name: str) -> None:
-    """A level with missing tasks is not evaluated; the error names them and the levels that are complete."""
-    with pytest.raises(ProtocolTasksMissing, match="open_drawer_long.*Complete parts: gembench:L1") as caught:
-        EvaluationConfig.of_protocol("noop", load_protocol(name))
-    assert caught.value.complete == ("gembench:L1",)
-    assert set(caught.value.missing) <= MISSING
+@pytest.mark.parametrize("part", ["", ":hard"])
+def test_missing_tasks(tmp_path: Path, part: str) -> None:
+    """A part with missing tasks is not evaluated; the error names them and the parts that are complete."""
+    path = small_file(tmp_path, ("push_button", "push_a_bell"))
+    with pytest.raises(ProtocolTasksMissing, match="push_a_bell.*Complete parts: small:easy") as caught:
+        EvaluationConfig.of_protocol("noop", load_protocol(f"{path}{part}"))
+    assert caught.value.complete == ("small:easy",)
+    assert caught.value.missing == ("push_a_bell",)
 
 
 def test_an_unknown_task_in_an_own_file(tmp_path: Path) -> None:
