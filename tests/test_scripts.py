@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -42,6 +43,29 @@ def test_the_table_of_conversions(monkeypatch: pytest.MonkeyPatch) -> None:
     assert (rows["panda -> ur5e"]["count"], rows["panda -> ur5e"]["of"]) == (2, 3)
     text = script.page(rows, ["push_button"], ["panda", "ur5e", "jaco"], 3)
     assert "| `panda` |  | 67 (21 to 94) | 0 (0 to 79) |" in text and "2 of 3: contact 1" in text
+
+
+def test_the_matrix_keeps_the_arms_that_are_not_named(tmp_path: Path) -> None:
+    """The Panda's cell comes from the sweep, that of the UR5e stays; below 80 % a cell has its causes."""
+    cell = {"count": 15, "of": 20, "rate": 0.75, "wilson_95": [0.531, 0.888], "causes": {"planning": 5}}
+    (tmp_path / "arms.json").write_text(json.dumps({"episodes": 20, "arms": {"ur5e": {TASK: cell}}}))
+    command = [
+        sys.executable,
+        str(EXPORT.with_name("arms_matrix.py")),
+        TASK,
+        "--robots",
+        "panda",
+        "--report",
+        "--out",
+        str(tmp_path),
+    ]
+    result = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
+    assert result.returncode == 0, result.stderr
+    arms = json.loads((tmp_path / "arms.json").read_text())["arms"]
+    assert list(arms) == ["panda", "ur5e"] and arms["ur5e"] == {TASK: cell} and arms["panda"][TASK]["of"] == 100
+    text = (tmp_path / "arms.md").read_text()
+    assert "| `ur5e` | 0 of 1 | 15 of 20 (75.0 %) |" in text and "75 % (53 to 89): planning 5 |" in text
+    assert (tmp_path / "arms.png").stat().st_size > 1000
 
 
 def export(out: Path) -> str:
