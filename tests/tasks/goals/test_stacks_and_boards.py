@@ -73,6 +73,46 @@ def test_stack_blocks_retargets_its_waypoints_every_round() -> None:
         assert skips == [False, False, False, True]
 
 
+@goal_of("tower4", 0, 1, 3, 9)
+def test_a_tower_of_four_has_to_have_its_colours_in_the_asked_order(goal: Goal) -> None:
+    """From the bottom up, let go; not with two swapped, upside down, of three, or with a block of the fifth colour."""
+    blocks = [f"block{i}" for i in range(4)]
+    palette = {color.rgb: color.name for color in COLORS}
+    a, b, c, d = (palette[color] for color in colors(goal.task, *blocks))
+    assert goal.says(f"{a}_at_the_bottom_then_{b}_then_{c}_and_{d}_at_the_top")
+    (other,) = set(colors(goal.task, *(f"distractor{i}" for i in range(4))))
+    assert palette[other] not in (a, b, c, d)
+    for order in ((1, 0, 2, 3), (0, 1, 3, 2), (3, 2, 1, 0)):
+        stack(goal, [blocks[i] for i in order])
+        assert not goal.reached(), order
+    stack(goal, [*blocks[:3], "distractor0"])
+    goal.put("block3", (0.2, 0.2, 0.025))
+    assert not goal.reached()
+    goal.put("distractor0", (0.0, 0.2, 0.025))
+    assert not goal.reached()
+    stack(goal, blocks)
+    goal.ends("block3", (0.0, 0.0, 0.175), on="square", x=(-0.0275, 0.0275), y=(-0.0275, 0.0275), z=(-0.03, 0.03), within=3e-4)
+    goal.needs_release_of("block3")
+    for name, height in zip(blocks, (0.025, 0.075, 0.125, 0.175), strict=True):
+        goal.put(name, (0.1, 0.0, height), on="square")
+    assert not goal.reached()
+    stack(goal, blocks)
+    stack(goal, ["distractor0"], lowest=4)
+    assert goal.reached()
+
+
+def test_the_two_halves_of_the_variations_of_tower4_are_opposite() -> None:
+    """The same colours, in the opposite order; no colour is in two of the first five."""
+    with running("tower4") as task:
+        clean, found = task.world.save(), []
+        for variation in range(10):
+            task.world.restore(clean)
+            begin(task, variation)
+            found.append(colors(task, "block0", "block1", "block2", "block3"))
+    assert [list(reversed(order)) for order in found[:5]] == found[5:]
+    assert len({color for order in found[:5] for color in order}) == len(COLORS)
+
+
 @goal_of("play_jenga")
 def test_the_loose_brick_has_to_come_right_out(goal: Goal) -> None:
     """All of it 9.5 cm from the middle of the tower, whichever way, and let go."""

@@ -186,6 +186,50 @@ def test_the_cube_has_to_lie_in_the_asked_drawer(goal: Goal) -> None:
         goal.put("cube", (-0.08, 0.0, 0.38), on="chest")
 
 
+@goal_of("put_items_in_drawer", 0, 1, 2, 4, 5)
+def test_three_items_have_to_come_into_the_asked_drawer_in_their_order(goal: Goal) -> None:
+    """One that comes too early has to come out again; all must be there at the end, and let go."""
+    drawer = DRAWERS[goal.asked(DRAWERS)]
+    first, second, last = goal.task.order
+    assert goal.says(f"put_the_{first}_then_the_{second}_then_the_{last}_into")
+    home = {name: goal.place_of(name) for name in goal.task.order}
+    where = {name: (0.122, y, -0.008) for name, y in zip(goal.task.order, (-0.08, 0.0, 0.08), strict=True)}
+
+    def take(*names: str) -> bool:
+        for name in names:
+            goal.put(name, where[name], on=f"chest/drawer_{drawer}_link")
+            goal.task.success()  # as after every control tick
+        return goal.reached()
+
+    def take_back() -> None:
+        for name, pose in home.items():
+            goal.world.body(name).set_pose(pose)
+        assert not goal.reached()
+        goal.task.reset_conditions()
+
+    for opened in (0.17, 0.0):
+        for name in DRAWERS:
+            goal.joint(f"chest/drawer_{name}", opened)
+        for order in ((last, second, first), (first, last, second), (second, first, last), (first, second)):
+            assert not take(*order), order
+            take_back()
+        assert take(first, second, last)
+        goal.ends(last, where[last], on=f"chest/drawer_{drawer}_link", z=(0.028 if last == "star" else 0.024,))
+        goal.needs_release_of(last)
+        for on, place in outside_of(drawer):
+            goal.put(second, place, on=on)
+            assert not goal.reached(), (on, place)
+        goal.put(second, where[second], on=f"chest/drawer_{drawer}_link")
+        assert goal.reached()
+        take_back()
+    take(second)
+    assert not take(first, last)
+    goal.world.body(last).set_pose(home[last])
+    goal.world.body(second).set_pose(home[second])
+    assert not goal.reached()
+    assert take(second, last)
+
+
 @goal_of("take_item_out_of_drawer", 0, 1, 2)
 def test_the_cube_has_to_lie_on_the_chest(goal: Goal) -> None:
     """It begins in the asked drawer; pulled out with it, beside the chest or high above the top it does not count."""

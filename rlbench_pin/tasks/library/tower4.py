@@ -1,0 +1,40 @@
+"""Build a tower of four blocks of different colours."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.tasks import COLORS, Detected, NothingGrasped, StackBlocks, fill_up_colors
+
+
+class Tower4(StackBlocks):
+    """Four blocks of different colours must stand on the green square in the asked order, one on another, and be let go.
+
+    Four more blocks share a fifth colour. All eight lie anywhere in four patches around the square.
+    """
+
+    height, sets = 4, 5
+    """Blocks of the tower, and sets of colours that differ altogether."""
+
+    def variation_count(self) -> int:
+        """Each set of colours in its order, then each in the opposite order."""
+        return 2 * self.sets
+
+    def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
+        """Colour and scatter the blocks; success is each of the four on its level of the tower, let go."""
+        asked = COLORS[variation % self.sets :: self.sets][:: 1 if variation < self.sets else -1]
+        *_, other = fill_up_colors(rng, asked, self.height + 1, COLORS)
+        for block, color in zip(self.blocks, asked, strict=True):
+            block.set_color(color.rgb)
+        for distractor in self.distractors:
+            distractor.set_color(other.rgb)
+        self.boundary.scatter([*self.blocks, *self.distractors], rng, min_distance=0.1)
+        levels = [Detected(block, self.world.sensor(f"level{k}")) for k, block in enumerate(self.blocks)]
+        self.register_success_conditions([*levels, NothingGrasped(self.gripper)])
+        self.register_rounds(self.height)
+        a, b, c, d = (color.name for color in asked)
+        return [
+            f"Build a tower on the green square: {a} at the bottom, then {b}, then {c}, and {d} at the top.",
+            f"From the bottom up, stack the cubes {a}, {b}, {c} and {d} on the green square.",
+            f"The green square gets the {a} cube first, so lay the {b} one on that cube, then {c} over {b}, and {d} over {c}.",
+        ]
