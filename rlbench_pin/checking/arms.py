@@ -174,8 +174,6 @@ def grip_of(description: RobotDescription) -> Grip:
         shut = float(world.robot.fingers.max())
         world.robot.reset_configuration(RobotModel(description).home)
         cube.graspable = True
-        _open_and_shut_on(world, cube)
-        depth = 0.02 - float(world.robot.fingers.min())
         world.dynamics_overrides.set_mass(cube.model, -1, 1.0)
         gripper.rely_on_friction()
         height = _open_and_shut_on(world, cube)
@@ -183,7 +181,13 @@ def grip_of(description: RobotDescription) -> Grip:
         held, sunk = gripper.held == ("cube",), float(height - cube.position[2])
         gripper.set_target(1.0)
         _play(world, 20)
-        return Grip(opened, shut, depth, held, sunk, bool(cube.position[2] < height - 0.1))
+        falls = bool(cube.position[2] < height - 0.1)
+    with World(spec, description) as world:
+        world.robot.reset_configuration(RobotModel(description).home)
+        world.body("cube").graspable = True
+        _open_and_shut_on(world, world.body("cube"))
+        depth = 0.02 - float(world.robot.fingers.min())
+    return Grip(opened, shut, depth, held, sunk, falls)
 
 
 def _open_and_shut_on(world: World, cube: Body) -> float:

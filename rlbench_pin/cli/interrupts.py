@@ -14,7 +14,9 @@ from typing import TextIO
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells have it: 128 and the number of the signal."""
 _AGAIN = 0.05
-"""Delay after which a lost interrupt is repeated [s]."""
+"""Delay after which an interrupt is repeated [s]."""
+_IMPORT = "<frozen importlib._bootstrap>"
+"""File name that Python gives to the code that imports a module."""
 
 
 def say(text: str) -> None:
@@ -42,14 +44,28 @@ def end_quietly() -> None:
         signal.signal(signal.SIGINT, end_at_once)
 
 
-def _raise_again(lost: sys.UnraisableHookArgs) -> None:
-    """Repeat an interrupt raised where exceptions are ignored, such as in `__del__`; report all other errors as usual."""
-    if not issubclass(lost.exc_type, KeyboardInterrupt):
-        sys.__unraisablehook__(lost)
-        return
+def interrupt(_: int, frame: FrameType | None) -> None:
+    """Raise KeyboardInterrupt; during an import later, since a compiled library that is being loaded ends the process then."""
+    while frame is not None:
+        if frame.f_code.co_filename == _IMPORT:
+            _interrupt_later()
+            return
+        frame = frame.f_back
+    raise KeyboardInterrupt
+
+
+def _interrupt_later() -> None:
     timer = threading.Timer(_AGAIN, signal.raise_signal, (signal.SIGINT,))
     timer.daemon = True
     timer.start()
+
+
+def _raise_again(lost: sys.UnraisableHookArgs) -> None:
+    """Repeat an interrupt raised where exceptions are ignored, such as in `__del__`; report all other errors as usual."""
+    if issubclass(lost.exc_type, KeyboardInterrupt):
+        _interrupt_later()
+    else:
+        sys.__unraisablehook__(lost)
 
 
 @contextmanager
@@ -68,7 +84,7 @@ def loading() -> Iterator[Callable[[], None]]:
 def _interruptible() -> None:
     """Let Ctrl-C raise KeyboardInterrupt from now on, and repeat an interrupt that is lost."""
     sys.unraisablehook = _raise_again
-    signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.signal(signal.SIGINT, interrupt)
 
 
 PIPE_CLOSED = 141

@@ -12,7 +12,7 @@ from tqdm import tqdm
 
 from rlbench_pin.checking import CheckProgress
 from rlbench_pin.cli.bars import progress_bar
-from rlbench_pin.cli.interrupts import say
+from rlbench_pin.cli.interrupts import interrupt, say
 from rlbench_pin.evaluation.run import EvaluationProgress
 from rlbench_pin.recording.record import RecordReport
 
@@ -65,9 +65,10 @@ def stopping_gently() -> Iterator[threading.Event]:
     """Yield an event that the first Ctrl-C sets; the second Ctrl-C interrupts at once."""
     stop = threading.Event()
 
-    def on_interrupt(_: int, __: FrameType | None) -> None:
+    def on_interrupt(number: int, frame: FrameType | None) -> None:
         if stop.is_set():
-            raise KeyboardInterrupt
+            interrupt(number, frame)
+            return
         stop.set()
         say("\nFinishing the running episodes; Ctrl-C again to abandon them.")
 

@@ -6,7 +6,6 @@ import importlib
 import inspect
 import re
 import sys
-import tomllib
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from hashlib import sha256
@@ -243,7 +242,9 @@ def _library_class(stem: str) -> type[Task]:
     scene = LIBRARY / f"{stem}.toml"
     if scene.with_suffix(".py").is_file():
         return class_in(importlib.import_module(f"rlbench_pin.tasks.library.{stem}"), camel_case(stem))
-    base = _library_class(tomllib.loads(scene.read_text(encoding="utf-8"))["base"])
+    name = read_scene(scene).base
+    assert name is not None
+    base = _library_class(name)
     content = {"__module__": base.__module__, "__doc__": base.__doc__, "scene_file": classmethod(lambda cls: scene)}
     return type(camel_case(stem), (base,), content)
 

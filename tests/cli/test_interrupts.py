@@ -148,6 +148,26 @@ def test_an_interrupt_that_is_lost_comes_again() -> None:
     assert (done.returncode, done.stderr) == (130, "")
 
 
+def test_an_interrupt_waits_until_an_import_has_ended(tmp_path: Path) -> None:
+    """A compiled library that is being loaded cannot stop, and would end the process with a report of its own."""
+    (tmp_path / "slow_module.py").write_text(
+        "import signal, time\nsignal.raise_signal(signal.SIGINT)\ntime.sleep(0.3)\nprint('loaded', flush=True)\n"
+    )
+    code = (
+        f"import sys, time; sys.path.insert(0, {str(tmp_path)!r})\n"
+        "from rlbench_pin.cli.interrupts import loading\n"
+        "with loading() as begin:\n"
+        "    begin()\n"
+        "    try:\n"
+        "        import slow_module\n"
+        "        time.sleep(5)\n"
+        "    except KeyboardInterrupt:\n"
+        "        sys.exit(130)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "loaded\n", "")
+
+
 def test_a_program_that_calls_a_command_keeps_its_handling() -> None:
     """Handlers are those of before; a process that ignores Ctrl-C goes on ignoring it."""
     before = signal.getsignal(signal.SIGINT)

@@ -256,10 +256,10 @@ class SimGripper:
         here = robot.fingers
         lead, most = control.speed * robot.timestep / _GAIN, control.speed * robot.tick
         self._squeezing = self.squeezes
-        if self._grip.followers:
-            self._client.allow_passes(_LINKAGE_PASSES)
-        elif self._squeezing:
+        if self._squeezing:
             self._client.allow_passes(_SQUEEZE_PASSES)
+        elif self._grip.followers:
+            self._client.allow_passes(_LINKAGE_PASSES)
         fingers = zip(control.target.tolist(), control.reference.tolist(), here.tolist(), strict=True)  # few: no arrays
         starts, ends = [], []
         for target, reference, at in fingers:
