@@ -1,4 +1,4 @@
-"""Upright fridges with two doors on the left edge and three shelves: a mint one, and a red one that is taller and narrower."""
+"""Upright fridges with two doors on the left edge and three shelves: a mint one, and a red one that is lower and narrower."""
 
 from __future__ import annotations
 
@@ -251,8 +251,9 @@ def _door_link(design: Design, name: str, bounds: Span, bar: Span, mass: float) 
         solid += racks
         bottles = [cylinder(0.016, 0.09, 8).moved((0.02, y, -tall / 2.0 + 0.081)) for y in (-0.09, -0.15)]
         eggs = [icosphere(0.014, 0).moved((0.02, -0.08 - 0.035 * i, 0.051)) for i in range(6)]
-        badge = box((0.002, 0.10, 0.018), (-THICK - 0.001, -0.13, 0.15))
-        display = box((0.002, 0.05, 0.012), (-THICK - 0.001, -0.24, 0.15))
+        high = round(tall / 2.0 - 0.04, 6)
+        badge = box((0.002, 0.10, 0.018), (-THICK - 0.001, -0.13, high))
+        display = box((0.002, 0.05, 0.012), (-THICK - 0.001, -0.24, high))
         visuals += [
             Visual(mesh_shape("racks", _merged(racks)), (0.62, 0.74, 0.80)),
             Visual(mesh_shape("juice", merge(bottles)), (0.95, 0.50, 0.12)),
@@ -290,14 +291,14 @@ def _model(design: Design) -> Model:
 
 RED_FRIDGE = Design(
     "fridge_red",
-    width=0.33,
-    height=0.60,
-    upper=(0.254, 0.598),
-    lower=(0.014, 0.250),
-    floors=(0.027, 0.260),
-    shelves=(0.14, 0.345, 0.52),
-    upper_bar=(-0.11, 0.15),
-    lower_bar=(0.01, 0.17),
+    width=0.35,
+    height=0.56,
+    upper=(0.228, 0.558),
+    lower=(0.014, 0.224),
+    floors=(0.027, 0.234),
+    shelves=(0.12, 0.305, 0.48),
+    upper_bar=(-0.10, 0.12),
+    lower_bar=(0.01, 0.15),
     body=RED,
     groove=DARK_RED,
     handle=CHROME,
