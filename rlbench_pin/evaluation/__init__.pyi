@@ -89,6 +89,7 @@ from .run.evaluate import EvaluationStopped as EvaluationStopped
 from .run.evaluate import evaluate as evaluate
 from .run.runner import EpisodeRunner as EpisodeRunner
 from .sets import TaskSet as TaskSet
+from .sets import gembench_tasks as gembench_tasks
 from .sets import public_tasks as public_tasks
 from .sets import resolve_tasks as resolve_tasks
 from .sets import task_families as task_families
