@@ -18,7 +18,9 @@ SHAPES = {coal.Box: p.GEOM_BOX, coal.Cylinder: p.GEOM_CYLINDER, coal.Sphere: p.G
 
 LOOSE = {
     **{path.stem: np.inf for path in ROBOTS},
-    **dict.fromkeys(("alarm_clock", "chest", "chest_with_stops"), 0.05),
+    **dict.fromkeys(
+        ("alarm_clock", "chest", "chest_graded", "chest_tall", "chest_with_knobs", "chest_with_stops", "fridge_red"), 0.05
+    ),
     **dict.fromkeys(("dishwasher", "fridge", "window"), 0.04),
 }
 """How much larger PyBullet's boxes may be where shapes are turned in their link [m]."""

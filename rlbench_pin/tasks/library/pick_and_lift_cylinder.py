@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from rlbench_pin.tasks import COLORS, PickAndLift, fill_up_colors
+from rlbench_pin.tasks import COLORS, fill_up_colors
+from rlbench_pin.tasks.library.pick_and_lift import PickAndLift
 
 
 class PickAndLiftCylinder(PickAndLift):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rlbench_pin.tasks import PickAndLiftCylinder
+from rlbench_pin.tasks.library.pick_and_lift_cylinder import PickAndLiftCylinder
 
 
 class PickAndLiftStar(PickAndLiftCylinder):

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from rlbench_pin.tasks import BUTTON_COLORS, PushButtons
+from rlbench_pin.tasks import BUTTON_COLORS
+from rlbench_pin.tasks.library.push_buttons import PushButtons
 
 
 class PushButtons4(PushButtons):

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from rlbench_pin.tasks import COLORS, Detected, NothingGrasped, StackBlocks, fill_up_colors
+from rlbench_pin.tasks import COLORS, Detected, NothingGrasped, fill_up_colors
+from rlbench_pin.tasks.library.stack_blocks import StackBlocks
 
 
 class Tower4(StackBlocks):

@@ -133,7 +133,7 @@ def _handle_mesh(length: float) -> Mesh:
         radius, deep = KNOB
         rim = ((0.75 * radius, 0.0), (radius, 0.25 * deep), (radius, 0.7 * deep), (0.7 * radius, deep), (0.0, deep))
         neck = [(0.009, deep / 2.0 + x), (0.007, deep / 2.0 + 0.4 * x), (0.007, 0.0)]
-        return lathe([*neck, *rim], 20).moved((x + deep / 2.0, 0.0, z), (0.0, -HALF_PI, 0.0))
+        return lathe([*neck, *rim], 18).moved((x + deep / 2.0, 0.0, z), (0.0, -HALF_PI, 0.0))
     bar = rod((x, -length / 2.0, z), (x, length / 2.0, z), BAR_RADIUS, 10)
     return merge([bar, *(rod((x, y, z), (0.0, y, z), 0.005, 8) for y in _posts(length))])
 
