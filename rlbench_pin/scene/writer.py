@@ -16,7 +16,7 @@ from pydantic_core import PydanticUndefined
 from tomlkit.items import AoT, InlineTable, Table
 
 from rlbench_pin.errors import InvalidValue, SceneFileError, StorageError
-from rlbench_pin.scene.reader import ShortFormError, placement_for_file, write_out
+from rlbench_pin.scene.reader import ShortFormError, placement_for_file, read_scene, write_out
 from rlbench_pin.scene.spec import (
     FORMAT,
     BodySpec,
@@ -55,7 +55,7 @@ def write_scene(spec: SceneSpec, path: Path | str) -> None:
 
     An existing file is edited in place and keeps its format: entries are matched by name, and only keys whose value differs
     are written. An array stays one while nothing in it differs; otherwise its objects are written one by one. A new file has
-    format 2. Numbers are rounded to 1e-9.
+    format 2. Numbers are rounded to 1e-9. A file with a `base` is left as it is.
 
     Args:
         spec: The scene.
@@ -63,13 +63,17 @@ def write_scene(spec: SceneSpec, path: Path | str) -> None:
 
     Raises:
         InvalidValue: `path` names no file.
-        SceneFileError: There is a file that is not TOML; it is left as it is.
+        SceneFileError: There is a file that is not TOML, or one with a `base` that says something else; it is left as it is.
         StorageError: The file cannot be written, or the one that is there cannot be read. Nothing is left behind.
     """
     path, spec = as_path(path, "path"), as_record(spec, SceneSpec, "spec")
     if not path.name:
         raise InvalidValue("path", str(path), "has to name a file")
     document = _document(path) if path.is_file() else _new_document()
+    if "base" in document:
+        if _alike(read_scene(path).model_copy(update={"file": spec.file, "base": spec.base}), spec):
+            return
+        raise SceneFileError(path, "key 'base'", "what it takes from another scene cannot be changed here.", "Write a new file.")
     _write_placement(document, spec.placement)
     for table, model in TABLES.items():
         _write_table(document, table, model, getattr(spec, table))

@@ -250,9 +250,11 @@ def _library_class(stem: str) -> type[Task]:
 
 
 def source_files(task: type[Task]) -> tuple[Path, ...]:
-    """Return the Python file of a task and the scene beside it, and then its own scene where these are of its base."""
-    python, scene = Path(inspect.getfile(checked_class(task))), task.scene_file()
-    return tuple(dict.fromkeys((python, python.with_suffix(".toml"), scene)))
+    """Return the Python files of a task and of the tasks that it extends, the scenes beside them, its own scene and its base."""
+    python = [Path(inspect.getfile(kind)) for kind in checked_class(task).__mro__ if kind is not Task and issubclass(kind, Task)]
+    scenes = [*(file.with_suffix(".toml") for file in python), task.scene_file()]
+    bases = [scene.with_name(f"{base}.toml") for scene in scenes if (base := read_scene(scene).base)]
+    return tuple(dict.fromkeys((*python, *scenes, *bases)))
 
 
 def find_task(name: str | PathLike[str]) -> type[Task]:

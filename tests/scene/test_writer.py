@@ -49,11 +49,26 @@ def test_a_new_file_says_the_same(tmp_path: Path, file: Path) -> None:
 
 @pytest.mark.parametrize("file", SCENES, ids=lambda f: f.stem)
 def test_writing_an_unchanged_scene_changes_no_byte(tmp_path: Path, file: Path) -> None:
-    """Comments, order and layout survive."""
-    copy = tmp_path / file.name
-    shutil.copy(file, copy)
-    write_scene(read_scene(copy), copy)
+    """Comments, order and layout survive; also where tables come from another scene."""
+    copy, scene = tmp_path / file.name, read_scene(file)
+    for name in (file.name, *([f"{scene.base}.toml"] if scene.base else [])):
+        shutil.copy(LIBRARY / name, tmp_path)
+    write_scene(scene, copy)
     assert copy.read_text() == file.read_text()
+
+
+def test_a_scene_with_a_base_is_not_changed(tmp_path: Path) -> None:
+    """What it takes from another scene has no place in its file; a new file has all of it."""
+    for name in ("open_drawer2", "open_drawer"):
+        shutil.copy(LIBRARY / f"{name}.toml", tmp_path)
+    file, new = tmp_path / "open_drawer2.toml", tmp_path / "new.toml"
+    scene = read_scene(file)
+    changed = scene.model_copy(update={"waypoint": scene.waypoint[:2]})
+    with pytest.raises(SceneFileError, match=r"key 'base'.*Write a new file\."):
+        write_scene(changed, file)
+    assert file.read_text() == (LIBRARY / file.name).read_text()
+    write_scene(changed, new)
+    assert alike(read_scene(new).model_dump(), changed.model_dump())
 
 
 def test_only_what_changed_is_rewritten(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ import errno
 import fcntl
 import json
 import os
+import re
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -26,6 +27,8 @@ from rlbench_pin.values import as_text
 MAX_FILE_SIZE = 4_000_000
 """Largest size of a file of a task [bytes]."""
 _JOURNAL_FORMAT = 1
+_BASE = re.compile(rb"^base *= *\"([^\"]*)\"", re.MULTILINE)
+"""The key of a scene file that names the scene whose tables it takes."""
 _PATIENCE = 5.0
 """Time limit for another builder that writes into the same folder [s]."""
 Contents = tuple[bytes | None, bytes | None]
@@ -62,11 +65,14 @@ def read_pair(pair: Pair) -> tuple[bytes, bytes]:
     """Return the contents of both files.
 
     Raises:
-        TaskFilesError: One of them is missing, or too large.
+        TaskFilesError: One of them is missing, or too large, or the scene takes tables from another one.
         StorageError: One of them cannot be read.
     """
-    scene, python = (_read(path) for path in pair.files)
-    return scene, python
+    scene = _read(pair.files[0])
+    if base := _BASE.search(scene):
+        problem = f"it takes its tables from the scene '{base[1].decode(errors='replace')}'."
+        raise TaskFilesError(pair.files[0], problem, "Open that task, or edit this file in a text editor.")
+    return scene, _read(pair.files[1])
 
 
 def _on_disk(pair: Pair) -> Contents:

@@ -10,15 +10,12 @@ from rlbench_pin.tasks import COLORS, NO_ROTATION, Detected, Grasped, SpawnBound
 class PickAndLift(Task):
     """The block of the asked colour must be held at the marker. Blocks and marker stand anywhere in a rectangle."""
 
-    lifted = "block"
-    """The body that is to be lifted."""
-
     def init_task(self) -> None:
         """The block may be grasped; success is that it is held at the marker."""
-        self.block, self.marker = self.world.body(self.lifted), self.world.body("marker")
+        self.block, self.marker = self.world.body("block"), self.world.body("marker")
         self.distractors = [self.world.body("distractor0"), self.world.body("distractor1")]
         self.boundary = SpawnBoundary([self.world.region("boundary")])
-        self.register_graspable_objects([self.lifted])
+        self.register_graspable_objects(["block"])
         self.register_success_conditions([Grasped(self.gripper, self.block), Detected(self.block, self.world.sensor("goal"))])
 
     def variation_count(self) -> int:
@@ -26,24 +23,19 @@ class PickAndLift(Task):
         return len(COLORS)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Colour the three blocks, then place marker and blocks."""
+        """Place the marker, then colour and place the three blocks."""
         name, rgb = COLORS[variation]
         others = distractor_colors(rng, variation, len(self.distractors))
+        self.boundary.clear()
+        self.boundary.sample(self.marker, rng, min_rotation=NO_ROTATION, max_rotation=NO_ROTATION)
         for block, color in zip([self.block, *self.distractors], [rgb, *(c.rgb for c in others)], strict=True):
             block.set_color(color)
-        self.scatter(rng)
+            self.boundary.sample(block, rng, min_distance=0.1)
         return [
             f"Carry the {name} cube to the floating ring and keep it there.",
             f"There is a ring in the air: hold the {name} block in it.",
             f"Raise the {name} block to where the ring floats, and do not let go.",
         ]
-
-    def scatter(self, rng: np.random.Generator) -> None:
-        """Place marker and blocks."""
-        self.boundary.clear()
-        self.boundary.sample(self.marker, rng, min_rotation=NO_ROTATION, max_rotation=NO_ROTATION)
-        for block in (self.block, *self.distractors):
-            self.boundary.sample(block, rng, min_distance=0.1)
 
     def get_low_dim_state(self) -> np.ndarray:
         """Return the positions of block and marker, shape (6,) [m]."""

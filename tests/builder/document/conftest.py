@@ -9,9 +9,12 @@ from pathlib import Path
 import pytest
 
 from rlbench_pin.builder.document import TaskDocument
-from rlbench_pin.tasks import LIBRARY
+from rlbench_pin.scene import read_scene
+from rlbench_pin.tasks import LIBRARY, library_names
 
 Opener = Callable[[str], TaskDocument]
+EDITABLE = tuple(name for name in library_names() if read_scene(LIBRARY / f"{name}.toml").base is None)
+"""Tasks of the library whose scene stands in one file."""
 
 
 @pytest.fixture

@@ -18,6 +18,7 @@ import pytest
 from rlbench_pin.builder.document import ChangedOnDisk, TaskDocument, TaskFilesError, storage
 from rlbench_pin.builder.document.storage import MAX_FILE_SIZE, Pair, write_pair
 from rlbench_pin.errors import InvalidValue, StorageError
+from rlbench_pin.tasks import LIBRARY
 from tests.builder.document.conftest import Opener
 
 OLD, NEW = (b"format = 2\n", b"x = 1\n"), (b"format = 2\n# new\n", b"x = 2\n")
@@ -221,6 +222,8 @@ def test_what_is_no_task_is_not_opened(tmp_path: Path) -> None:
         TaskDocument.open(tmp_path / "thing.txt")
     with pytest.raises(TaskFilesError, match=r"other.toml'.*does not exist"):
         TaskDocument.open(tmp_path / "other.py")
+    with pytest.raises(TaskFilesError, match=r"open_drawer2.toml'.*from the scene .open_drawer.\. Open that task"):
+        TaskDocument.open(LIBRARY / "open_drawer2.toml")
     pair.files[0].write_bytes(b"\xff\xfe")
     with pytest.raises(TaskFilesError, match="no text in UTF-8"):
         TaskDocument.open(pair.files[0])
