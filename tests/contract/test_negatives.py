@@ -43,8 +43,9 @@ def holding(name: str) -> Callable[[Task], bool]:
 
 
 def press_backwards(task: Task) -> None:
-    """Press three buttons from the last to the first."""
-    task.register_waypoint_ability_start(0, lambda waypoint: waypoint.frame.set_parent(f"button{2 - task.round}"))
+    """Press all buttons from the last to the first."""
+    last = len(task.buttons) - 1
+    task.register_waypoint_ability_start(0, lambda waypoint: waypoint.frame.set_parent(f"button{last - task.round}"))
 
 
 def pull_without_a_turn(task: Task) -> None:
@@ -264,8 +265,12 @@ NEGATIVES = {
     "press_switch": Negative(spoil=moved("waypoint1", z=-0.05)),  # the lower half, which is in already
     "push_button": Negative(Omission(waypoints=(1,))),
     "push_buttons": Negative(spoil=press_backwards, done=all_buttons_are_green, variation=2),
+    "push_buttons4": Negative(spoil=press_backwards, done=all_buttons_are_green, variation=3),
     "put_item_in_drawer": Negative(  # into the drawer below
         spoil=lambda task: task.world.frame("waypoint1").move_to("handle_middle"), done=cube_is_in("middle"), variation=2
+    ),
+    "put_items_in_drawer": Negative(
+        spoil=lambda task: task.world.frame("waypoint1").move_to("handle_middle"), done=cube_is_in("middle"), variation=4
     ),
     "put_plate_in_colored_dish_rack": Negative(spoil=use_another_lane, done=plate_is_in_another_lane),
     "put_knife_in_knife_block": Negative(Omission(waypoints=(4,)), done=holding("knife")),  # in front of the slot
