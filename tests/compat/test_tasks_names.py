@@ -14,7 +14,8 @@ from rlbench import tasks
 from rlbench.backend.task import TASKS_PATH, Task
 from rlbench_pin.compat import PACKAGES
 from rlbench_pin.compat.known_tasks import KNOWN_TASKS, PERACT_TASKS
-from rlbench_pin.tasks import camel_case, task_class, task_names
+from rlbench_pin.evaluation.sets import gembench_tasks
+from rlbench_pin.tasks import LIBRARY, camel_case, task_class, task_names
 from tests.compat.support import python
 
 SIZES = {
@@ -27,6 +28,7 @@ SIZES = {
     "MT55_V1": (55,),
     "MT100_V1": (100,),
 }
+WITH_PYTHON = tuple(name for name in task_names() if (LIBRARY / f"{name}.py").is_file())
 IN_NO_SET = {
     *("LiftNumberedBlock", "OpenWashingMachine", "PickAndLiftSmall", "PutAllGroceriesInCupboard", "SetupChess", "StackChairs"),
 }
@@ -35,14 +37,14 @@ IN_NO_SET = {
 def test_all_106_names_are_classes() -> None:
     """As attributes of `rlbench.tasks`, and in modules of their own that `importlib` finds."""
     assert len(set(KNOWN_TASKS)) == 106
-    for name in (*KNOWN_TASKS, *PERACT_TASKS):
+    for name in (*KNOWN_TASKS, *PERACT_TASKS, *gembench_tasks()):
         cls = getattr(tasks, camel_case(name))
         assert issubclass(cls, Task)
         module = importlib.import_module(f"rlbench.tasks.{name}")
         assert getattr(module, camel_case(name)) is cls
         assert getattr(tasks, name) is module
         assert (cls.__module__, cls.__name__) == (f"rlbench.tasks.{name}", camel_case(name))
-    assert set(task_names()) == set(KNOWN_TASKS) | set(PERACT_TASKS)
+    assert set(task_names()) == set(KNOWN_TASKS) | set(PERACT_TASKS) | set(gembench_tasks())
 
 
 def test_import_forms() -> None:
@@ -58,9 +60,9 @@ def test_import_forms() -> None:
 
 
 def test_tools_list_the_library() -> None:
-    """`pkgutil` lists what `TASKS_PATH` lists, and each listed module has its class."""
+    """`pkgutil` lists what `TASKS_PATH` lists, the tasks with Python of their own, and each listed module has its class."""
     listed = [module.name for module in pkgutil.iter_modules(tasks.__path__)]
-    assert tuple(sorted(listed)) == task_names()
+    assert tuple(sorted(listed)) == WITH_PYTHON
     assert all(hasattr(importlib.import_module(f"rlbench.tasks.{name}"), camel_case(name)) for name in listed)
 
 
@@ -95,7 +97,7 @@ def test_task_sets_nest() -> None:
 def test_tasks_path_lists_the_library() -> None:
     """Programs list the folder for task names."""
     listed = [file[:-3] for file in sorted(os.listdir(TASKS_PATH)) if file.endswith(".py") and file != "__init__.py"]
-    assert tuple(listed) == task_names()
+    assert tuple(listed) == WITH_PYTHON
     assert isinstance(TASKS_PATH, str) and Path(TASKS_PATH).is_dir()
 
 

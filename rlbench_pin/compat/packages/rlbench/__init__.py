@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 
 import gymnasium
 
@@ -11,7 +10,6 @@ import rlbench_pin.observation as demo
 from rlbench.action_modes.action_mode import ActionMode
 from rlbench.action_modes.arm_action_modes import ArmActionMode
 from rlbench.action_modes.gripper_action_modes import GripperActionMode
-from rlbench.backend.task import TASKS_PATH
 from rlbench.environment import Environment
 from rlbench.observation_config import CameraConfig, ObservationConfig
 from rlbench.sim2real import RandomizeEvery, VisualRandomizationConfig
@@ -19,11 +17,12 @@ from rlbench.utils import name_to_task_class as name_to_task_class
 from rlbench_pin import __version__ as __version__
 from rlbench_pin.compat.known_tasks import KNOWN_TASKS, PERACT_TASKS
 from rlbench_pin.gym.ids import MODES
+from rlbench_pin.tasks import library_names
 
 sys.modules[f"{__name__}.demo"] = demo
 
-TASKS = sorted(file.name for file in Path(TASKS_PATH).glob("*.py") if not file.name.startswith("_"))
-"""Names of the task files."""
+TASKS = [f"{name}.py" for name in library_names()]
+"""Names of the tasks as files; those that take their Python from another task have none."""
 
 for task in (*KNOWN_TASKS, *PERACT_TASKS):
     for mode in MODES:
