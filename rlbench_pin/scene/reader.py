@@ -69,7 +69,8 @@ def check_scene(spec: SceneSpec) -> None:
         _check_sensor(spec, sensor)
     _check_waypoints(spec)
     _check_bounds(spec)
-    _check_deviations(spec)
+    for table in ("excluded_factor", "deviation"):
+        _check_described_once(spec, table)
 
 
 def table_of(item: PosedSpec) -> str:
@@ -202,11 +203,11 @@ def _check_bounds(spec: SceneSpec) -> None:
         raise SceneFileError(spec.file, "[placement], key 'yaw'", f"the lower bound {low} is above the upper bound {high}.")
 
 
-def _check_deviations(spec: SceneSpec) -> None:
-    names = [deviation.name for deviation in spec.deviation]
+def _check_described_once(spec: SceneSpec, table: str) -> None:
+    names = [entry.name for entry in getattr(spec, table)]
     for name in names:
         if names.count(name) > 1:
-            raise SceneFileError(spec.file, f"[[deviation]] '{name}'", "it is described twice.")
+            raise SceneFileError(spec.file, f"[[{table}]] '{name}'", "it is described twice.")
 
 
 Entry = dict[str, Any]

@@ -253,6 +253,8 @@ class BodySpec(PosedSpec):
     """Overrides every visual colour: red, green, blue, and perhaps opacity."""
     scale: Number = Field(default=1.0, ge=1e-4, le=100.0)
     """Uniform scale of the asset."""
+    role: Literal["manipulated", "receiving"] | None = None
+    """What the demonstration does with it: the gripper moves it, or what was moved ends in, on or at it."""
 
 
 class SpringSpec(Spec):
@@ -367,6 +369,28 @@ class PlacementSpec(Spec):
     """Centre of the patch in the root frame."""
 
 
+class InstructionsSpec(Spec):
+    """Sentences that ask for the goal; `{word}` stands for a word that the task fills in for the variation."""
+
+    training: tuple[Words, ...] = Field(default=(), max_length=MAX_ELEMENTS)
+    """Returned by resets and recorded with demonstrations."""
+    held_out: tuple[Words, ...] = Field(default=(), max_length=MAX_ELEMENTS)
+    """Paraphrases that no demonstration comes with."""
+    vague: tuple[Words, ...] = Field(default=(), max_length=MAX_ELEMENTS)
+    """Say no more than is needed to know the goal in this scene."""
+    specific: tuple[Words, ...] = Field(default=(), max_length=MAX_ELEMENTS)
+    """Say how to reach the goal as well."""
+
+
+class ExcludedFactorSpec(Spec):
+    """A factor of generalisation that cannot change this task."""
+
+    name: Name
+    """Name of the factor."""
+    reason: Words
+    """Why."""
+
+
 class DeviationSpec(Spec):
     """What differs from the specification of the task, for people to read; it changes nothing."""
 
@@ -396,6 +420,8 @@ class SceneSpec(Spec):
     region: tuple[RegionSpec, ...] = Field(default=(), max_length=MAX_ELEMENTS)
     sensor: tuple[SensorSpec, ...] = Field(default=(), max_length=MAX_ELEMENTS)
     waypoint: tuple[WaypointSpec, ...] = Field(default=(), max_length=MAX_WAYPOINTS)
+    instructions: InstructionsSpec = InstructionsSpec()
+    excluded_factor: tuple[ExcludedFactorSpec, ...] = Field(default=(), max_length=MAX_ELEMENTS)
     deviation: tuple[DeviationSpec, ...] = Field(default=(), max_length=MAX_ELEMENTS)
     file: str = Field(default="", exclude=True)
     """File that the scene was read from; not part of the file."""

@@ -21,7 +21,9 @@ from rlbench_pin.scene.spec import (
     FORMAT,
     BodySpec,
     DeviationSpec,
+    ExcludedFactorSpec,
     FrameSpec,
+    InstructionsSpec,
     JointSpec,
     PlacementSpec,
     RegionSpec,
@@ -40,6 +42,7 @@ TABLES: Mapping[str, type[Spec]] = {
     "region": RegionSpec,
     "sensor": SensorSpec,
     "waypoint": WaypointSpec,
+    "excluded_factor": ExcludedFactorSpec,
     "deviation": DeviationSpec,
 }
 """Table -> what its entries are."""
@@ -75,6 +78,7 @@ def write_scene(spec: SceneSpec, path: Path | str) -> None:
             return
         raise SceneFileError(path, "key 'base'", "what it takes from another scene cannot be changed here.", "Write a new file.")
     _write_placement(document, spec.placement)
+    _write_instructions(document, spec.instructions)
     for table, model in TABLES.items():
         _write_table(document, table, model, getattr(spec, table))
     _replace(path, _HEADING.sub(r"\1\n\n\2", tomlkit.dumps(document)))
@@ -119,6 +123,16 @@ def _write_placement(document: tomlkit.TOMLDocument, placement: PlacementSpec) -
         document.add(tomlkit.nl())
         document.add("placement", tomlkit.table())
     _update(document["placement"], placement)
+
+
+def _write_instructions(document: tomlkit.TOMLDocument, instructions: InstructionsSpec) -> None:
+    if instructions == InstructionsSpec():
+        document.pop("instructions", None)
+        return
+    if "instructions" not in document:
+        document.add(tomlkit.nl())
+        document.add("instructions", tomlkit.table())
+    _update(document["instructions"], instructions)
 
 
 def _write_table(document: tomlkit.TOMLDocument, key: str, model: type[Spec], specs: Iterable[Any]) -> None:

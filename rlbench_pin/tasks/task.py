@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Literal
@@ -13,7 +13,7 @@ import numpy as np
 
 from rlbench_pin.errors import TaskError
 from rlbench_pin.scene.reader import resolve_asset
-from rlbench_pin.scene.spec import SceneSpec
+from rlbench_pin.scene.spec import InstructionsSpec, SceneSpec
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks.conditions import Condition
 from rlbench_pin.tasks.grasps import graspable_part
@@ -77,6 +77,8 @@ class LowDimState:
         return body.pose if part.kind == "pose" else np.array([float(self._world.joint(part.name).position)])
 
 
+Wording = Literal["training", "held_out", "vague", "specific"]
+"""Kind of sentences, see `InstructionsSpec`."""
 RotationBounds = tuple[tuple[float, float, float], tuple[float, float, float]]
 """Lowest and highest roll, pitch, yaw [rad]."""
 
@@ -121,6 +123,7 @@ class Task:
         self._stop_at: int | None = None
         self.round = self._rounds = 0
         self._started = False
+        self._wording: dict[str, tuple[str, ...]] = {}
         self._waypoints = waypoints_of(world)
         self._low_dim = LowDimState(world)
 
@@ -225,6 +228,31 @@ class Task:
         """Leave out waypoint `index` and all later ones."""
         self._stop_at = self._checked(index)
 
+    def make_instructions(self, **words: object) -> list[str]:
+        """Return the training sentences of `[instructions]` in the scene file; `get_wording` returns the other kinds.
+
+        Args:
+            words: What `{word}` stands for in this variation.
+
+        Raises:
+            TaskError: A sentence needs another word, or there is no sentence.
+        """
+        spec = self.world.spec.instructions
+        self._wording = {kind: self._filled(getattr(spec, kind), words) for kind in InstructionsSpec.model_fields}
+        if not self._wording["training"]:
+            raise TaskError(f"The scene of task '{self.get_name()}' has no sentences. Add `[instructions]` with `training`.")
+        return list(self._wording["training"])
+
+    def _filled(self, sentences: Sequence[str], words: Mapping[str, object]) -> tuple[str, ...]:
+        try:
+            filled = [sentence.format_map(words) for sentence in sentences]
+        except (KeyError, ValueError, IndexError, AttributeError) as error:
+            known = ", ".join(sorted(words)) or "none"
+            raise TaskError(
+                f"A sentence of task '{self.get_name()}' cannot be filled in: {error}. Words of this task: {known}."
+            ) from error
+        return tuple(sentence[:1].upper() + sentence[1:] for sentence in filled)
+
     # What the environment calls -------------------------------------------------------------------------------------
 
     @classmethod
@@ -248,6 +276,7 @@ class Task:
         if not 0 <= variation < count:
             raise TaskError(f"Task '{self.get_name()}' has no variation {variation}; it has 0 to {count - 1}.")
         self._started = True
+        self._wording = {}
         for waypoint in self._waypoints:
             waypoint.skip = False
         instructions = self.init_episode(variation, rng)
@@ -290,6 +319,14 @@ class Task:
     def get_success_conditions(self) -> tuple[Condition, ...]:
         """Return what has to be met for success."""
         return self._success
+
+    def get_wording(self, kind: Wording) -> tuple[str, ...]:
+        """Return the sentences of one kind for the present episode; none when the scene file has none of that kind.
+
+        Args:
+            kind: `training`, `held_out`, `vague` or `specific`.
+        """
+        return self._wording.get(kind, ())
 
     def get_graspable_objects(self) -> tuple[str, ...]:
         """Return the names of the bodies that the gripper may hold."""

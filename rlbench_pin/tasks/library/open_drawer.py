@@ -25,8 +25,4 @@ class OpenDrawer(Task):
         self.world.frame("waypoint1").move_to(f"handle_{drawer}")
         self.register_success_conditions([JointMoved(self.world.joint(f"chest/drawer_{drawer}"), 0.15)])
         named, count = drawer.replace("_", " "), {3: "three", 4: "four"}[len(self.drawers)]
-        return [
-            f"Pull out the {named} drawer.",
-            f"I need something from the {named} drawer, open it wide for me.",
-            f"Of the {count} drawers in the chest, slide the {named} one far out.",
-        ]
+        return self.make_instructions(drawer=named, count=count)
