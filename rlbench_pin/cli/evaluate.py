@@ -255,11 +255,11 @@ def record_failures(config: EvaluationConfig, results: Results, count: int, fold
     items = plan_episodes(config)
     chosen: list[tuple[EpisodeItem, EpisodeRecord]] = []
     for task in results.tasks:
-        of_task = [(item, records[item.name, item.variation, item.seed]) for item in items if item.name == task]
+        of_task = [(item, records[item.key]) for item in items if item.name == task]
         chosen += [(item, record) for item, record in of_task if not record.success][:count]
     with EpisodeRunner(config) as runner, progress_bar(total=len(chosen), unit="video", desc="videos") as bar:
         for item, record in chosen:
-            path = folder / f"{item.name}_{item.seed}_{record.end}.mp4"
+            path = folder / f"{item.name}_{item.seed}{item.factors and '_'}{item.factors}_{record.end}.mp4"
             runner.play(item, lambda task, path=path: _recorded(task, path))  # type: ignore[misc]
             bar.update()
             if path.exists():

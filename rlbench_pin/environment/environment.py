@@ -11,6 +11,7 @@ import numpy as np
 
 from rlbench_pin.datasets.layout import MANIFEST
 from rlbench_pin.environment.actions.modes import ActionMode, attaches_grasped
+from rlbench_pin.environment.factors import FactorSetting, FactorsLike
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.observations.observe import Camera, CameraPlaces, Cameras, camera_misc
 from rlbench_pin.environment.randomization.config import (
@@ -57,6 +58,7 @@ class Environment:
         arm_max_acceleration: Cap on how fast that speed changes, and on the acceleration of each joint [rad/s^2].
         seed: Seed of everything that is drawn and not seeded by a call.
         renderer: Renderer of images: `cpu`, `egl`, or `auto` for EGL where there is one. Images of the two differ a little.
+        factors: Factors of generalisation, such as `light_color:2+friction:1`; `rlbench-pin factors` lists them.
 
     Raises:
         DatasetError: `dataset_root` does not exist (also a RuntimeError).
@@ -84,11 +86,13 @@ class Environment:
         *,
         seed: int | None = None,
         renderer: RendererName = "cpu",
+        factors: FactorsLike = "",
     ) -> None:
         _check_given(action_mode, dataset_root)
         check_randomization(randomize_every, frequency, visual_randomization_config, dynamics_randomization_config)
         self._action_mode, self._dataset_root = action_mode, str(dataset_root)
         self._obs_config = _checked_settings(obs_config)
+        self._factors = FactorSetting.of(factors)
         self._randomize_every, self._frequency = randomize_every, frequency
         self._visual, self._dynamics = visual_randomization_config, dynamics_randomization_config
         self._renderer: RendererName = as_choice(renderer, "renderer", RENDERERS)  # type: ignore[assignment]
@@ -160,7 +164,7 @@ class Environment:
         if self._runtime is not None:
             self._runtime.world.close()
         self._runtime = runtime
-        return TaskEnvironment(
+        environment = TaskEnvironment(
             runtime,
             self._action_mode,
             self._obs_config,
@@ -170,6 +174,8 @@ class Environment:
             self._shaped_rewards,
             self._randomizer(runtime),
         )
+        environment.set_factors(self._factors)
+        return environment
 
     def _randomizer(self, runtime: Runtime) -> Randomizer | None:
         if self._randomize_every is None:

@@ -54,6 +54,8 @@ class EpisodeOrigin:
     """Placements that the reset needed."""
     instructions: tuple[str, ...]
     """Instructions of the episode; all mean the same."""
+    factors: str = ""
+    """Factors of generalisation and their levels, such as `light_color:2`; empty without."""
 
 
 @dataclass(frozen=True)

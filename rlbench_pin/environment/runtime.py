@@ -206,6 +206,16 @@ class Runtime:
             return q
         return np.clip(q, limits.lower, limits.upper)
 
+    def unpainted_bodies(self, role: str) -> list[str]:
+        """Return the bodies of a role whose colours are those of the scene file: a colour that the task gives has a meaning.
+
+        Args:
+            role: `manipulated` or `receiving`, as scene files say.
+        """
+        specs, before = (*self.world.spec.body, *self.world.spawned.values()), self.world.origin.logical.bodies
+        named = [(spec.name, before.get(spec.name)) for spec in specs if spec.role == role and spec.name in self.world.bodies]
+        return [name for name, kept in named if kept is None or kept.colors == self.world.bodies[name].colors]
+
     def instruct(self, instructions: Sequence[str]) -> None:
         """Take over the sentences that say what to do in this episode."""
         self.instructions = tuple(instructions)

@@ -13,8 +13,9 @@ from rlbench_pin.environment import demos
 from rlbench_pin.environment.actions.modes import ActionMode
 from rlbench_pin.environment.demos import DemoOutcome
 from rlbench_pin.environment.episode import MAX_DEMOS, EnvironmentState, EpisodeOrigin, EpisodeRandom, checked_seed, demo_seeds
+from rlbench_pin.environment.factors import FactorRandomizer, FactorSetting, FactorsLike
 from rlbench_pin.environment.observations.config import ObservationConfig
-from rlbench_pin.environment.randomization.randomizer import Randomizer
+from rlbench_pin.environment.randomization.randomizer import WorldChanges
 from rlbench_pin.environment.reset import start_episode
 from rlbench_pin.environment.runtime import RefusedOpening, Runtime, success_is_stable
 from rlbench_pin.environment.stored import StoredSelection, read_stored_demos
@@ -39,7 +40,7 @@ class TaskEnvironment:
         dataset_root: Folder of stored demonstrations.
         static_positions: Leave the task where its scene file puts it.
         shaped_rewards: Return the task's own reward.
-        randomizer: Changes appearance and physics, or None.
+        changes: Changes appearance, physics and instructions of each episode, or None.
     """
 
     def __init__(
@@ -51,12 +52,12 @@ class TaskEnvironment:
         dataset_root: str = "",
         static_positions: bool = False,
         shaped_rewards: bool = False,
-        randomizer: Randomizer | None = None,
+        changes: WorldChanges | None = None,
     ) -> None:
         self._runtime, self._action_mode, self._obs_config = runtime, action_mode, obs_config
         self._seeds, self._dataset_root = seeds, dataset_root
         self._static_positions, self._shaped_rewards = static_positions, shaped_rewards
-        self._randomizer = randomizer
+        self._changes = changes
         runtime.world.end_building()
         self._variation_number, self._succeeded = 0, False
         self._refused_opening: RefusedOpening | None = None
@@ -127,6 +128,33 @@ class TaskEnvironment:
             )
         self._variation_number = v
 
+    @property
+    def factors(self) -> FactorSetting:
+        """The factors of generalisation of the next episodes."""
+        return self._changes.setting if isinstance(self._changes, FactorRandomizer) else FactorSetting()
+
+    def set_factors(self, factors: FactorsLike) -> None:
+        """Choose the factors of the next episodes.
+
+        Args:
+            factors: Such as `light_color:2+friction:1`, `{"light_color": 2}`, or `""` for none.
+
+        Raises:
+            UnknownName: There is no such factor.
+            FactorNotApplicable: The task cannot take one of them.
+            InvalidArgument: A factor has no such level, or the environment has domain randomization.
+        """
+        setting = FactorSetting.of(factors)
+        if setting == self.factors:
+            return
+        if self._changes is not None and not isinstance(self._changes, FactorRandomizer):
+            hint = "Make an Environment without randomization, or without factors."
+            raise InvalidArgument("factors", str(setting), "cannot be combined with domain randomization", hint)
+        changes = FactorRandomizer(self._runtime, self._obs_config, setting) if setting else None
+        if self._changes is not None:
+            self._changes.remove()
+        self._changes = changes
+
     def get_task_descriptions(self) -> list[str]:
         """Return the instructions of the present episode."""
         return list(self._started("get_task_descriptions").instructions)
@@ -167,12 +195,13 @@ class TaskEnvironment:
         variation = self._variation_number if variation is None else variation
         if variation == ALL_VARIATIONS:
             variation = int(random.variation.integers(self.variation_count()))
-        if self._randomizer is not None:
-            self._randomizer.remove()
+        changes = self._changes
+        if changes is not None:
+            changes.prepare_episode(variation, seed, attempt)
         start = start_episode(self._runtime, variation, random, static=self._static_positions)
-        if self._randomizer is not None:
-            self._randomizer.begin_episode(variation, random.randomization)
-        self._episode = EpisodeOrigin(seed, attempt, start.attempts, start.instructions)
+        if changes is not None:
+            changes.begin_episode(variation, random, seed, attempt)
+        self._episode = EpisodeOrigin(seed, attempt, start.attempts, self._runtime.instructions, str(self.factors))
         return self._episode
 
     def step(self, action: object) -> tuple[Observation, float, bool]:
@@ -213,7 +242,7 @@ class TaskEnvironment:
     def get_state(self) -> EnvironmentState:
         """Return the present moment, to go back to; pickled, in an environment of the same task anywhere."""
         episode = self._started("get_state")
-        randomization = None if self._randomizer is None else self._randomizer.current
+        randomization = None if self._changes is None else self._changes.current
         with self._alone("get_state"):
             return EnvironmentState(self._runtime.save(portable=True), episode, randomization)
 
@@ -224,11 +253,12 @@ class TaskEnvironment:
         if (variation := state.unpickled_variation(self.get_name())) is not None:  # begun again, a task has the same objects
             self._start(state.episode.seed, state.episode.attempt, variation)
         with self._alone("set_state"):
-            if self._randomizer is not None:
-                self._randomizer.remove()
+            changes = None if self._changes is None or self._changes.current is state.randomization else self._changes
+            if changes is not None:
+                changes.remove()
             self._runtime.restore(state.runtime)
-            if self._randomizer is not None:
-                self._randomizer.apply(state.randomization)
+            if changes is not None:
+                changes.apply(state.randomization)
             self._episode = state.episode
             return self.get_observation()
 

@@ -10,7 +10,7 @@ from rlbench_pin.sim.frames import Frame, Posed, Region, Sensor
 from rlbench_pin.sim.render.camera import CameraView, Images, field_of_view, framed, look_at
 from rlbench_pin.sim.render.lighting import Light, Lighting, ShadowMap
 from rlbench_pin.sim.render.renderer import Request
-from rlbench_pin.sim.render.texture import Texture, read_texture
+from rlbench_pin.sim.render.texture import Texture, read_texture, shaded_texture
 from rlbench_pin.sim.state import WorldState
 from rlbench_pin.sim.world import World
 
@@ -42,4 +42,5 @@ __all__ = [
     "give_back_memory",
     "look_at",
     "read_texture",
+    "shaded_texture",
 ]

@@ -229,9 +229,31 @@ class TextureOverrides:
                 _whiten(body.model, link)
             self._renderer.set_link_texture(body.model.uid, link, LinkTexture(texture.gray if colored else texture, repeats))
 
+    def shade_body(self, name: str, texture: Texture, repeats: float) -> None:
+        """Multiply the colours of a body by a texture; the body keeps them.
+
+        Args:
+            name: Name of a body of the scene.
+            texture: The image.
+            repeats: How often it repeats along one metre.
+        """
+        body = self._bodies[name]
+        for link in body.visual_links:
+            self._renderer.set_link_texture(body.model.uid, link, LinkTexture(texture, repeats))
+
     def set_room_body(self, name: str, texture: Texture) -> None:
         """Put a texture on table, floor, ceiling or a wall in place of its own."""
         self._room[name].texture = texture
+
+    def shade_room_body(self, name: str, pattern: Texture | None, tint: tuple[float, float, float]) -> None:
+        """Multiply the colours of table, floor, ceiling or a wall.
+
+        Args:
+            name: Name of the part of the room.
+            pattern: Takes the place of its own texture and keeps its mean colour; None keeps the texture.
+            tint: Factor of red, green and blue.
+        """
+        self._room[name].pattern, self._room[name].tint = pattern, tint
 
     def clear_body(self, name: str) -> None:
         """Give one body its own appearance back; parts of the room are left alone."""
@@ -276,7 +298,7 @@ class TextureOverrides:
         """Remove all overrides, so that everything has its own colours and textures again."""
         self._renderer.clear_link_textures()
         for body in self._room.values():
-            body.texture = None
+            body.texture, body.pattern, body.tint = None, None, (1.0, 1.0, 1.0)
         for name in self._white_bodies & set(self._bodies):
             self._bodies[name].repaint()
         links, self._white_bodies, self._white_robot_links = self._white_robot_links, set(), set()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -116,9 +117,13 @@ class RoomBody(Body):
 
     Attributes:
         texture: Replaces its own textures and covers its plain parts, or None.
+        pattern: Takes the place of its own textures and keeps their mean colours, or None.
+        tint: Factor of red, green and blue.
     """
 
     texture: Texture | None = None
+    pattern: Texture | None = None
+    tint: tuple[float, float, float] = (1.0, 1.0, 1.0)
 
     def hide(self) -> RoomBody:
         """Make it invisible to PyBullet's renderers."""
@@ -134,7 +139,7 @@ class RoomBody(Body):
     def appearance(self) -> tuple[object, ...]:
         """All that its image depends on, to compare."""
         place = bullet.getBasePositionAndOrientation(self.model.uid, physicsClientId=self.model.client.id)
-        return (place, self._colors.get(BASE), self.texture)
+        return (place, self._colors.get(BASE), self.texture, self.pattern, self.tint)
 
     def panels(self, identifier: int) -> list[Panel]:
         """Its rectangles in the world.
@@ -149,10 +154,19 @@ class RoomBody(Body):
             color = quad.color if painted is None else painted[:3]
             if self.texture is not None and painted is None:
                 color = (1.0, 1.0, 1.0)
+            if self.pattern is not None:
+                color = _product(color, (1.0, 1.0, 1.0) if texture is None else texture.mean.tolist())
+                texture = self.pattern
+            color = _product(color, self.tint)
             corner, edges = pose[:3, :3] @ quad.corner + pose[:3, 3], quad.edges @ pose[:3, :3].T
-            uv = quad.uv if self.texture is None else _in_metres(quad.edges)
+            uv = quad.uv if self.texture is None and self.pattern is None else _in_metres(quad.edges)
             panels.append(Panel(corner, edges, identifier, color, texture, uv))
         return panels
+
+
+def _product(color: Sequence[float], factors: Sequence[float]) -> tuple[float, float, float]:
+    red, green, blue = (a * b for a, b in zip(color, factors, strict=True))
+    return red, green, blue
 
 
 def _in_metres(edges: FloatArray) -> FloatArray:

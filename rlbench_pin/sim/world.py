@@ -11,6 +11,7 @@ import numpy as np
 from rlbench_pin.robot.description import RobotDescription
 from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.sim import state
+from rlbench_pin.sim.arm.delay import CommandDelay
 from rlbench_pin.sim.client import RendererName, open_client
 from rlbench_pin.sim.contents import Contents
 from rlbench_pin.sim.render.camera import CameraView, Images
@@ -41,6 +42,7 @@ class World(Contents):
         dynamics_overrides: Scaled masses, friction, damping and gains.
         resting: Bodies that sleep until something comes near them.
         on_physics: Called before every physics step; may command the arm.
+        command_delay: Lets commands of the arm arrive late; None at once. See `delay_commands`.
         keepers: What others keep beside the world and want saved and restored with it.
         client: The physics server, for modules of this folder only.
         saved_states: States that can still be restored; one is freed when nothing refers to it any more.
@@ -60,6 +62,7 @@ class World(Contents):
         self.on_physics: list[Callable[[], None]] = []
         client = open_client(timestep, renderer)
         self._finalizer = weakref.finalize(self, client.close)
+        self.command_delay: CommandDelay | None = None
         self.saved_states: weakref.WeakSet[WorldState] = weakref.WeakSet()
         self._origin: WorldState | None = None
         super().__init__(client, spec, robot, timestep, self._substeps)
@@ -75,7 +78,11 @@ class World(Contents):
     def step(self) -> None:
         """Advance one control tick."""
         self.end_building()
+        if self.command_delay is not None:
+            self.command_delay.pass_on()
         self.robot.begin_tick()
+        if self.command_delay is not None:
+            self.command_delay.end_tick()
         self.gripper.begin_tick()
         for substep in range(self._substeps):
             for command in self.on_physics:
@@ -88,6 +95,20 @@ class World(Contents):
         self.resting.end_tick()
         self._ticks += 1
         self.robot.forget_measurements()
+
+    def delay_commands(self, latency: int = 0, loss: float = 0.0, seed: int = 0) -> None:
+        """Let commands of the arm's motors arrive later from now on, or not at all; without arguments, at once.
+
+        Args:
+            latency: Control ticks between a command and its arrival.
+            loss: Probability that a command does not arrive in its tick. The last one that did holds on.
+            seed: Seed of the losses.
+        """
+        if self.command_delay is not None:
+            self.keepers.remove(self.command_delay)
+        self.command_delay = CommandDelay(self.robot, latency, loss, seed) if latency or loss else None
+        if self.command_delay is not None:
+            self.keepers.append(self.command_delay)
 
     # Rendering -------------------------------------------------------------------------------------------------------
 

@@ -15,11 +15,13 @@ from rlbench_pin.environment.observations.config import (
     HAND,
     LOW_DIM_FIELDS,
     CameraConfig,
+    GaussianNoise,
     Identity,
     Instant,
     ModelObservationConfig,
     ObservationConfig,
 )
+from rlbench_pin.environment.observations.image_noise import ImageNoise
 from rlbench_pin.errors import CameraError, InvalidCamera, TaskError, shown
 from rlbench_pin.observation import CAMERAS, LOW_DIM, Observation
 from rlbench_pin.robot.collision import Distance
@@ -342,14 +344,18 @@ class Appearance:
     """Takes the place of the lights of the settings."""
     offsets: dict[str, FloatArray] = field(default_factory=dict)
     """Pose (7,) of the moved camera in the frame of the camera of that name."""
-
-    def change(self, lighting: Lighting | None = None, offsets: Mapping[str, FloatArray] | None = None) -> None:
-        """Take other lights and offsets; without them, those of the settings."""
-        self.lighting, self.offsets = lighting, dict(offsets or {})
+    fields_of_view: dict[str, float] = field(default_factory=dict)
+    """Factor of the field of view of the camera of that name."""
+    images: ImageNoise = ImageNoise()
+    """Faults of the images."""
+    joint_sigma: float = 0.0
+    """Standard deviation of measured joint positions [rad]."""
 
     def moved(self, name: str, view: CameraView) -> CameraView:
-        """Return the view of a camera with its offset."""
-        return replace(view, pose=compose(view.pose, self.offsets[name])) if name in self.offsets else view
+        """Return the view of a camera with its offset and field of view."""
+        if name in self.offsets:
+            view = replace(view, pose=compose(view.pose, self.offsets[name]))
+        return replace(view, fov=view.fov * self.fields_of_view[name]) if name in self.fields_of_view else view
 
 
 class Observer:
@@ -380,6 +386,9 @@ class Observer:
             if getattr(self.config, name):
                 value, noise = part.read(instant), self.config.noise_of(name)
                 setattr(observation, name, value if noise is None else noise.apply(np.asarray(value), rng))
+        if self.appearance.joint_sigma and observation.joint_positions is not None:
+            noise = GaussianNoise(self.appearance.joint_sigma)
+            observation.joint_positions = noise.apply(np.asarray(observation.joint_positions), rng)
         if self.config.model.is_used:
             observation.misc.update(self._model.observe(self.config.model))
         if self.config.joint_poses:
@@ -413,18 +422,24 @@ class Observer:
             for name, config in cameras.items()
         ]
         for (name, config), images in zip(cameras.items(), renderer.render_all(requests), strict=True):
-            _add_images(observation, name, config, views[name], images, rng)
+            _add_images(observation, name, config, views[name], images, self.appearance.images, rng)
         return views
 
 
 def _add_images(
-    observation: Observation, name: str, config: CameraConfig, view: CameraView, images: Images, rng: np.random.Generator
+    observation: Observation,
+    name: str,
+    config: CameraConfig,
+    view: CameraView,
+    images: Images,
+    faults: ImageNoise,
+    rng: np.random.Generator,
 ) -> None:
     """Add what one camera delivers."""
     if images.rgb is not None:
-        setattr(observation, f"{name}_rgb", _noisy_rgb(images.rgb, config, rng))
+        setattr(observation, f"{name}_rgb", _noisy_rgb(faults.apply(images.rgb, name), config, rng))
     if images.depth is not None:
-        metres = config.noise_of("depth").apply(images.depth, rng)
+        metres = config.noise_of("depth").apply(faults.apply_to_depth(images.depth, rng), rng)
         if config.point_cloud:
             setattr(observation, f"{name}_point_cloud", point_cloud(metres, view))
         if config.depth:

@@ -137,7 +137,7 @@ class VisualRandomizationConfig(RandomizationConfig):
         super().__init__(whitelist=whitelist, blacklist=blacklist, randomize_arm=randomize_arm)
         self.image_directory = asset_path("textures") if image_directory is None else Path(image_directory)
         self.textures, self.light, self.camera_shift, self.camera_turn = textures, light, camera_shift, camera_turn
-        self._images = _images_in(self.image_directory)
+        self._images = images_in(self.image_directory)
 
     def sample(self, samples: int, rng: np.random.Generator | None = None) -> list[Path]:
         """Draw images, with replacement.
@@ -150,7 +150,8 @@ class VisualRandomizationConfig(RandomizationConfig):
         return [self._images[i] for i in rng.integers(len(self._images), size=samples).tolist()]
 
 
-def _images_in(folder: Path) -> tuple[Path, ...]:
+def images_in(folder: Path) -> tuple[Path, ...]:
+    """Return the images of a folder by name; raises NoTextureFolder or NoTextures."""
     if not folder.is_dir():
         raise NoTextureFolder(f"The texture folder '{folder}' does not exist. Pass a folder of PNG or JPEG images, or None.")
     try:

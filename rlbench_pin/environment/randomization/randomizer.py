@@ -2,16 +2,92 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from rlbench_pin.environment.observations.config import ObservationConfig
+from rlbench_pin.environment.observations.observe import Appearance
 from rlbench_pin.environment.randomization.config import DynamicsRandomizationConfig, RandomizeEvery, VisualRandomizationConfig
 from rlbench_pin.environment.randomization.sample import RandomizationSample, sample_appearance, sample_dynamics
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.sim import read_texture
 
+if TYPE_CHECKING:
+    from rlbench_pin.environment.episode import EpisodeRandom
 
-class Randomizer:
+
+class WorldChanges:
+    """Applies samples to the world of a runtime, and removes them.
+
+    Args:
+        runtime: Holds the world.
+
+    Attributes:
+        current: The sample that is applied, or None.
+    """
+
+    def __init__(self, runtime: Runtime) -> None:
+        self._runtime = runtime
+        self.current: RandomizationSample | None = None
+
+    def prepare_episode(self, variation: int, seed: int, attempt: int) -> None:
+        """Bring the world back to how it was built, before an episode is laid out."""
+        self.remove()
+
+    def begin_episode(self, variation: int, random: EpisodeRandom, seed: int, attempt: int) -> None:
+        """Change the world at the start of an episode.
+
+        Args:
+            variation: Variation of the task.
+            random: Generators of the episode.
+            seed: Seed of the episode.
+            attempt: Which try of the seed.
+        """
+        raise NotImplementedError
+
+    def apply(self, sample: RandomizationSample | None) -> None:
+        """Apply a sample to the world; None restores the world as it was built."""
+        self.remove()
+        self.current = sample
+        if sample is None:
+            return
+        self._runtime.observer.appearance = Appearance(
+            sample.lighting, sample.cameras, sample.fields_of_view, sample.images, sample.joint_sigma
+        )
+        self._apply_textures(sample)
+        world = self._runtime.world
+        for name, (mass, friction, damping) in sample.dynamics.items():
+            if name in world.bodies or name in world.room:
+                world.dynamics_overrides.scale(world.body(name).model, mass=mass, friction=friction, damping=damping)
+        world.dynamics_overrides.scale_gains(sample.gains)
+        world.delay_commands(sample.latency, sample.loss, sample.loss_seed)
+
+    def _apply_textures(self, sample: RandomizationSample) -> None:
+        world = self._runtime.world
+        for name, (path, repeats) in sample.bodies.items():
+            if name in world.bodies:
+                world.texture_overrides.set_body(name, read_texture(path), repeats)
+        for link, (path, repeats) in sample.links.items():
+            world.texture_overrides.set_robot_link(link, read_texture(path), repeats)
+        for name, path in sample.room.items():
+            world.texture_overrides.set_room_body(name, read_texture(path))
+        for name, surface in sample.surfaces.items():
+            if name in world.room:
+                world.texture_overrides.shade_room_body(name, surface.pattern(), surface.tint)
+            elif name in world.bodies:
+                world.texture_overrides.shade_body(name, surface.shading(), surface.repeats)
+
+    def remove(self) -> None:
+        """Bring back the world as it was built; the present sample is remembered."""
+        world = self._runtime.world
+        world.texture_overrides.clear()
+        world.dynamics_overrides.clear()
+        world.delay_commands()
+        self._runtime.observer.appearance = Appearance()
+
+
+class Randomizer(WorldChanges):
     """Changes appearance and physics of one world at the chosen events.
 
     Args:
@@ -21,9 +97,6 @@ class Randomizer:
         frequency: n: the first event and every n-th after it bring a new sample.
         visual: What may change of the appearance, or None.
         dynamics: What may change of the physics, or None.
-
-    Attributes:
-        current: The sample that is applied, or None.
     """
 
     def __init__(
@@ -35,19 +108,17 @@ class Randomizer:
         visual: VisualRandomizationConfig | None,
         dynamics: DynamicsRandomizationConfig | None,
     ) -> None:
-        self._runtime, self._config, self._every, self._frequency = runtime, config, every, frequency
+        super().__init__(runtime)
+        self._config, self._every, self._frequency = config, every, frequency
         self._visual, self._dynamics = visual, dynamics
         self._events, self._last_variation = 0, -1
         self._rng = np.random.default_rng(0)
-        self.current: RandomizationSample | None = None
         if every is RandomizeEvery.TRANSITION:
             runtime.after_tick.append(self._event)
 
-    # Events ----------------------------------------------------------------------------------------------------------
-
-    def begin_episode(self, variation: int, rng: np.random.Generator) -> None:
-        """Randomize the episode that was just set up, when that is an event; `rng` is the generator of its samples."""
-        self._rng = rng
+    def begin_episode(self, variation: int, random: EpisodeRandom, seed: int, attempt: int) -> None:
+        """Randomize the episode that was just set up, when that is an event."""
+        self._rng = random.randomization
         if self._every is RandomizeEvery.TRANSITION:
             self._events, self.current = 0, None
             return
@@ -64,35 +135,6 @@ class Randomizer:
         elif self.current is not None and self._every is not RandomizeEvery.TRANSITION:
             self.apply(self.current)
         self._events += 1
-
-    # Samples ---------------------------------------------------------------------------------------------------------
-
-    def apply(self, sample: RandomizationSample | None) -> None:
-        """Apply appearance and dynamics of `sample` to the world; None restores the world as it was built."""
-        self.remove()
-        self.current = sample
-        if sample is None:
-            return
-        world, appearance = self._runtime.world, self._runtime.observer.appearance
-        for name, (path, repeats) in sample.bodies.items():
-            if name in world.bodies:
-                world.texture_overrides.set_body(name, read_texture(path), repeats)
-        for link, (path, repeats) in sample.links.items():
-            world.texture_overrides.set_robot_link(link, read_texture(path), repeats)
-        for name, path in sample.room.items():
-            world.texture_overrides.set_room_body(name, read_texture(path))
-        appearance.change(sample.lighting, sample.cameras)
-        for name, (mass, friction, damping) in sample.factors.items():
-            if name in world.bodies or name in world.room:
-                world.dynamics_overrides.scale(world.body(name).model, mass=mass, friction=friction, damping=damping)
-        world.dynamics_overrides.scale_gains(sample.gains)
-
-    def remove(self) -> None:
-        """Bring back the world as it was built; the present sample is remembered."""
-        world, appearance = self._runtime.world, self._runtime.observer.appearance
-        world.texture_overrides.clear()
-        world.dynamics_overrides.clear()
-        appearance.change()
 
     def sample(self, rng: np.random.Generator) -> RandomizationSample:
         """Draw a sample."""

@@ -9,11 +9,34 @@ from typing import Any
 import numpy as np
 
 from rlbench_pin.environment.observations.config import ObservationConfig
+from rlbench_pin.environment.observations.image_noise import ImageNoise
 from rlbench_pin.environment.randomization.config import DynamicsRandomizationConfig, VisualRandomizationConfig
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.observation import CAMERAS
-from rlbench_pin.sim import Light, Lighting
+from rlbench_pin.sim import Light, Lighting, Texture, shaded_texture
 from rlbench_pin.spatial import FloatArray, matrix_to_pose
+
+
+@dataclass(frozen=True)
+class Surface:
+    """What the colours of an object, or of a part of the room, are multiplied by."""
+
+    tint: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    """Factor of red, green and blue."""
+    image: Path | None = None
+    """Image of a pattern, or None."""
+    share: float = 0.0
+    """Share of the pattern, over its mean brightness; the rest is plain."""
+    repeats: float = 1.0
+    """How often the pattern repeats along a metre."""
+
+    def pattern(self) -> Texture | None:
+        """Return the pattern alone; None without an image."""
+        return None if self.image is None else shaded_texture(self.image, self.share, (1.0, 1.0, 1.0))
+
+    def shading(self) -> Texture:
+        """Return the pattern with its tint."""
+        return shaded_texture(self.image, self.share, self.tint)
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,10 +53,28 @@ class RandomizationSample:
     """Lights, or None for those of the settings."""
     cameras: dict[str, FloatArray] = field(default_factory=dict)
     """Pose (7,) of each moved camera in its own frame."""
-    factors: dict[str, tuple[float, float, float]] = field(default_factory=dict)
+    dynamics: dict[str, tuple[float, float, float]] = field(default_factory=dict)
     """Factors of mass, friction and damping of each body."""
     gains: float = 1.0
     """Factor of the gains of the arm's motors."""
+    surfaces: dict[str, Surface] = field(default_factory=dict)
+    """Patterns and tints over the own colours of bodies and parts of the room."""
+    fields_of_view: dict[str, float] = field(default_factory=dict)
+    """Factor of the field of view of each camera."""
+    images: ImageNoise = ImageNoise()
+    """Faults of the images."""
+    joint_sigma: float = 0.0
+    """Standard deviation of measured joint positions [rad]."""
+    start: FloatArray | None = None
+    """By how much the joints differ at the start (n,) [rad]."""
+    latency: int = 0
+    """Control ticks by which commands reach the arm's motors later."""
+    loss: float = 0.0
+    """Probability that a command does not reach them."""
+    loss_seed: int = 0
+    """Seed of the losses."""
+    instructions: tuple[str, ...] | None = None
+    """Sentences in place of those of the task."""
 
 
 def sample_appearance(
@@ -77,7 +118,7 @@ def sample_dynamics(runtime: Runtime, config: DynamicsRandomizationConfig, rng: 
     ranges = (config.mass, config.friction, config.damping)
     factors = {name: tuple(float(rng.uniform(*bounds)) for bounds in ranges) for name in names}
     arm = config.randomize_arm and config.should_randomize(runtime.description.name)
-    return {"factors": factors, "gains": float(rng.uniform(*config.gains)) if arm else 1.0}
+    return {"dynamics": factors, "gains": float(rng.uniform(*config.gains)) if arm else 1.0}
 
 
 def _other_lighting(lighting: Lighting, strength: float, rng: np.random.Generator) -> Lighting:
@@ -98,10 +139,15 @@ def _other_light(light: Light, strength: float, rng: np.random.Generator) -> Lig
 
 
 def _jitter(shift: float, turn: float, rng: np.random.Generator) -> FloatArray:
-    """A small motion, as a pose (7,)."""
-    x, y, z = rng.normal(0.0, turn, 3)
+    angles = rng.normal(0.0, turn, 3)
+    return small_motion(rng.normal(0.0, shift, 3), angles)
+
+
+def small_motion(shift: FloatArray, angles: FloatArray) -> FloatArray:
+    """Return a shift (3,) [m] and small angles (3,) about the axes [rad] as a pose (7,)."""
+    x, y, z = angles
     matrix = np.eye(4)
-    matrix[:3, 3] = rng.normal(0.0, shift, 3)
+    matrix[:3, 3] = shift
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     u, _, vt = np.linalg.svd(np.eye(3) + cross)
     matrix[:3, :3] = u @ vt

@@ -20,7 +20,7 @@ _FIELDS: dict[Measure, str] = {"success": "success", "stable": "lasts"}  # of an
 IMPLIED = ("episodes", "seed", "variations", "time_limit")
 """Limits that may differ: the episodes themselves say the first three, and the last is of a clock on the wall."""
 _SHOWN = 3
-_Episodes = dict[tuple[str, int, int], EpisodeRecord]
+_Episodes = dict[tuple[str, int, int, str], EpisodeRecord]
 _ADVICE = "Evaluate both with the same `--tasks`, `--episodes` and `--seed`; `--common` compares the episodes that both have."
 _LIMITS_ADVICE = "Evaluate both with the same limits; `--any-limits` compares them nevertheless."
 
@@ -177,7 +177,7 @@ def _check_episodes(one: Results, other: Results, before: _Episodes, after: _Epi
     )
     found = [text for what, a, b in parts if (text := _difference(what, a, b))]
     if not found:
-        found = [_difference("episodes (task, variation, seed)", tuple(before), tuple(after)) or "neither has an episode"]
+        found = [_difference("episodes (task, variation, seed, factors)", tuple(before), tuple(after)) or "neither has an episode"]
     raise IncompatibleResults(one.policy, other.policy, found, "They have no episode in common." if not shared else _ADVICE)
 
 

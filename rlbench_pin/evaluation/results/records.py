@@ -6,7 +6,7 @@ import hashlib
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -29,8 +29,8 @@ from rlbench_pin.values import (
     one_of,
 )
 
-FORMAT = 3
-"""Number of the format of results files. Format 1 has no seed key and no deaths of workers, format 2 no protocol."""
+FORMAT = 4
+"""Number of the format of results files. Format 1 has no seed key and no deaths of workers, 2 no protocol, 3 no factors."""
 End = Literal["success", "failed", "steps", "seconds", "fault"]
 """How an episode ended: with success, by the task as failed, at the limit of steps or of seconds, or by a fault of the policy."""
 ENDS: tuple[str, ...] = get_args(End)
@@ -72,6 +72,8 @@ class EpisodeRecord:
     """Detail of the fault."""
     worker_deaths: int = 0
     """Workers that died while they played it; it was begun again after each, but for the last one of a lost episode."""
+    factors: str = ""
+    """Factors of generalisation and their levels, such as `light_color:2`; empty without."""
 
     def __post_init__(self) -> None:
         """Check every value, and keep it as plain Python has it."""
@@ -92,6 +94,7 @@ class EpisodeRecord:
             "fault": _text(self.fault, f"{what}.fault"),
             "fault_detail": _text(self.fault_detail, f"{what}.fault_detail"),
             "worker_deaths": as_whole(self.worker_deaths, f"{what}.worker_deaths", least=0, most=LARGEST_COUNT),
+            "factors": _text(self.factors, f"{what}.factors"),
         }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
@@ -103,9 +106,9 @@ class EpisodeRecord:
             raise InvalidValue(f"{what}.fault", self.fault, f"contradicts its end, '{self.end}'")
 
     @property
-    def key(self) -> tuple[str, int, int]:
-        """Key of the episode: task, variation, seed."""
-        return self.task, self.variation, self.seed
+    def key(self) -> tuple[str, int, int, str]:
+        """Key of the episode: task, variation, seed, factors."""
+        return self.task, self.variation, self.seed, self.factors
 
 
 @dataclass(frozen=True)
@@ -134,6 +137,10 @@ class Results:
     """Key of the hash that makes the seeds of the policy; empty in files of format 1."""
     protocol: Protocol | None = None
     """The protocol that was followed; None without one, and in files of formats 1 and 2."""
+    factors: tuple[str, ...] = ()
+    """Settings of factors that were played beside the episodes without factors, in order."""
+    trained_on: str = ""
+    """Factors that the training data contained, as the user states it."""
 
     def __post_init__(self) -> None:
         """Check every value, and keep it as plain Python has it."""
@@ -153,6 +160,8 @@ class Results:
                 as_record(e, EpisodeRecord, "Results.episodes") for e in _several(self.episodes, "Results.episodes")
             ),
             "policy_seed_key": _text(self.policy_seed_key, "Results.policy_seed_key"),
+            "factors": tuple(_name(setting, "Results.factors") for setting in as_names(self.factors, "Results.factors")),
+            "trained_on": _text(self.trained_on, "Results.trained_on"),
         }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
@@ -161,14 +170,17 @@ class Results:
         self._check_episodes()
 
     def _check_episodes(self) -> None:
-        tasks, seeds, met = {t: i for i, t in enumerate(self.tasks)}, set(self.seeds), set[tuple[str, int, int]]()
+        tasks, seeds, met = {t: i for i, t in enumerate(self.tasks)}, set(self.seeds), set[tuple[str, int, int, str]]()
         if len(tasks) < len(self.tasks) or len(seeds) < len(self.seeds):
             raise InvalidValue("Results.tasks and seeds", (self.tasks, self.seeds), "have to be different from each other")
-        place = 0
+        place, settings = 0, {"", *self.factors}
         for episode in self.episodes:
-            if episode.task not in tasks or episode.seed not in seeds or episode.key in met or tasks[episode.task] < place:
+            known = episode.task in tasks and episode.seed in seeds and episode.factors in settings
+            if not known or episode.key in met or tasks[episode.task] < place:
                 raise InvalidValue(
-                    "Results.episodes", episode.key, "has to be of its tasks and seeds, each once, in the order of the tasks"
+                    "Results.episodes",
+                    episode.key,
+                    "has to be of its tasks, seeds and factors, each once, in the order of the tasks",
                 )
             met.add(episode.key)
             place = tasks[episode.task]
@@ -182,11 +194,24 @@ class Results:
         """Return everything but the checksum as plain data, as the file has it; in the lowest format that says everything."""
         format = 2 if self.policy_seed_key or any(episode.worker_deaths for episode in self.episodes) else 1
         format = format if self.protocol is None else 3
+        format = 4 if self.factors else format
         head = {name: getattr(self, name) for name in HEAD[format]}
-        if self.protocol is not None:
-            head["protocol"] = self.protocol.record()
+        if "protocol" in head:
+            head["protocol"] = None if self.protocol is None else self.protocol.record()
         episodes = [{name: getattr(episode, name) for name in EPISODE[format]} for episode in self.episodes]
         return {"format": format, **head, "episodes": episodes}
+
+    def of_factors(self, setting: str) -> Results:
+        """Return the results of one setting of factors alone, as if they were played without factors.
+
+        Args:
+            setting: One of `factors`, or `""` for the episodes without.
+        """
+        as_choice(setting, "setting of factors in these results", ("", *self.factors))
+        episodes = tuple(replace(episode, factors="") for episode in self.episodes if episode.factors == setting)
+        played = {episode.task for episode in episodes}
+        tasks = tuple(task for task in self.tasks if task in played)
+        return replace(self, tasks=tasks, episodes=episodes, factors=())
 
     def of_task(self, task: str) -> tuple[EpisodeRecord, ...]:
         """Return the episodes of one task, in order."""
@@ -199,13 +224,15 @@ HEAD: Mapping[int, tuple[str, ...]] = {
     1: _HEAD,
     2: (*_HEAD, "policy_seed_key"),
     3: (*_HEAD, "policy_seed_key", "protocol"),
+    4: (*_HEAD, "policy_seed_key", "protocol", "factors", "trained_on"),
 }
 """Format -> fields of a results file beside format, episodes and checksum."""
 _EPISODE = tuple(field.name for field in fields(EpisodeRecord))
 EPISODE: Mapping[int, tuple[str, ...]] = {
-    1: tuple(name for name in _EPISODE if name != "worker_deaths"),
-    2: _EPISODE,
-    3: _EPISODE,
+    1: tuple(name for name in _EPISODE if name not in ("worker_deaths", "factors")),
+    2: tuple(name for name in _EPISODE if name != "factors"),
+    3: tuple(name for name in _EPISODE if name != "factors"),
+    4: _EPISODE,
 }
 """Format -> fields of an episode."""
 
@@ -334,7 +361,7 @@ def _results(content: object) -> Results:
         raise ValueError("its episodes are no list")
     episodes = tuple(_episode(episode, EPISODE[found]) for episode in content["episodes"])
     head = {name: content[name] for name in HEAD[found]}
-    if "protocol" in head:
+    if head.get("protocol") is not None or found == 3:
         head["protocol"] = Protocol.from_record(head["protocol"])
     results = Results(**head, episodes=episodes)
     if content["sha256"] != results.sha256:

@@ -12,6 +12,7 @@ from rlbench_pin.datasets.layout import ALL_VARIATIONS
 from rlbench_pin.environment.actions import Discrete, JointPosition, MoveArmThenGripper
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.episode import EVALUATION_SEEDS, drawn_variations
+from rlbench_pin.environment.factors import FactorSetting
 from rlbench_pin.environment.presets import low_dim_config
 from rlbench_pin.errors import InvalidArgument, RlbenchPinError, TaskEnvironmentError
 from rlbench_pin.evaluation.policies.settings import ARM_MODES, GRIPPER_MODES, PolicySettings
@@ -71,6 +72,11 @@ class EvaluationConfig:
     the results file publishes it, and with it the run can be repeated."""
     protocol: Protocol | None = None
     """The protocol that is followed, or none. `of_protocol` makes its settings."""
+    factors: tuple[str, ...] = ()
+    """Settings of factors, such as `light_color:2` or `light_color:2+friction:1`. The same episodes are played without factors,
+    and once with each setting by the tasks that can take it."""
+    trained_on: str = ""
+    """Factors that the training data contained, for the results file."""
 
     def __post_init__(self) -> None:
         checked = {
@@ -82,6 +88,8 @@ class EvaluationConfig:
             "variations": as_whole(self.variations, "variations", InvalidArgument, least=ALL_VARIATIONS),
             "robot": robot_description(self.robot).reference,
             "tell_task": as_flag(self.tell_task, "tell_task", InvalidArgument),
+            "factors": _checked_factors(self.factors),
+            "trained_on": as_text(self.trained_on, "trained_on", InvalidArgument),
         }
         for name in ("max_seconds", "time_limit", "start_limit"):
             checked[name] = as_number(getattr(self, name), name, InvalidArgument, above=0.0)
@@ -152,6 +160,13 @@ class EpisodeItem:
     """Seed for the policy."""
     task_digest: str = ""
     """SHA-256 of the task's files; not compared when empty."""
+    factors: str = ""
+    """Factors of generalisation and their levels; empty without."""
+
+    @property
+    def key(self) -> tuple[str, int, int, str]:
+        """Key of the record of the episode: task, variation, seed, factors."""
+        return self.name, self.variation, self.seed, self.factors
 
 
 class TaskFilesChanged(RlbenchPinError):
@@ -203,6 +218,13 @@ def policy_seed(key: str, seed: int, name: str, index: int) -> int:
     return int.from_bytes(hashlib.blake2b(text, digest_size=8, key=key.encode()).digest(), "big") >> 11
 
 
+def _checked_factors(value: object) -> tuple[str, ...]:
+    settings = tuple(str(FactorSetting.of(word)) for word in as_names(value, "factors", InvalidArgument))
+    if "" in settings or len(set(settings)) < len(settings):
+        raise InvalidArgument("factors", value, "have to be different settings with a level above 0", "For example `friction:1`.")
+    return settings
+
+
 def _checked_key(value: object) -> str:
     key = as_text(value, "policy_seed_key", InvalidArgument)
     if len(key.encode(errors="replace")) > LONGEST_KEY or not key.isprintable():
@@ -231,10 +253,17 @@ def plan_episodes(config: EvaluationConfig, tasks: Mapping[str, type[Task]] | No
     with make_environment(config, expert_settings()) as environment:
         places = None if config.protocol is None else split_places(config.protocol, "test")
         for task in tasks.values():
-            count, found_by, name = environment.get_task(task).variation_count(), task_reference(task), task.get_name()
+            running, found_by, name = environment.get_task(task).task, task_reference(task), task.get_name()
+            count = running.variation_count()
             drawn = _spread_places(config, count) if places is None else _protocol_places(name, count, places[name])
             planned = _task_episodes(config, found_by if is_task_file(task) else name, name, drawn)
-            items += [replace(item, task_digest=task_digest(task)) for item in planned]
+            applicable = [setting for setting in config.factors if not FactorSetting.of(setting).why_not(running)]
+            digest = task_digest(task)
+            items += [replace(item, task_digest=digest, factors=s) for s in ("", *applicable) for item in planned]
+    for setting in config.factors:
+        if all(item.factors != setting for item in items):
+            hint = "Leave it out, or name other tasks; `rlbench-pin factors` says what each needs."
+            raise InvalidArgument("factors", setting, "cannot change any of the tasks", hint)
     return items
 
 

@@ -263,6 +263,7 @@ class Episode:
             violations=dict(sorted(self.meter.violations.items())),
             fault=fault,
             fault_detail=shortened(detail),
+            factors=self.item.factors,
         )
 
 

@@ -177,6 +177,8 @@ def empty_results(config: EvaluationConfig, settings: PolicySettings, items: Seq
         episodes=(),
         policy_seed_key=config.policy_seed_key or "",
         protocol=config.protocol,
+        factors=config.factors,
+        trained_on=config.trained_on,
     )
 
 
@@ -262,7 +264,7 @@ class EpisodeJournal:
         return [outcome for outcome in outcomes if outcome is not None]
 
     def _outcome(self, item: EpisodeItem) -> EpisodeOutcome | None:
-        line = self._lines.get((item.name, item.variation, item.seed))
+        line = self._lines.get(item.key)
         if line is None:
             return None
         try:
@@ -294,12 +296,13 @@ def _check_head(path: Path, before: Mapping[str, Any], head: Mapping[str, Any]) 
         )
 
 
-def _key(line: Mapping[str, Any]) -> tuple[str, int, int] | None:
+def _key(line: Mapping[str, Any]) -> tuple[str, int, int, str] | None:
     record = line.get("record")
     if not isinstance(record, dict):
         return None
-    key = tuple(record.get(name) for name in ("task", "variation", "seed"))
-    return key if isinstance(key[0], str) and all(type(part) is int for part in key[1:]) else None  # type: ignore[return-value]
+    task, variation, seed, factors = (record.get(name) for name in ("task", "variation", "seed", "factors"))
+    known = isinstance(task, str) and type(variation) is int and type(seed) is int
+    return (task, variation, seed, str(factors or "")) if known else None
 
 
 @contextmanager

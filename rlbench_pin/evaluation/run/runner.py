@@ -63,6 +63,7 @@ class EpisodeRunner:
         try:
             settings = self.settings()
             task = self._load(item, settings)
+            task.set_factors(item.factors)
             instructions, seen = task.reset(seed=item.seed, variation=item.variation)
             episode = Episode(item, task)
             slowness = task.runtime.model.slowness
@@ -135,5 +136,5 @@ def not_played(item: EpisodeItem, fault: str, detail: str) -> EpisodeRecord:
     """Return the record of an episode that never began, or was lost."""
     return EpisodeRecord(
         task=item.name, variation=item.variation, seed=item.seed, success=False, lasts=False, steps=0, seconds=0.0,
-        end="fault", fault=fault, fault_detail=shortened(detail),
+        end="fault", fault=fault, fault_detail=shortened(detail), factors=item.factors,
     )  # fmt: skip

@@ -87,6 +87,25 @@ class Texture:
         return row
 
 
+@lru_cache(maxsize=32)
+def shaded_texture(path: Path | None, share: float, tint: tuple[float, float, float]) -> Texture:
+    """Return a pattern to multiply colours by: a share of an image over its mean brightness, times a tint.
+
+    Args:
+        path: The image; None is plain.
+        share: 0 is plain, 1 the image alone.
+        tint: Factor of red, green and blue.
+    """
+    plain = Texture(np.full((1, 1, 3), 255, dtype=np.uint8))
+    twin = copy.copy(plain if path is None else read_texture(path))
+    twin.__dict__.pop("gray", None)
+    twin.__dict__.pop("relative", None)
+    brightness = max(float(twin.mean.mean()), 1e-3)
+    mixed = 1.0 + share * (twin.texels / brightness - 1.0) if path is not None else twin.texels
+    twin.texels = np.minimum(mixed * np.array(tint), 1.6).astype(np.float32)
+    return twin
+
+
 @lru_cache(maxsize=64)
 def read_texture(path: Path) -> Texture:
     """Read an image file.

@@ -1,0 +1,173 @@
+"""The factors of generalisation: their names, levels and numbers, and which tasks each can change."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from typing import Literal
+
+from rlbench_pin.errors import InvalidArgument, UnknownName
+from rlbench_pin.scene.spec import InstructionsSpec
+from rlbench_pin.tasks import Task
+from rlbench_pin.values import as_text
+
+Group = Literal["appearance", "sensors", "physics", "arm", "language"]
+Level = int | Literal["colosseum"]
+"""1, 2 or 3, or the ranges of COLOSSEUM."""
+Numbers = Mapping[str, float | tuple[float, float]]
+"""Numbers of one level: a range that is drawn from, or a value."""
+COLOSSEUM: Literal["colosseum"] = "colosseum"
+JOINED, LEVEL = "+", ":"
+_REASONS = {
+    "manipulated": "its scene marks no object as manipulated",
+    "receiving": "its scene marks no object as receiving",
+    "joints": "no object of its scene has a joint",
+    "variations": "it has one variation",
+    **{kind: f"its scene has no {kind.replace('_', '-')} instructions" for kind in InstructionsSpec.model_fields},
+}
+"""What a factor needs of a task -> why a task cannot take it."""
+
+
+@dataclass(frozen=True)
+class Factor:
+    """One factor: something that changes from training to test while the task stays the same."""
+
+    name: str
+    group: Group
+    """What it is about: appearance, sensors, physics, the arm, or language."""
+    changes: str
+    """What it changes, as sentences."""
+    levels: tuple[Numbers, ...]
+    """Numbers of level 1, 2, ...; level 0 is no change."""
+    colosseum: Numbers | None = None
+    """Numbers with the ranges of COLOSSEUM (arXiv 2402.08191); None where it has no such factor."""
+    needs: str = ""
+    """What a task has to have, such as `receiving` objects."""
+
+    def numbers(self, level: Level) -> Numbers:
+        """Return the numbers of a level.
+
+        Raises:
+            InvalidArgument: The factor has no such level.
+        """
+        if level == COLOSSEUM and self.colosseum is not None:
+            return self.colosseum
+        if level == COLOSSEUM or not 1 <= level <= len(self.levels):
+            raise InvalidArgument(f"level of '{self.name}'", level, f"has to be one of {', '.join(self.level_names)}, or 0 for none")
+        return self.levels[level - 1]
+
+    @property
+    def level_names(self) -> tuple[str, ...]:
+        """Levels as they are written behind the name."""
+        numbered = tuple(str(level) for level in range(1, len(self.levels) + 1))
+        return numbered if self.colosseum is None else (*numbered, COLOSSEUM)
+
+    def why_not(self, task: Task) -> str:
+        """Return why this factor cannot change a task; empty when it can."""
+        for excluded in task.world.spec.excluded_factor:
+            if excluded.name == self.name:
+                return excluded.reason
+        return "" if _has(task, self.needs) else _REASONS[self.needs]
+
+
+def _has(task: Task, need: str) -> bool:
+    """Whether a task has what a factor needs."""
+    scene = task.world.spec
+    if need in ("manipulated", "receiving"):
+        return any(body.role == need for body in scene.body)
+    if need in InstructionsSpec.model_fields:
+        return bool(getattr(scene.instructions, need))
+    if need == "joints":
+        return any(body.joints for body in task.world.bodies.values())
+    return need != "variations" or task.variation_count() > 1
+
+
+@cache
+def factor_catalogue() -> Mapping[str, Factor]:
+    """Return all factors by name, in the order of the catalogue."""
+    text = files(__package__).joinpath("catalogue.toml").read_text(encoding="utf-8")
+    return {entry["name"]: _factor(**entry) for entry in tomllib.loads(text)["factor"]}
+
+
+def _factor(levels: list[dict], colosseum: dict | None = None, **entry: str) -> Factor:
+    preset = None if colosseum is None else _numbers(colosseum)
+    return Factor(levels=tuple(_numbers(level) for level in levels), colosseum=preset, **entry)  # type: ignore[arg-type]
+
+
+def _numbers(level: Mapping[str, float | list[float]]) -> Numbers:
+    return {key: (value[0], value[1]) if isinstance(value, list) else value for key, value in level.items()}
+
+
+@dataclass(frozen=True)
+class FactorSetting:
+    """Factors that change together, each at its level; none at all is the setting of level 0."""
+
+    levels: tuple[tuple[str, Level], ...] = ()
+    """Name and level of each, in the order of the catalogue."""
+
+    @classmethod
+    def of(cls, given: FactorsLike) -> FactorSetting:
+        """Return the setting that is meant by a text such as `light_color:2+friction:1`, a sequence of such texts, or a mapping.
+
+        Args:
+            given: `NAME:LEVEL` joined by `+`, a sequence of these, or name -> level. Level 0 and `""` are no change.
+
+        Raises:
+            UnknownName: There is no such factor; names the nearest.
+            InvalidArgument: A factor has no such level, or is named twice.
+        """
+        if isinstance(given, FactorSetting):
+            return given
+        if isinstance(given, Mapping):
+            parts = [(as_text(name, "factor", InvalidArgument), level) for name, level in given.items()]
+        else:
+            words = given.split(JOINED) if isinstance(given, str) else given
+            if not isinstance(words, Sequence) or not all(isinstance(word, str) for word in words):
+                raise InvalidArgument("factors", given, "has to be a text, a sequence of texts, or a mapping", _EXAMPLE)
+            parts = [_part(word.strip()) for text in words for word in text.split(JOINED) if word.strip()]
+        catalogue, chosen = factor_catalogue(), dict[str, Level]()
+        for name, level in parts:
+            if name not in catalogue:
+                raise UnknownName("factor", name, tuple(catalogue))
+            if name in chosen:
+                raise InvalidArgument("factors", given, f"names '{name}' twice", "Choose one level for each factor.")
+            chosen[name] = _level(level)
+            if chosen[name] != 0:
+                catalogue[name].numbers(chosen[name])
+        return cls(tuple((name, chosen[name]) for name in catalogue if chosen.get(name, 0) != 0))
+
+    def __str__(self) -> str:
+        """Write it as it is read: `friction:1+light_color:2`; empty where nothing changes."""
+        return JOINED.join(f"{name}{LEVEL}{level}" for name, level in self.levels)
+
+    def __bool__(self) -> bool:
+        return bool(self.levels)
+
+    def why_not(self, task: Task) -> str:
+        """Return why a task cannot take one of the factors, with its name; empty when it can take all."""
+        reasons = ((name, factor_catalogue()[name].why_not(task)) for name, _ in self.levels)
+        return next((f"'{name}': {reason}" for name, reason in reasons if reason), "")
+
+
+FactorsLike = str | Sequence[str] | Mapping[str, Level] | FactorSetting
+"""What can be passed as factors."""
+_EXAMPLE = "For example `light_color:2`, or `{'light_color': 2, 'friction': 1}`."
+
+
+def _part(word: str) -> tuple[str, object]:
+    name, colon, level = word.partition(LEVEL)
+    if not colon:
+        raise InvalidArgument("factors", word, "lacks a level", f"Write `{name}:1`; `rlbench-pin factors` lists the levels.")
+    return name, level
+
+
+def _level(level: object) -> Level:
+    if level == COLOSSEUM:
+        return COLOSSEUM
+    text = str(level)
+    if isinstance(level, bool) or not text.isascii() or not text.isdigit() or len(text) > 2:
+        raise InvalidArgument("level of a factor", level, "has to be 0, 1, 2, 3 or `colosseum`", _EXAMPLE)
+    return int(text)

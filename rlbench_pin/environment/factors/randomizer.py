@@ -1,0 +1,73 @@
+"""Factors of a runtime: what they change in each episode."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rlbench_pin.environment.episode import EpisodeRandom
+from rlbench_pin.environment.factors.catalogue import FactorSetting
+from rlbench_pin.environment.factors.draw import OTHER, draw_factors, other_instructions
+from rlbench_pin.environment.observations.config import ObservationConfig
+from rlbench_pin.environment.randomization.randomizer import WorldChanges
+from rlbench_pin.environment.runtime import Runtime
+from rlbench_pin.errors import InvalidArgument
+from rlbench_pin.spatial import FloatArray
+
+SHRINK = 0.7
+"""By how much the offsets of the start configuration shrink where the arm would touch something."""
+TRIES = 20
+"""How often they shrink."""
+
+
+class FactorRandomizer(WorldChanges):
+    """Changes each episode of one world as its factors say.
+
+    Args:
+        runtime: Holds the world.
+        config: Settings of its cameras and lights.
+        setting: The factors and their levels.
+
+    Raises:
+        FactorNotApplicable: The task cannot take one of the factors.
+    """
+
+    def __init__(self, runtime: Runtime, config: ObservationConfig, setting: FactorSetting) -> None:
+        super().__init__(runtime)
+        self._config, self.setting = config, setting
+        if reason := setting.why_not(runtime.task):
+            raise FactorNotApplicable(runtime.task.get_name(), str(setting), reason)
+        self._other: tuple[str, ...] | None = None
+
+    def prepare_episode(self, variation: int, seed: int, attempt: int) -> None:
+        """Bring the world back to how it was built, and find the words of another variation where they are wanted."""
+        self.remove()
+        if OTHER in dict(self.setting.levels):
+            self._other = other_instructions(self._runtime, variation, seed, attempt)
+
+    def begin_episode(self, variation: int, random: EpisodeRandom, seed: int, attempt: int) -> None:
+        """Change the world, the arm and the instructions at the start of an episode."""
+        sample = draw_factors(self._runtime, self._config, self.setting, seed, attempt)
+        if sample.start is not None:
+            self._start_at(sample.start)
+        self.apply(sample)
+        instructions = self._other if sample.instructions is None else sample.instructions
+        if instructions is not None:
+            self._runtime.instruct(instructions)
+
+    def _start_at(self, offsets: FloatArray) -> None:
+        """Put the arm at rest away from home; nearer where it would touch something or leave its joint limits."""
+        runtime, home = self._runtime, np.array(self._runtime.description.home)
+        runtime.refresh_planner()
+        for _ in range(TRIES):
+            q = home + offsets
+            if runtime.model.limits.contains(q) and not runtime.planner.collision.colliding_pairs(q):
+                runtime.robot.reset_configuration(q)
+                return
+            offsets = SHRINK * offsets
+
+
+class FactorNotApplicable(InvalidArgument):
+    """A task cannot take a factor."""
+
+    def __init__(self, task: str, setting: str, reason: str) -> None:
+        super().__init__("factors", setting, f"cannot change '{task}': {reason}", "`rlbench-pin factors` lists what each changes.")

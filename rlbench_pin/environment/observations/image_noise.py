@@ -1,0 +1,61 @@
+"""Faults of cameras: blur, JPEG, exposure, dead pixels, and noise of the depth."""
+
+from __future__ import annotations
+
+import io
+import zlib
+from dataclasses import dataclass
+
+import numpy as np
+from PIL import Image, ImageFilter
+
+_RGB = "RGB"
+
+
+@dataclass(frozen=True)
+class ImageNoise:
+    """Faults of all cameras in one episode; without arguments there is none."""
+
+    exposure: float = 0.0
+    """Brightness of colour images in powers of two; what is too bright is clipped."""
+    blur: float = 0.0
+    """Standard deviation of the blur as a share of the image height."""
+    dead_share: float = 0.0
+    """Share of the pixels that are black or white."""
+    jpeg_quality: int = 0
+    """Quality of JPEG compression, 1 to 95; 0 is none."""
+    depth_sigma: float = 0.0
+    """Standard deviation of the depth at 1 m [m]; it grows with the square of the depth."""
+    seed: int = 0
+    """Seed of the places of dead pixels."""
+
+    def apply(self, rgb: np.ndarray, camera: str) -> np.ndarray:
+        """Return a colour image with the faults, uint8 (h, w, 3).
+
+        Args:
+            rgb: The image; it is left as it is.
+            camera: Name of the camera; each has its own dead pixels.
+        """
+        if self.blur > 0.0:
+            image = Image.fromarray(rgb, _RGB).filter(ImageFilter.GaussianBlur(self.blur * rgb.shape[0]))
+            rgb = np.asarray(image)
+        if self.exposure != 0.0:
+            levels = np.minimum(np.arange(256) * 2.0**self.exposure, 255.0)
+            rgb = np.rint(levels).astype(np.uint8)[rgb]
+        if self.dead_share > 0.0:
+            rng = np.random.default_rng((self.seed, zlib.crc32(camera.encode())))
+            dead = rng.random(rgb.shape[:2]) < self.dead_share
+            rgb = rgb.copy()
+            rgb[dead] = np.where(rng.random(int(dead.sum())) < 0.5, 0, 255).astype(np.uint8)[:, None]
+        if self.jpeg_quality > 0:
+            stored = io.BytesIO()
+            Image.fromarray(rgb, _RGB).save(stored, "JPEG", quality=self.jpeg_quality)
+            rgb = np.array(Image.open(stored))
+        return rgb if rgb.flags.writeable else rgb.copy()
+
+    def apply_to_depth(self, metres: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+        """Return depth [m] with normal noise, float32 (h, w); draws only from `rng`, and nothing without noise."""
+        if self.depth_sigma <= 0.0:
+            return metres
+        noise = rng.standard_normal(metres.shape, dtype=np.float32)
+        return np.maximum(metres + self.depth_sigma * metres**2 * noise, 0.0).astype(np.float32)

@@ -1,0 +1,65 @@
+"""Commands of the arm's motors that arrive late, or not at all."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rlbench_pin.sim.arm.control import ArmControl, SimRobot
+
+
+@dataclass(frozen=True)
+class DelayState:
+    """What a delay remembers."""
+
+    waiting: tuple[ArmControl, ...]
+    wanted: ArmControl
+    arrived: ArmControl
+    random: dict[str, Any]
+
+
+class CommandDelay:
+    """Passes commands of the arm's motors on after some control ticks, and loses some; a keeper of a world.
+
+    Args:
+        robot: The arm; its present command is the first that arrives.
+        latency: Control ticks between a command and its arrival.
+        loss: Probability that a command does not arrive. The last one that did holds on.
+        seed: Seed of the losses.
+    """
+
+    def __init__(self, robot: SimRobot, latency: int, loss: float, seed: int) -> None:
+        self._robot, self._loss = robot, loss
+        self._rng = np.random.default_rng(seed)
+        self._wanted = self._arrived = robot.control
+        self._waiting = (robot.control,) * latency
+
+    def pass_on(self) -> None:
+        """Give the motors the command that arrives in the tick that begins."""
+        given = self._robot.control
+        if given is not self._arrived:
+            self._wanted = given
+        self._waiting = (*self._waiting, self._wanted)
+        arriving, *waiting = self._waiting
+        self._waiting = tuple(waiting)
+        before = self._arrived
+        command = before if self._rng.random() < self._loss else arriving
+        follows_on = command.mode == before.mode == "position"
+        reference = before.reference if follows_on else self._robot.joint_positions
+        self._robot.set_control(ArmControl(command.mode, command.target, reference, given.torques))
+
+    def end_tick(self) -> None:
+        """Note the command as the motors have it after the tick has begun."""
+        self._arrived = self._robot.control
+
+    def state(self) -> DelayState:
+        """Return what is to be remembered."""
+        return DelayState(self._waiting, self._wanted, self._arrived, self._rng.bit_generator.state)
+
+    def set_state(self, state: object) -> None:
+        """Go back to what `state()` returned."""
+        assert isinstance(state, DelayState)
+        self._waiting, self._wanted, self._arrived = state.waiting, state.wanted, state.arrived
+        self._rng.bit_generator.state = state.random
