@@ -8,6 +8,7 @@ from __future__ import annotations
 import inspect
 import sys
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 
@@ -19,20 +20,21 @@ from rlbench_pin.checking.page import markdown_table
 from rlbench_pin.errors import BoundaryError
 from rlbench_pin.robot.description import DEFAULT_ROBOT, robot_description
 from rlbench_pin.sim import World
-from rlbench_pin.tasks import Task, library_names, task_class, task_scene
+from rlbench_pin.tasks import Task, Wording, library_names, task_class, task_scene
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "results" / "instructions.md"
 HEAD = """# Instructions
 
-Every sentence that an episode may return, by task and variation, below what the task counts as success.
-`python scripts/write_instructions.py` writes this page from the tasks.
+The sentences of every task, below what the task counts as success: all kinds for variation 0, then the first one of each
+variation. Resets and recordings have the training sentences; the other kinds come with factors of language.
+`python scripts/write_instructions.py` writes this page from the scene files.
 """
 DRAWS = 20
 """Draws of an episode until its objects find a place."""
 
 
-def sentences(name: str) -> list[list[str]]:
-    """Return the sentences of each variation of a task."""
+def sentences(name: str) -> list[dict[str, tuple[str, ...]]]:
+    """Return the sentences of each variation of a task, by kind."""
     kind = task_class(name)
     with World(task_scene(kind), robot_description(DEFAULT_ROBOT)) as world:
         task = kind(world)
@@ -40,14 +42,16 @@ def sentences(name: str) -> list[list[str]]:
         start, found = world.save(), []
         for variation in range(task.variation_count()):
             world.restore(start)
-            found.append(_episode(task, variation))
+            _begin(task, variation)
+            found.append({kind: task.get_wording(kind) for kind in get_args(Wording)})
     return found
 
 
-def _episode(task: Task, variation: int) -> list[str]:
+def _begin(task: Task, variation: int) -> None:
     for seed in range(DRAWS):
         try:
-            return list(task.begin_episode(variation, np.random.default_rng(seed)))
+            task.begin_episode(variation, np.random.default_rng(seed))
+            return
         except BoundaryError:
             continue
     raise SystemExit(f"{task.get_name()}, variation {variation}: {DRAWS} draws in a row found no place.")
@@ -57,9 +61,12 @@ def page() -> str:
     """Return the page as Markdown."""
     parts = [HEAD]
     for name in library_names():
-        rows = [[variation, "<br>".join(lines)] for variation, lines in enumerate(sentences(name))]
-        counts = inspect.getdoc(task_class(name))
-        parts.append(f"## {name}\n\n{counts}\n\n{markdown_table(['Variation', 'Sentences'], rows)}\n")
+        variations = sentences(name)
+        kinds = [[kind.replace("_", "-"), "<br>".join(lines)] for kind, lines in variations[0].items()]
+        parts.append(f"## {name}\n\n{inspect.getdoc(task_class(name))}\n\n{markdown_table(['Kind', 'Sentences'], kinds)}\n")
+        if len(variations) > 1:
+            first = [[number, said["training"][0]] for number, said in enumerate(variations)]
+            parts.append(f"{markdown_table(['Variation', 'First sentence'], first)}\n")
     return "\n".join(parts)
 
 

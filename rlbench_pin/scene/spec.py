@@ -254,7 +254,7 @@ class BodySpec(PosedSpec):
     scale: Number = Field(default=1.0, ge=1e-4, le=100.0)
     """Uniform scale of the asset."""
     role: Literal["manipulated", "receiving"] | None = None
-    """What the demonstration does with it: the gripper moves it, or what was moved ends in, on or at it."""
+    """What a demonstration does with it: the gripper moves it; or what is moved ends in, on or at it, or moves it as a tool."""
 
 
 class SpringSpec(Spec):

@@ -50,7 +50,7 @@ from rlbench_pin.tasks.registry import (
     usable_task_names,
 )
 from rlbench_pin.tasks.settling import at_rest, settle
-from rlbench_pin.tasks.task import Task, TaskState
+from rlbench_pin.tasks.task import Task, TaskState, Wording
 from rlbench_pin.tasks.waypoints import Waypoint
 
 if TYPE_CHECKING:
@@ -85,6 +85,7 @@ __all__ = [
     "TipInside",
     "Tray",
     "Waypoint",
+    "Wording",
     "at_rest",
     "camel_case",
     "checked_class",

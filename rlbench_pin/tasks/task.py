@@ -238,20 +238,10 @@ class Task:
             TaskError: A sentence needs another word, or there is no sentence.
         """
         spec = self.world.spec.instructions
-        self._wording = {kind: self._filled(getattr(spec, kind), words) for kind in InstructionsSpec.model_fields}
+        self._wording = {kind: _filled(self.get_name(), getattr(spec, kind), words) for kind in InstructionsSpec.model_fields}
         if not self._wording["training"]:
             raise TaskError(f"The scene of task '{self.get_name()}' has no sentences. Add `[instructions]` with `training`.")
         return list(self._wording["training"])
-
-    def _filled(self, sentences: Sequence[str], words: Mapping[str, object]) -> tuple[str, ...]:
-        try:
-            filled = [sentence.format_map(words) for sentence in sentences]
-        except (KeyError, ValueError, IndexError, AttributeError) as error:
-            known = ", ".join(sorted(words)) or "none"
-            raise TaskError(
-                f"A sentence of task '{self.get_name()}' cannot be filled in: {error}. Words of this task: {known}."
-            ) from error
-        return tuple(sentence[:1].upper() + sentence[1:] for sentence in filled)
 
     # What the environment calls -------------------------------------------------------------------------------------
 
@@ -379,6 +369,15 @@ class Task:
             raise TaskError(
                 f"init_episode of task '{self.get_name()}' must return a list of different sentences, not {instructions!r}."
             )
+
+
+def _filled(task: str, sentences: Sequence[str], words: Mapping[str, object]) -> tuple[str, ...]:
+    try:
+        filled = [sentence.format_map(words) for sentence in sentences]
+    except (KeyError, ValueError, IndexError, AttributeError) as error:
+        known = ", ".join(sorted(words)) or "none"
+        raise TaskError(f"A sentence of task '{task}' cannot be filled in: {error}. Words of this task: {known}.") from error
+    return tuple(sentence[:1].upper() + sentence[1:] for sentence in filled)
 
 
 _FIXED = frozenset({"world", "robot", "gripper", "_low_dim"})

@@ -24,11 +24,11 @@ VERBS = frozenset(
 )
 """What sentences ask for; a new one is added here."""
 COUNTED = words(
-    "ball block book brick bulb button compartment crumb cube degree drawer end hole item level mug other piece pin shape "
-    "thing tomato"
+    "ball bar block book brick bulb button centimetre chair compartment crumb cube cup degree door drawer end handle hole "
+    "holder item jar knob layer level mug object other pepper piece pin place shape shoe side square step storey thing tomato"
 )
 """Nouns that stand behind a number, in the singular."""
-FUNCTION_WORDS = words("are by from in into is of on onto over that to whose")
+FUNCTION_WORDS = words("and are at by for from in into is lie lies of on onto over stand stands that to whose with")
 """They stand behind a number that has no noun."""
 NUMBERS = words("two three four five six seven eight nine ten eleven twelve thirteen")
 MAX_ALIKE = 0.5
@@ -67,11 +67,16 @@ def alike(sentences: Sequence[str]) -> list[str]:
     for one, other in combinations(sentences, 2):
         if first_verb(one) == first_verb(other) or words(one)[0] == words(other)[0]:
             found.append(f"opening: {one} {other}")
-        if SequenceMatcher(None, words(one), words(other), autojunk=False).ratio() > MAX_ALIKE:
+        if likeness(one, other) > MAX_ALIKE:
             found.append(f"words: {one} {other}")
     if len({words(s)[0] == first_verb(s) for s in sentences}) < 2:
         found.append(f"all or none open with a verb: {sentences[0]}")
     return found
+
+
+def likeness(one: str, other: str) -> float:
+    """Return the share of common words in common order of two sentences."""
+    return SequenceMatcher(None, words(one), words(other), autojunk=False).ratio()
 
 
 def _vowel(word: str) -> bool:

@@ -2,49 +2,63 @@
 
 from __future__ import annotations
 
+from itertools import combinations
+
 import pytest
 from write_instructions import written_anew
 
 from rlbench_pin.tasks import task_names
 from tests.tasks.running import begin, running
-from tests.tasks.sentences import alike, faults, first_verb
+from tests.tasks.sentences import alike, faults, first_verb, likeness
 
 REPEATS = {"push_buttons"}
 """Tasks whose specification gives several variations the same goal."""
 
 
+LEAST = {"training": 7, "held_out": 3, "vague": 1, "specific": 1}
+"""Sentences of each kind at least."""
+
+
 @pytest.fixture(scope="module", params=task_names())
-def instructions(request: pytest.FixtureRequest) -> dict[int, list[str]]:
-    """Variation -> sentences of one task; its world is built once. No variation begins with success."""
+def instructions(request: pytest.FixtureRequest) -> dict[int, dict[str, tuple[str, ...]]]:
+    """Variation -> sentences of one task by kind; its world is built once. No variation begins with success."""
     with running(request.param) as task:
         clean, found = task.world.save(), {}
         for variation in range(task.variation_count()):
             task.world.restore(clean)
-            found[variation] = begin(task, variation, seed=variation)
+            returned = begin(task, variation, seed=variation)
+            found[variation] = {kind: task.get_wording(kind) for kind in LEAST}
+            assert tuple(returned) == found[variation]["training"]
             assert task.success() == (False, False)
     return found
 
 
 @pytest.mark.simulation
-def test_every_variation_has_three_sentences_of_its_own(
-    instructions: dict[int, list[str]], request: pytest.FixtureRequest
+def test_every_variation_has_sentences_of_its_own(
+    instructions: dict[int, dict[str, tuple[str, ...]]], request: pytest.FixtureRequest
 ) -> None:
-    """No two variations share one, unless they share their goals."""
-    assert all(len(sentences) >= 3 for sentences in instructions.values())
-    every = [sentence for sentences in instructions.values() for sentence in sentences]
+    """Ten and more, of every kind; no two variations share one, unless they share their goals."""
+    assert all(len(kinds[kind]) >= least for kinds in instructions.values() for kind, least in LEAST.items())
+    every = [sentence for kinds in instructions.values() for sentences in kinds.values() for sentence in sentences]
     assert len(set(every)) == len(every) or request.node.callspec.params["instructions"] in REPEATS
 
 
 @pytest.mark.simulation
-def test_articles_numbers_and_signs_are_right_in_every_variation(instructions: dict[int, list[str]]) -> None:
+def test_articles_numbers_and_signs_are_right_in_every_variation(instructions: dict[int, dict[str, tuple[str, ...]]]) -> None:
     """`an` before vowels that are spoken, plurals behind numbers, a capital, a full stop, single spaces."""
-    assert {s: faults(s) for sentences in instructions.values() for s in sentences if faults(s)} == {}
+    every = {s for kinds in instructions.values() for sentences in kinds.values() for s in sentences}
+    assert {s: faults(s) for s in sorted(every) if faults(s)} == {}
 
 
 @pytest.mark.simulation
-def test_the_sentences_of_a_variation_differ_in_verb_and_structure(instructions: dict[int, list[str]]) -> None:
-    """Other first verbs and first words, half of the words at most in common order; some open with the verb, some do not."""
-    assert [found for sentences in instructions.values() for found in alike(sentences)] == []
+def test_the_sentences_of_a_variation_differ_in_verb_and_structure(
+    instructions: dict[int, dict[str, tuple[str, ...]]],
+) -> None:
+    """The first three in verb and opening; all others share at most three quarters of their words in common order."""
+    kinds = instructions[0]
+    every = [sentence for sentences in kinds.values() for sentence in sentences]
+    assert alike(kinds["training"][:3]) == []
+    assert [pair for pair in combinations(every, 2) if likeness(*pair) > 0.75] == []
 
 
 @pytest.mark.simulation

@@ -20,8 +20,4 @@ class BasketballInHoop(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Drop the orange ball through the ring.",
-            "The small basketball lies in front of the hoop: put it into the basket from above.",
-            "Score a basket with the ball.",
-        ]
+        return self.make_instructions()

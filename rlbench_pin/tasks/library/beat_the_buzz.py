@@ -27,11 +27,7 @@ class BeatTheBuzz(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Switch the lamp off; only the place of the task varies."""
         self.world.body("base").set_color(OFF, "lamp")
-        return [
-            "Move the ring to the other end of the rod without touching the rod, and let go of it there.",
-            "The ring belongs at the opposite end of the wire: take it there without a single touch, and release it.",
-            "Play the hot wire game: lead the loop over to the other post, clear of the wire, and leave it there.",
-        ]
+        return self.make_instructions()
 
     def step(self) -> None:
         """Let the lamp show a touch, or that the goal is reached."""

@@ -55,11 +55,7 @@ class BlockPyramid(Task):
             self.boundary.sample(body, rng, min_rotation=LOWEST, max_rotation=HIGHEST, min_distance=APART, apart=room)
         middle = self.world.body("strip").position
         self.order = sorted(self.blocks, key=lambda block: float(np.linalg.norm(block.position - middle)))
-        return [
-            f"Build a pyramid from the {name} blocks.",
-            f"On the strip, stack all six {name} cubes, each row with one fewer than the row below.",
-            f"The marked strip needs a pyramid of {name} blocks: pile up three, then two, then one.",
-        ]
+        return self.make_instructions(color=name)
 
     def _aim_at_next_block(self, waypoint: Waypoint) -> None:
         self.world.frame("waypoint1").set_parent(self.order[self.round].name)

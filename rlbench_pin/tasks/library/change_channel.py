@@ -45,11 +45,7 @@ class ChangeChannel(Task):
         self.world.frame("waypoint6").set_parent(f"remote/{self.buttons[variation]}")
         self.register_success_conditions([self.commands[variation]])
         sign, way, channel = self.words[variation]
-        return [
-            f"Lay the remote down in front of the television, aimed at it, and press {sign}.",
-            f"Switch one channel {way} with the remote, which must lie before the screen and face it.",
-            f"I want to see channel {channel}: point the remote at the TV, let go of it, and push its {sign} button.",
-        ]
+        return self.make_instructions(sign=sign, way=way, channel=channel)
 
     def step(self) -> None:
         """Show the channel that the buttons ask for."""

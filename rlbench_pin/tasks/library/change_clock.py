@@ -16,8 +16,4 @@ class ChangeClock(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Set the alarm clock to a quarter past twelve.",
-            "It is twelve by this clock: rotate the key at its back until the long hand points to the three.",
-            "With the knob behind the dial, move the time forward by fifteen minutes.",
-        ]
+        return self.make_instructions()

@@ -16,8 +16,4 @@ class CloseBox(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Close the cardboard box.",
-            "The carton is open, please fold its lid down.",
-            "To keep the dust out, lower the cover of the box.",
-        ]
+        return self.make_instructions()

@@ -16,8 +16,4 @@ class CloseDoor(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Close the door.",
-            "There is a draught in here, so pull the open door to.",
-            "Somebody left the door open: swing it back into its frame.",
-        ]
+        return self.make_instructions()

@@ -26,8 +26,4 @@ class CloseDrawer(Task):
         joint.set_position(0.1)
         self.world.frame("waypoint0").move_to(f"ahead_{drawer}")
         self.register_success_conditions([JointMoved(joint, 0.06)])
-        return [
-            f"Push the {drawer} drawer in.",
-            f"Somebody left the {drawer} drawer of the chest out, please close it.",
-            f"The chest looks untidy, so shove its {drawer} compartment back.",
-        ]
+        return self.make_instructions(drawer=drawer)

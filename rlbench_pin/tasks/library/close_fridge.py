@@ -18,8 +18,4 @@ class CloseFridge(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Push the upper door of the fridge closed.",
-            "Cold air is getting out of the refrigerator, so close it.",
-            "The milk is getting warm: swing the open fridge door back.",
-        ]
+        return self.make_instructions()

@@ -16,8 +16,4 @@ class CloseGrill(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Pull down the hood of the barbecue.",
-            "The grill is open, please lower its lid.",
-            "To keep the heat in, close the barbecue.",
-        ]
+        return self.make_instructions()

@@ -34,8 +34,4 @@ class CloseJar(Task):
         self.jars[1 - goal].set_color(distractor_colors(rng, variation, 1)[0].rgb, "jar")
         self.boundary.scatter(self.jars, rng)
         self.world.frame("goal").set_parent(self.jars[goal].name)
-        return [
-            f"Fit the lid onto the {name} jar and let it go.",
-            f"The {name} jar is open: close it with the lid from the table.",
-            f"Pick up the lid and use it to cover the jar that is {name}.",
-        ]
+        return self.make_instructions(color=name)

@@ -16,8 +16,4 @@ class CloseLaptopLid(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Close the laptop.",
-            "The notebook is still open: fold its screen down onto the keyboard.",
-            "I am done working, so please lower the lid of the computer.",
-        ]
+        return self.make_instructions()

@@ -16,8 +16,4 @@ class CloseMicrowave(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Close the microwave.",
-            "The microwave is open, please push its door back.",
-            "Nobody needs the microwave oven any more, so swing its door closed.",
-        ]
+        return self.make_instructions()

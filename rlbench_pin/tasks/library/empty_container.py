@@ -59,11 +59,7 @@ class EmptyContainer(Task):
         self.goal_side = 2 * goal - 1
         self._aim_at_tray()
         self.register_success_conditions([Detected(body, self.sensor) for body in self.objects])
-        return [
-            f"Move the three things from the large tray to the {name} one.",
-            f"Everything in the middle belongs in the small {name} tray.",
-            f"Empty the big container, and let all of it land in the {name} one.",
-        ]
+        return self.make_instructions(color=name)
 
     def step(self) -> None:
         """Note which objects still have to be moved."""
@@ -79,9 +75,9 @@ class EmptyContainer(Task):
         for i, shape in enumerate(rng.choice(SOLIDS * SIZES, len(OBJECTS), replace=False)):
             solid, size = divmod(int(shape), SIZES)
             asset, pose = f"objects/convex/convex_{solid:02d}.urdf", (0.0, 0.0, DROP + APART * i, 0.0, 0.0, 0.0, 1.0)
-            body = self.world.add_body(
-                OBJECTS[i], BodySpec(name=OBJECTS[i], asset=asset, pose=pose, scale=0.85 + 0.35 * size / SIZES)
-            )
+            scale = 0.85 + 0.35 * size / SIZES
+            spec = BodySpec(name=OBJECTS[i], asset=asset, pose=pose, scale=scale, role="manipulated")
+            body = self.world.add_body(OBJECTS[i], spec)
             self.boundary.sample(body, rng, min_distance=0.0, ignore_collisions=True)
         self.objects = [self.world.body(name) for name in OBJECTS]
         self.register_graspable_objects(OBJECTS)

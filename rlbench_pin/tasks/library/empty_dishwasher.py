@@ -19,11 +19,7 @@ class EmptyDishwasher(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Fetch the plate from the dishwasher.",
-            "The dishes are done, so lift the clean plate out of the rack.",
-            "Unload the dishwasher: there is one plate in its rack.",
-        ]
+        return self.make_instructions()
 
     def _aim_at_plate(self, waypoint: Waypoint) -> None:
         """Go for the plate where the rack has brought it."""

@@ -23,11 +23,7 @@ class GetIceFromFridge(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Begin with the light off; only the place of the task varies."""
         self.step()
-        return [
-            "Hold the cup under the ice outlet of the fridge and push its lever.",
-            "There is an ice dispenser in the fridge: push its tongue with the rim of the cup.",
-            "Get some ice: press the cup against the lever in the niche of the refrigerator.",
-        ]
+        return self.make_instructions()
 
     def step(self) -> None:
         """Let the light follow the tongue."""

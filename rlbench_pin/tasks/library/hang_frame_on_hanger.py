@@ -18,8 +18,4 @@ class HangFrameOnHanger(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Hang the picture on the hook in the wall.",
-            "There is a free hook on the wall, so put the framed picture on it.",
-            "Slip the bar on the back of the frame over the hook and let the picture go.",
-        ]
+        return self.make_instructions()

@@ -19,8 +19,4 @@ class HitBallWithQueue(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Take the cue and sink the ball in the pocket.",
-            "The billiard ball must go into the pocket: hit it with the cue.",
-            "Use the billiard stick to shoot the white ball in.",
-        ]
+        return self.make_instructions()

@@ -18,8 +18,4 @@ class Hockey(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Hit the ball into the goal with the hockey stick, and keep hold of the stick.",
-            "The orange ball belongs in the goal: use the stick, and do not drop it.",
-            "With the hockey stick in hand, shoot the ball across the line between the posts.",
-        ]
+        return self.make_instructions()

@@ -35,8 +35,4 @@ class InsertOntoSquarePeg(Task):
             pillar.set_color(color.rgb)
         self.world.frame("goal").move_to(goal.name)
         self.boundary.scatter([self.ring], rng)
-        return [
-            f"Thread the square ring onto the {name} post, all the way down.",
-            f"The {name} pillar is the one for the ring: put it around its foot.",
-            f"Lower the ring over the peg that is {name} until it lies on the base.",
-        ]
+        return self.make_instructions(color=name)

@@ -17,8 +17,4 @@ class InsertUsbInComputer(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Connect the memory stick to the computer.",
-            "The PC has a free port in its front, so push the thumb drive into it.",
-            "Slide the metal end of the flash drive into the slot of the desktop.",
-        ]
+        return self.make_instructions()

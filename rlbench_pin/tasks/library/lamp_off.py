@@ -26,11 +26,7 @@ class LampOff(Task):
         """Begin with the light on; only the place of the task varies."""
         self._shine(BRIGHT)
         self.world.body("button").set_color(ENAMEL, "base")
-        return [
-            "Press the button that switches the lamp off.",
-            "It is too bright in here, please turn off the light.",
-            "The lamp can go out now, so click its button.",
-        ]
+        return self.make_instructions()
 
     def step(self) -> None:
         """Put the lamp out once its button is pressed."""

@@ -26,11 +26,7 @@ class LampOn(Task):
         """Begin in the dark; only the place of the task varies."""
         self._shine(DARK)
         self.world.body("button").set_color(ENAMEL, "base")
-        return [
-            "Press the button that switches the lamp on.",
-            "It is too dark in here, please turn on the light.",
-            "The lamp does not shine yet, so click its button.",
-        ]
+        return self.make_instructions()
 
     def step(self) -> None:
         """Let the lamp shine once its button is pressed."""

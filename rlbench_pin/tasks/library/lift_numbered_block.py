@@ -29,8 +29,4 @@ class LiftNumberedBlock(Task):
         self.boundary.scatter(self.blocks, rng, min_distance=0.2)
         self.world.frame("waypoint1").set_parent(block.name)
         self.register_success_conditions([Grasped(self.gripper, block), Detected(block, self.height)])
-        return [
-            f"Raise the cube labelled {number}.",
-            f"Which of the blocks says {number}? Lift that one off the table.",
-            f"Pick up and hold the block with the digit {number}.",
-        ]
+        return self.make_instructions(number=number, word=("one", "two", "three")[variation])

@@ -37,11 +37,7 @@ class LightBulbIn(Task):
         self.world.frame("waypoint1").set_parent(self.bulb.name)
         self.in_socket = Detected(self.bulb, self.world.sensor("socket"))
         self.register_success_conditions([self.in_socket, NothingGrasped(self.gripper)])
-        return [
-            f"Fit the lamp with the bulb from the {name} holder.",
-            f"The lamp is empty, so give it the bulb that stands in the {name} base.",
-            f"Of the two bulbs, choose the one in the {name} holder and put it in the lamp.",
-        ]
+        return self.make_instructions(color=name)
 
     def step(self) -> None:
         """Let the asked bulb glow while it stands in the socket."""

@@ -41,11 +41,7 @@ class LightBulbOut(Task):
         for frame in (self.sensor, self.world.frame("waypoint4")):
             frame.set_parent(self.holders[goal].name)
         self.step()
-        return [
-            f"Take the bulb out of the lamp and stand it in the {name} holder.",
-            f"The light is no longer needed: unscrew the bulb and leave it in the {name} base.",
-            f"Both holders are empty: move the glowing bulb to the {name} one.",
-        ]
+        return self.make_instructions(color=name)
 
     def step(self) -> None:
         """Let the bulb glow while it stands in the lamp."""

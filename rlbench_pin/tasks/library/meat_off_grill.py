@@ -30,8 +30,4 @@ class MeatOffGrill(Task):
         grasp.set_position([*meat.position[:2], grasp.position[2]])
         beside = AnyOf([Detected(meat, side) for side in self.sides])
         self.register_success_conditions([NothingGrasped(self.gripper), beside])
-        return [
-            f"Lay the {meat.name} on the table, next to a long side of the grill.",
-            f"The {meat.name} is done: take it off the barbecue and set it down along one of the longer sides.",
-            f"Get the {meat.name} from the grate down to the table, to one of the grill's longer sides.",
-        ]
+        return self.make_instructions(meat=meat.name)

@@ -27,8 +27,4 @@ class MeatOnGrill(Task):
         grasp = self.world.frame("waypoint1")
         grasp.set_position([*meat.position[:2], grasp.position[2]])
         self.register_success_conditions([NothingGrasped(self.gripper), Detected(meat, self.grate)])
-        return [
-            f"Lay the {meat.name} on the grate of the grill.",
-            f"The coals are hot: move the {meat.name} up onto the barbecue and let go of it.",
-            f"To cook the {meat.name}, carry it from the table to the grill and leave it there.",
-        ]
+        return self.make_instructions(meat=meat.name)

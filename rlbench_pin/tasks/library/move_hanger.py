@@ -27,8 +27,4 @@ class MoveHanger(Task):
         pose = self.hanger.pose
         pose[0] += rng.uniform(-0.1, 0.3)
         self.hanger.set_pose(pose)
-        return [
-            "Move the coat hanger to the other rail.",
-            "The hanger should be on the empty rail: unhook it and carry it across.",
-            "Take the hanger off its rail and hang it by the hook on the rail beside it.",
-        ]
+        return self.make_instructions()

@@ -16,8 +16,4 @@ class OpenBox(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Flip the lid of the carton up, past upright.",
-            "I want to look into the cardboard box, so fold its cover up and over.",
-            "Open the carton until its lid leans backwards.",
-        ]
+        return self.make_instructions()

@@ -23,11 +23,7 @@ class OpenDoor(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Unlatch the door by its lever, then push it open.",
-            "The door is shut: press down its handle and swing it open.",
-            "I need to get through, so open the door by its handle.",
-        ]
+        return self.make_instructions()
 
     def step(self) -> None:
         """Free the leaf once the lever has been turned far enough."""

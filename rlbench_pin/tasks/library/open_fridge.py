@@ -16,8 +16,4 @@ class OpenFridge(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Swing the upper door of the fridge wide open.",
-            "Someone is hungry, so pull the fridge open by its taller handle.",
-            "I want to get at the shelves, please open the big door of the refrigerator.",
-        ]
+        return self.make_instructions()

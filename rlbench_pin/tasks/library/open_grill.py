@@ -16,8 +16,4 @@ class OpenGrill(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Raise the hood of the barbecue by its bar.",
-            "The coals are hot, so swing the lid of the grill up.",
-            "I want to put meat on the grate, please open the grill.",
-        ]
+        return self.make_instructions()

@@ -34,8 +34,4 @@ class OpenJar(Task):
         self.world.frame("goal").set_parent(self.jars[goal].name)
         on_table = Detected(self.lids[goal], self.world.sensor("table_spot"))
         self.register_success_conditions([on_table, NothingGrasped(self.gripper)])
-        return [
-            f"Take the lid off the {name} jar and lay it down inside the ring.",
-            f"The {name} jar should be open: unscrew its lid and leave it on the round mark.",
-            f"I want the lid of the {name} jar in the ring on the table, so move it there.",
-        ]
+        return self.make_instructions(color=name)

@@ -16,8 +16,4 @@ class OpenLaptopLid(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Open the laptop until its screen is upright.",
-            "The notebook is almost shut: lift its lid so far that the screen stands upright.",
-            "I want to type something, so raise the screen of the computer to a right angle.",
-        ]
+        return self.make_instructions()

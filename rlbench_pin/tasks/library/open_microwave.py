@@ -16,8 +16,4 @@ class OpenMicrowave(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Swing the door of the microwave wide open.",
-            "I want to warm up a meal, so pull the microwave open by its handle.",
-            "Open the microwave oven almost to a right angle.",
-        ]
+        return self.make_instructions()

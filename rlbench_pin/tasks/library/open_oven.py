@@ -17,8 +17,4 @@ class OpenOven(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Fold the door of the oven down flat.",
-            "The oven is shut, please lower its door all the way.",
-            "I want to put in a baking tray, so open the oven as far as it goes.",
-        ]
+        return self.make_instructions()

@@ -16,8 +16,4 @@ class OpenWashingMachine(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Open the round door of the washing machine.",
-            "The laundry is done, please pull the washer open.",
-            "I want to get at the clothes in the drum, so swing the glass door open.",
-        ]
+        return self.make_instructions()

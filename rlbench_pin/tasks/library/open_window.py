@@ -18,11 +18,7 @@ class OpenWindow(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Open the left side of the window.",
-            "It is stuffy in here: turn the red handle up and push the left wing outwards.",
-            "Unlock the wing on the left with its handle, and swing it out of the frame.",
-        ]
+        return self.make_instructions()
 
     def step(self) -> None:
         """Free the wing once the handle has been turned far enough."""

@@ -24,11 +24,7 @@ class OpenWineBottle(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Unscrew the wine bottle and take its cap off.",
-            "I would like a glass of wine, so get the top off the bottle.",
-            "Twist the cap of the bottle until it comes loose, and lift it clear of the neck.",
-        ]
+        return self.make_instructions()
 
     def step(self) -> None:
         """Free the cap from the thread once it has been turned far enough, anticlockwise."""

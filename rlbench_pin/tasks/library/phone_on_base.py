@@ -18,8 +18,4 @@ class PhoneOnBase(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Return the handset to its charging cradle.",
-            "The phone needs charging: lay it in its base, contacts down, and let go.",
-            "Hang up the cordless telephone.",
-        ]
+        return self.make_instructions()

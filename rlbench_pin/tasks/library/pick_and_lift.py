@@ -31,11 +31,7 @@ class PickAndLift(Task):
         for block, color in zip([self.block, *self.distractors], [rgb, *(c.rgb for c in others)], strict=True):
             block.set_color(color)
             self.boundary.sample(block, rng, min_distance=0.1)
-        return [
-            f"Carry the {name} cube to the floating ring and keep it there.",
-            f"There is a ring in the air: hold the {name} block in it.",
-            f"Raise the {name} block to where the ring floats, and do not let go.",
-        ]
+        return self.make_instructions(color=name)
 
     def get_low_dim_state(self) -> np.ndarray:
         """Return the positions of block and marker, shape (6,) [m]."""

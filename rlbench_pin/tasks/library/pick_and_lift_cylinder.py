@@ -33,11 +33,7 @@ class PickAndLiftCylinder(Task):
         self.boundary.sample(self.marker, rng, min_rotation=NO_ROTATION, max_rotation=NO_ROTATION)
         for body in (self.toy, *self.cubes):
             self.boundary.sample(body, rng, min_distance=0.1)
-        return [
-            f"Lift the {self.word} until it is in the floating ring.",
-            f"There is a ring in the air: carry the {self.word} into it.",
-            f"Up where the ring floats, hold the {self.word}.",
-        ]
+        return self.make_instructions(word=self.word)
 
     def get_low_dim_state(self) -> np.ndarray:
         """Return the positions of toy and marker, shape (6,) [m]."""

@@ -32,8 +32,4 @@ class PickAndLiftSmall(Task):
             self.boundary.sample(self.world.body(name), rng, min_distance=0.1)
         self.world.frame("waypoint1").set_parent(f"grasp_{shape.name}")
         self.register_success_conditions([Grasped(self.gripper, shape), Detected(shape, self.goal)])
-        return [
-            f"Carry the {word} up to the floating ring.",
-            f"There is a red ring in the air: hold the {word} in it.",
-            f"Raise the {word} until it is in the ring, and do not let go.",
-        ]
+        return self.make_instructions(word=word)

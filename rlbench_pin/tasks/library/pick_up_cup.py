@@ -36,11 +36,7 @@ class PickUpCup(Task):
         x, y, z = self.cup.position
         self.zone.set_position([x, y, z + self.zone.size[1] / 2.0])
         self._aim_at_far_side_of_rim()
-        return [
-            f"Lift the {name} cup off the table.",
-            f"Which cup is {name}? Pick that one up and hold it.",
-            f"Grip the {name} cup and raise it.",
-        ]
+        return self.make_instructions(color=name)
 
     def _aim_at_far_side_of_rim(self) -> None:
         """Turn the frame of the approach, so that the outer finger has the other cup behind the asked one."""

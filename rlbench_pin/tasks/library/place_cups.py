@@ -33,12 +33,8 @@ class PlaceCups(Task):
         all_but_one = [AllOf([hung[i] for i in range(3) if i != left]) for left in range(3)]
         enough = (AnyOf(hung), AnyOf(all_but_one), AllOf(hung))[variation]
         self.register_success_conditions([enough, NothingGrasped(self.gripper)])
-        number = NUMBER[variation]
-        return [
-            f"Hang {number} on the tree.",
-            f"Please hook {number} onto the stand by the handle.",
-            f"Slip {number}, handle first, onto the branches of the wooden tree and let go.",
-        ]
+        them, dangle = ("it", "dangles") if self.wanted == 1 else ("them", "dangle")
+        return self.make_instructions(mugs=NUMBER[variation], them=them, dangle=dangle)
 
     def _aim_at_next_mug(self, waypoint: Waypoint) -> None:
         """Go for the next mug, with the same grip, and for the next spoke."""

@@ -26,8 +26,4 @@ class PlaceHangerOnRack(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Place the stand with the hanger."""
         self.boundary.scatter([self.stand], rng)
-        return [
-            "Hang the coat hanger on the clothes rail.",
-            "The hanger belongs on the rack, by its hook.",
-            "Take the wooden hanger out of the stand, hook it over the bar and let go.",
-        ]
+        return self.make_instructions()

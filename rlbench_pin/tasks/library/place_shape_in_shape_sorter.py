@@ -39,11 +39,7 @@ class PlaceShapeInShapeSorter(Task):
         self._aim_at_shape()
         self._aim_at_hole()
         self.register_success_conditions([Detected(asked, self.world.sensor("inside"))])
-        return [
-            f"Push the {word} through the hole it fits.",
-            f"There is a hole for the {word} in the toy box, please drop it in.",
-            f"Sort the {word} into the box.",
-        ]
+        return self.make_instructions(word=word)
 
     def _aim_at_shape(self, waypoint: Waypoint | None = None) -> None:
         self.world.frame("waypoint1").set_parent(f"grasp_{self.shape}")

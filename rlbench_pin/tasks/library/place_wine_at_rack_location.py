@@ -28,8 +28,4 @@ class PlaceWineAtRackLocation(Task):
         notch = self.world.sensor(f"notch_{location}")
         self.register_success_conditions([*(Detected(end, notch) for end in self.ends), NothingGrasped(self.gripper)])
         where = "in the middle" if location == "middle" else f"on the {location}"
-        return [
-            f"Stack the wine bottle to the {location} of the rack.",
-            f"The upper row of the wine rack is free: lay the bottle down {where}.",
-            f"Seen from the front of the rack, this wine belongs in the top notch {where}.",
-        ]
+        return self.make_instructions(location=location, where=where)

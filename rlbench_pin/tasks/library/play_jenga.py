@@ -23,8 +23,4 @@ class PlayJenga(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Pull the loose brick out of the tower, and leave all the others in it.",
-            "One brick sticks out: draw it from the tower and put it down, but let the thirteen others stay.",
-            "Make your move in the tower game: the brick that juts out has to go, the rest must remain.",
-        ]
+        return self.make_instructions()

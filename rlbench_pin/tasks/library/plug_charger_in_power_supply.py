@@ -29,11 +29,7 @@ class PlugChargerInPowerSupply(Task):
         """Place the stand with the charger."""
         self.boundary.scatter([self.stand], rng)
         self.step()
-        return [
-            "Connect the charger to the socket in the wall.",
-            "The outlet is free: push the adapter in all the way.",
-            "Stick both pins of the charger into the wall as far as they go, then let go of it.",
-        ]
+        return self.make_instructions()
 
     def step(self) -> None:
         """Let the lights of the wall show whether the charger is plugged in."""

@@ -54,11 +54,7 @@ class PourFromCupToCup(Task):
         self._fill(rng)
         sensor = self.world.sensor("in_target")
         self.register_success_conditions([Detected(self.world.body(drop), sensor) for drop in self.drops])
-        return [
-            f"Tip the {source.name} cup so that all of it lands in the {target.name} one.",
-            f"The {target.name} cup should get everything that is in the {source.name} one.",
-            f"Pour the {source.name} cup out over the {target.name} one, to the last drop.",
-        ]
+        return self.make_instructions(source=source.name, target=target.name)
 
     def _aim(self) -> bool:
         """Turn the frames of the approach to where no cup is in the way; say whether there are such directions."""

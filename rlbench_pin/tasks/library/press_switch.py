@@ -23,11 +23,7 @@ class PressSwitch(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Begin in the dark; only the place of the task varies."""
         self.step()
-        return [
-            "Flip the switch on the wall.",
-            "The upper half of the switch sticks out, so press it in.",
-            "It is dark in here, please turn on the light at the wall.",
-        ]
+        return self.make_instructions()
 
     def step(self) -> None:
         """Let the lamps follow the switch."""

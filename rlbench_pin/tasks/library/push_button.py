@@ -28,11 +28,7 @@ class PushButton(Task):
         self.is_green = False
         self.button.set_color(rgb, link="base")
         self.button.set_color(RED, link="cap")
-        return [
-            f"Press the button with the {name} base.",
-            f"The {name} button is the one that I want you to push.",
-            f"Hit the {name} button.",
-        ]
+        return self.make_instructions(name=name)
 
     def step(self) -> None:
         """Turn the cap green when it is pressed for the first time."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -49,7 +50,7 @@ class PushButtons(Task):
             self.boundary.sample(button, rng, min_distance=0.1)
         self.register_success_conditions([InOrder(self.presses[: len(asked)])])
         self.register_rounds(len(asked))
-        return _sentences([color.name for color in asked])
+        return self.make_instructions(**_words([color.name for color in asked]))
 
     def step(self) -> None:
         """Turn each cap green when it is pressed for the first time."""
@@ -62,12 +63,35 @@ class PushButtons(Task):
         waypoint.frame.set_parent(f"button{self.round}")
 
 
-def _sentences(names: list[str]) -> list[str]:
-    """Say which buttons to press, and that the order counts."""
+def _words(names: list[str]) -> dict[str, str]:
+    """Return the words for the asked buttons and for their order, which is empty for one button."""
     first, *later = names
-    after = zip(later, ("second", "third", "fourth"), strict=False)
-    return [
-        f"Press the {first} button{''.join(f', then the {name} one' for name in later)}.",
-        f"{first.capitalize()} is the {'first ' * bool(later)}button to click{''.join(f', {c} the {nth}' for c, nth in after)}.",
-        f"Push {'these buttons one after another' if later else 'the button of this colour'}: {', '.join(names)}.",
-    ]
+    nth = list(zip(later, ("second", "third", "fourth"), strict=False))
+    words = {"first": first, "list": ", ".join(names), "series": _series(names), "chain": ", then ".join(names)}
+    if not later:
+        targets = {"these": "the button of this colour", "in_the_order": f"the button with the {first} base"}
+        order = "initial then ordinals in_order before one_by_one afterwards and_then keeping_order repeat s es"
+        return words | targets | dict.fromkeys(order.split(), "")
+    pairs = [f"before the {later[0]} one", *(f"the {one} one before the {other} one" for one, other in pairwise(later))]
+    others = f"the {later[0]} one" if len(later) == 1 else f"the {_series(later)} ones in turn"
+    return words | {
+        "these": "these buttons one after another",
+        "in_the_order": f"the buttons in the order {', '.join(names)}",
+        "initial": "first ",
+        "then": "".join(f", then the {name} one" for name in later),
+        "ordinals": "".join(f", {name} the {place}" for name, place in nth),
+        "in_order": " in this order",
+        "before": f" {_series(pairs, last=', and ')}",
+        "one_by_one": ", one by one in this sequence",
+        "afterwards": f", and after that to {others}",
+        "and_then": f" {_series(['first', *(f'on the {name} one {place}' for name, place in nth)])}",
+        "keeping_order": ", and keep to the order",
+        "repeat": f"; next, do the same on {', then on '.join(f'the {name} base' for name in later)}",
+        "s": "s",
+        "es": "es",
+    }
+
+
+def _series(names: list[str], last: str = " and ") -> str:
+    """Return the names with commas, and `last` before the last one."""
+    return last.join([", ".join(names[:-1]), names[-1]]) if len(names) > 1 else names[0]

@@ -28,11 +28,7 @@ class PutAllGroceriesInCupboard(Task):
         """Scatter the items."""
         self.register_rounds(len(ITEMS))
         self.patch.scatter(self.items, rng, min_distance=APART)
-        return [
-            "Put all seven items in the cupboard.",
-            "The shopping is still on the table, so move everything to the shelves.",
-            "Clear away the groceries: each of them has to be in the cupboard.",
-        ]
+        return self.make_instructions()
 
     def _aim_at_next_item(self, waypoint: Waypoint) -> None:
         """Go for the next item, and for its place on the shelves."""

@@ -40,11 +40,7 @@ class PutBooksAtShelfLocation(Task):
         sensor = self.world.sensor(f"in_{self.compartment}")
         self.register_success_conditions([*(Detected(book, sensor) for book in self.books), NothingGrasped(self.gripper)])
         place = self.compartment.replace("_", " ")
-        return [
-            f"Put both books in the {place} compartment of the bookcase.",
-            f"Seen from its open side, the shelf has room at the {place}, so set the two books there.",
-            f"Clear the table: all books belong in the bookcase, in the compartment at the {place}.",
-        ]
+        return self.make_instructions(place=place)
 
     def _aim_at_next_book(self, waypoint: Waypoint) -> None:
         """Go for the next book, and for the next place in the compartment."""

@@ -36,11 +36,8 @@ class PutBooksOnBookshelf(Task):
         on_board = DetectedSeveral(self.books, self.world.sensor("upper"), count)
         self.register_success_conditions([on_board, NothingGrasped(self.gripper)])
         number = ("one book", "two books", "three books")[variation]
-        return [
-            f"Put {number} on the upper board of the bookshelf.",
-            f"The bookshelf still has room on its upper board, so move {number} there.",
-            f"From the table, lift {number} up to the top level of the shelf.",
-        ]
+        them, each = ("it", "the book") if count == 1 else ("them", "each book")
+        return self.make_instructions(number=number, them=them, each=each)
 
     def _aim_at_next_book(self, waypoint: Waypoint) -> None:
         """Go for the next book, and for the next place on the board."""

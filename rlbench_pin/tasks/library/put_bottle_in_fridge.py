@@ -19,8 +19,4 @@ class PutBottleInFridge(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Put the bottle upright on the empty middle shelf of the fridge.",
-            "The lemonade is warm, so open the refrigerator and stand the bottle on the shelf in the middle.",
-            "A cold drink would be nice later: set it upright inside the fridge, on its middle level.",
-        ]
+        return self.make_instructions()

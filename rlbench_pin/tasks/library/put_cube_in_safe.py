@@ -24,8 +24,4 @@ class PutCubeInSafe(Task):
         """Place the cube."""
         self.patch.clear()
         self.patch.sample(self.cube, rng, min_rotation=(0.0, 0.0, 0.0), max_rotation=(0.0, 0.0, np.pi / 2.0))
-        return [
-            "Put the cube into the safe.",
-            "The open safe is empty, so move the block from the table inside.",
-            "Grasp the small cube and leave it in the safe, on whichever level.",
-        ]
+        return self.make_instructions()

@@ -17,6 +17,7 @@ class PutGroceriesInCupboard(Task):
     """
 
     items = ("crackers", "chocolate_jello", "strawberry_jello", "soup", "tuna", "spam", "coffee", "mustard", "sugar")
+    packages = ("box", "box", "box", "tin", "tin", "tin", "tin", "bottle", "box")
 
     def init_task(self) -> None:
         """All items may be grasped."""
@@ -42,8 +43,4 @@ class PutGroceriesInCupboard(Task):
         stowed = Detected(asked, self.world.sensor("low_shelf"))
         self.register_success_conditions([stowed, NothingGrasped(self.gripper)])
         word = item.replace("_", " ")
-        return [
-            f"Put the {word} on the lower shelf of the cupboard.",
-            f"The cupboard has room on its lower shelf, so keep the {word} there.",
-            f"Clear away the {word}, and use the cupboard's lower shelf for that.",
-        ]
+        return self.make_instructions(item=word, package=f"{self.packages[variation]} of {word}")

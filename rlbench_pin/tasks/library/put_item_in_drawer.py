@@ -25,8 +25,4 @@ class PutItemInDrawer(Task):
         drawer = self.drawers[variation]
         self.world.frame("waypoint1").move_to(f"handle_{drawer}")
         self.register_success_conditions([Detected(self.world.body("cube"), self.world.sensor(f"in_{drawer}"))])
-        return [
-            f"Put the cube into the {drawer} drawer.",
-            f"The blue block belongs in the {drawer} drawer of the chest.",
-            f"Open the {drawer} one of the three drawers and drop in what lies on the chest.",
-        ]
+        return self.make_instructions(drawer=drawer)

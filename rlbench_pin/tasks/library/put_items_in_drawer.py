@@ -39,12 +39,8 @@ class PutItemsInDrawer(Task):
         stages = [AllOf([*inside[: k + 1], *outside[k + 1 :]]) for k in range(len(self.order))]
         self.register_success_conditions([InOrder(stages), *inside, NothingGrasped(self.gripper)])
         self.register_rounds(len(self.order))
-        a, b, c = self.order
-        return [
-            f"Put the {a}, then the {b}, then the {c} into the {drawer} drawer.",
-            f"The {drawer} drawer of the chest should take three things: first the {a}, second the {b}, last the {c}.",
-            f"Open the {drawer} one of the drawers and drop in what lies on the chest: {a}, next {b}, at the end {c}.",
-        ]
+        first, second, third = self.order
+        return self.make_instructions(drawer=drawer, first=first, second=second, third=third)
 
     def _open_once(self, waypoint: Waypoint) -> None:
         waypoint.skip = self.round > 0

@@ -30,8 +30,4 @@ class PutKnifeInKnifeBlock(Task):
         """Place block and board, then the knife on the board, clear of the block."""
         self.patch.scatter([self.block, self.board], rng, accept=lambda: clearance(self.board, [self.block]) > APART)
         self.on_board.scatter([self.base], rng, accept=lambda: clearance(self.base, [self.block]) > APART)
-        return [
-            "Return the knife to the wooden block.",
-            "The knife on the board belongs in the slot of its block, so put it away there.",
-            "Take the knife from the chopping board and slide its blade into the knife block.",
-        ]
+        return self.make_instructions()

@@ -24,8 +24,4 @@ class PutKnifeOnChoppingBoard(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Place the block with the knife."""
         self.patch.scatter([self.block], rng)
-        return [
-            "Draw the knife from its block and lay it on the board.",
-            "I am about to chop, so get the knife onto the board.",
-            "A knife is in the wooden block: pull it out and put it down flat on the chopping board.",
-        ]
+        return self.make_instructions()

@@ -32,8 +32,4 @@ class PutMoneyInSafe(Task):
         self.patch.sample(self.money, rng, min_rotation=(0.0, 0.0, 0.0), max_rotation=(0.0, 0.0, np.pi / 2.0))
         self.world.frame("waypoint4").move_to(f"stow_{level}")
         self.register_success_conditions([NothingGrasped(self.gripper), Detected(self.money, self.world.sensor(f"in_{level}"))])
-        return [
-            f"Put the banknotes on the {level} level of the safe.",
-            f"The safe is open, so lay the bundle of money on its {level} shelf.",
-            f"Move the cash from the table into the safe, and choose the {level} of its three levels.",
-        ]
+        return self.make_instructions(level=level)

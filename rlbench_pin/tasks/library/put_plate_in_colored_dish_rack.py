@@ -40,8 +40,4 @@ class PutPlateInColoredDishRack(Task):
         self.patch.sample(self.stand, rng, min_rotation=TURN, max_rotation=TURN)
         self.patch.sample(self.rack, rng, min_distance=0.2)
         name = colors[0].name
-        return [
-            f"Put the plate in the dish rack, between the {name} pegs.",
-            f"The {name} lane is free: set the dish upright there and let go of it.",
-            f"Leave the plate to dry in the slot of the rack whose posts are {name}.",
-        ]
+        return self.make_instructions(color=name)

@@ -22,8 +22,4 @@ class PutRubbishInBin(Task):
         choice = int(rng.integers(3))
         if choice > 0:
             swap_places(self.rubbish, self.tomatoes[choice - 1])
-        return [
-            "Throw the crumpled paper into the bin.",
-            "There is a ball of paper between the tomatoes, please put it in the bin.",
-            "Get rid of the waste paper in the rubbish bin.",
-        ]
+        return self.make_instructions()

@@ -35,8 +35,4 @@ class PutRubbishInColorBin(Task):
         self.world.frame("waypoint3").set_parent(f"{color}_bin")
         lies = Detected(self.rubbish, self.world.sensor(f"{color}_bottom"))
         self.register_success_conditions([lies, NothingGrasped(self.gripper)])
-        return [
-            f"Throw the crumpled paper into the {color} bin.",
-            f"There is a ball of paper among the tomatoes, please drop it in the {color} bin.",
-            f"One bin is {color}: get rid of the waste paper in that one.",
-        ]
+        return self.make_instructions(color=color)

@@ -20,8 +20,4 @@ class PutShoesInBox(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Open the shoe box and pack both shoes into it.",
-            "These shoes are not worn any more, so put the pair away in its box.",
-            "The left and the right shoe should go into the carton, both of them.",
-        ]
+        return self.make_instructions()

@@ -26,8 +26,4 @@ class PutToiletRollOnStand(Task):
         """Place the block with the roll, and the stand."""
         for patch, body in zip(self.patches, (self.block, self.stand), strict=True):
             patch.scatter([body], rng)
-        return [
-            "Put the toilet paper on the stand.",
-            "The roll belongs on the arm of the holder: push it up to the post and let go.",
-            "Slide the roll of toilet paper all the way onto the bar.",
-        ]
+        return self.make_instructions()

@@ -27,8 +27,4 @@ class PutTrayInOven(Task):
         self.patch.clear()
         self.patch.sample(self.block, rng, min_rotation=NO_ROTATION, max_rotation=NO_ROTATION, ignore_collisions=True)
         self.tray.set_pose(self.on_block.pose)
-        return [
-            "Slide the baking tray into the oven, all the way in.",
-            "It is time to bake: open the oven and lay the tray on its grid, so far in that nothing sticks out.",
-            "Please move the baking sheet from its board onto the grid in the oven, so that the door could be shut again.",
-        ]
+        return self.make_instructions()

@@ -26,11 +26,7 @@ class PutUmbrellaInUmbrellaStand(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
         self.register_rounds(1)  # so that a reset, too, aims before it tries what the arm reaches
-        return [
-            "Set the umbrella upright into its holder, tip down.",
-            "The rain is over, so please put the umbrella into the stand the right way up.",
-            "Park the folded umbrella in its stand with the handle above.",
-        ]
+        return self.make_instructions()
 
     def _aim_away_from_robot(self, waypoint: Waypoint) -> None:
         """Reach the round stand with the hand level and pointing away from the robot, a little aside."""

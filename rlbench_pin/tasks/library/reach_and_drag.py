@@ -23,8 +23,4 @@ class ReachAndDrag(Task):
         """Colour the square."""
         name, rgb = COLORS[variation]
         self.world.body("target").set_color(rgb)
-        return [
-            f"Drag the cube onto the middle of the {name} square with the stick.",
-            f"The wooden block must get to the centre of the {name} field: use the rod to push it there.",
-            f"With the stick in hand, move the cube over to the middle of the {name} area.",
-        ]
+        return self.make_instructions(color=name)

@@ -31,11 +31,7 @@ class ReachTarget(Task):
         for ball, color in zip([self.target, *self.distractors], [rgb, *(c.rgb for c in others)], strict=True):
             ball.set_color(color)
             self.boundary.sample(ball, rng, min_rotation=NO_ROTATION, max_rotation=NO_ROTATION, min_distance=0.2)
-        return [
-            f"Move the hand to the {name} ball.",
-            f"Which ball is {name}? Touch it.",
-            f"With the fingertips, go to the sphere that is {name}.",
-        ]
+        return self.make_instructions(color=name)
 
     def reward(self) -> float:
         """Return minus the distance from the tip to the target [m]."""

@@ -30,12 +30,8 @@ class RemoveCups(Task):
         stands = [self._set_down(f"mug{i}") for i in range(3)]
         pairs = [AllOf([stands[i], stands[k]]) for i, k in ((0, 1), (0, 2), (1, 2))]
         self.register_success_conditions([AnyOf((stands, pairs)[variation]), NothingGrasped(self.gripper)])
-        number, it = NUMBER[variation], ("it", "them")[variation]
-        return [
-            f"Take {number} off the tree and stand {it} on the table.",
-            f"I need {number} on the table: lift {it} off the wooden stand and put {it} down upright.",
-            f"Unhook {number} from the branches, set {it} down on the table the right way up and let go.",
-        ]
+        number, it, each = NUMBER[variation], ("it", "them")[variation], ("the mug", "each mug")[variation]
+        return self.make_instructions(number=number, it=it, each=each)
 
     def _set_down(self, mug: str) -> Condition:
         """Held within 3 cm of the table once, and upright on it now."""

@@ -18,8 +18,4 @@ class ScoopWithSpatula(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Lift the cube up with the spatula and keep hold of the spatula.",
-            "The little block has to get off the table: pick it up on the blade of the spatula you hold.",
-            "With the turner in hand, raise the cube into the air.",
-        ]
+        return self.make_instructions()

@@ -20,11 +20,7 @@ class ScrewNail(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Take the screwdriver and give the screw in the block a quarter turn.",
-            "The screw needs another 90 degrees, so grip the screwdriver and turn it.",
-            "Use the screwdriver to rotate the block's screw by a quarter.",
-        ]
+        return self.make_instructions()
 
     def step(self) -> None:
         """Count the turn of the screw from when the screwdriver is first held."""

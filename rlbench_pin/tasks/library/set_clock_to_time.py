@@ -45,11 +45,7 @@ class SetClockToTime(Task):
         covers = Detected(self.world.body("clock"), self.world.sensor(self.times[variation]))
         self.register_success_conditions([covers, self.forward])
         time, number, digits = self.words[variation]
-        return [
-            f"Set the alarm clock to {time}.",
-            f"It is twelve by this clock: move it forward until the long hand points to the {number}.",
-            f"With the knob behind the dial, make the hands read {digits}.",
-        ]
+        return self.make_instructions(time=time, number=number, digits=digits)
 
     def _skip_unless_half(self, waypoint: Waypoint) -> None:
         quarters = self.quarters[self.round]

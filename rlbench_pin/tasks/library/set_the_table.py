@@ -25,9 +25,4 @@ class SetTheTable(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Lay the mat: plate in the middle, fork left of it, knife and spoon right of it, and the glass behind the knife.",
-            "A guest arrives soon, so set the table: the plate goes between fork and knife, the spoon is outermost, "
-            "at the right, and the drinking glass is at the tip of the knife.",
-            "For one person, please put the dinner plate, the cutlery and the drinking glass where they belong on the placemat.",
-        ]
+        return self.make_instructions()

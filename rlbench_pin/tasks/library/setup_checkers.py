@@ -37,10 +37,10 @@ class SetupCheckers(Task):
             place.set_local([FIRST[0] + k * STEP, FIRST[1], 0.006, 0.0, 0.0, 0.0, 1.0])
             self.pieces[index].set_pose(place.pose)
         self._aim_at_next_piece()
-        self.register_success_conditions([NothingGrasped(self.gripper), *(self._filled(square) for square in range(24))])
-        return _sentences(count)
+        self.register_success_conditions([NothingGrasped(self.gripper), *(self._occupied(square) for square in range(24))])
+        return self.make_instructions(**_words(count))
 
-    def _filled(self, square: int) -> Condition:
+    def _occupied(self, square: int) -> Condition:
         """Its own piece on a square; on one that is empty at first any loose piece of its colour, as they look the same."""
         alike = [i for i in self.missing if (i < 12) == (square < 12)]
         pieces = [self.pieces[i] for i in (alike if square in self.missing else [square])]
@@ -52,14 +52,31 @@ class SetupCheckers(Task):
         self.world.frame("waypoint4").set_parent(f"square{index}")
 
 
-def _sentences(count: int) -> list[str]:
-    """Say how many pieces are loose, and that each belongs on its own square."""
-    number = ("One", "Two", "Three")[count - 1]
-    pieces, lie, are, them, squares = "pieces", "lie", "are", "them", "their own squares"
+def _words(count: int) -> dict[str, str]:
+    """Return the words of the sentences for a number of loose pieces."""
+    number = ("one", "two", "three")[count - 1]
     if count == 1:
-        pieces, lie, are, them, squares = "piece", "lies", "is", "it", "its own square"
-    return [
-        f"Return the {number.lower()} loose {pieces} to {squares} on the draughts board.",
-        f"{number} {pieces} {lie} beside the board: set {them} back on {squares}.",
-        f"Get the draughtsmen ready to play, each on the square where it starts; {number.lower()} {are} off the board.",
-    ]
+        return {
+            "number": number,
+            "pieces": "piece",
+            "lie": "lies",
+            "are": "is",
+            "need": "needs",
+            "them": "it",
+            "squares": "its own square",
+            "starting": "its starting square",
+            "places": "place",
+            "each": "the loose piece",
+        }
+    return {
+        "number": number,
+        "pieces": "pieces",
+        "lie": "lie",
+        "are": "are",
+        "need": "need",
+        "them": "them",
+        "squares": "their own squares",
+        "starting": "their starting squares",
+        "places": "places",
+        "each": f"each of the {number} loose pieces",
+    }

@@ -47,12 +47,10 @@ class SetupChess(Task):
         self._aim_at_next_man()
         self.register_success_conditions([NothingGrasped(self.gripper), *(self._filled(i) for i in range(len(MEN)))])
         number = ("one", "two", "three")[variation]
-        pieces, squares = ("piece", "its home square") if count == 1 else ("pieces", "their home squares")
-        return [
-            f"Return the {number} stray chess {pieces} to {squares}.",
-            f"Get the board ready for a new game: {number} {pieces} in the middle must go back home.",
-            f"In the centre of the board you find {number} {pieces}: please set up the board again.",
-        ]
+        one = {"pieces": "piece", "squares": "its home square", "them": "it", "are": "is", "they_start": "it starts"}
+        several = {"pieces": "pieces", "squares": "their home squares", "them": "them", "are": "are", "they_start": "they start"}
+        each = "the one stray piece in the middle" if count == 1 else f"each of the {number} stray pieces in the middle"
+        return self.make_instructions(number=number, each=each, **(one if count == 1 else several))
 
     def _filled(self, home: int) -> Condition:
         """A home square holds its own man; if that one is stray, any stray man that looks the same."""

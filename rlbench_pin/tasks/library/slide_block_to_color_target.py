@@ -31,8 +31,4 @@ class SlideBlockToColorTarget(Task):
             square.set_pose(place)
         self.world.frame("waypoint0").set_parent(color)
         self.register_success_conditions([Detected(self.block, self.world.sensor(f"on_{color}"))])
-        return [
-            f"Push the red block onto the middle of the {color} square.",
-            f"Several squares lie around the red cube: nudge it to the centre of the {color} one.",
-            f"Bring the block to the {color} mark on the table, right to its middle.",
-        ]
+        return self.make_instructions(color=color)

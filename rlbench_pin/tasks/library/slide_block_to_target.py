@@ -18,11 +18,7 @@ class SlideBlockToTarget(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Push the red block onto the middle of the green square.",
-            "There is a green square on the table: nudge the red cube to its centre.",
-            "Bring the block to the mark on the table, right to its middle.",
-        ]
+        return self.make_instructions()
 
     def reward(self) -> float:
         """Return minus the distances from tip to block and from block to square [m]."""

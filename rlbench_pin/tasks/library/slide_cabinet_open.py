@@ -26,8 +26,4 @@ class SlideCabinetOpen(Task):
         self.world.frame("waypoint2").set_parent(f"{side}_slid")
         opened = JointMoved(self.world.joint(f"cabinet/{side}_door"), 0.06)
         self.register_success_conditions([opened, NothingGrasped(self.gripper)])
-        return [
-            f"Slide the {side} door of the cabinet open.",
-            f"I need to get into the {side} half of the cabinet, so push its door aside.",
-            f"Move the sliding door on the {side} towards the middle of the cabinet.",
-        ]
+        return self.make_instructions(side=side)

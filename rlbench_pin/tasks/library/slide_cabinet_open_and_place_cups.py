@@ -29,8 +29,4 @@ class SlideCabinetOpenAndPlaceCups(Task):
         stands = [Detected(self.world.frame(f"foot{i}"), inside) for i in range(3)]
         opened = JointMoved(self.world.joint(f"cabinet/{side}_door"), 0.06)
         self.register_success_conditions([*stands, opened, NothingGrasped(self.gripper)])
-        return [
-            f"Slide the {side} door open and stand the cup in that half of the cabinet.",
-            f"The cup belongs in the {side} half of the cabinet: push the door aside and set it down upright in there.",
-            f"Open the cabinet on the {side} and leave the cup standing on its floor, on that side.",
-        ]
+        return self.make_instructions(side=side)

@@ -19,8 +19,4 @@ class SolvePuzzle(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Fit the missing piece into the picture.",
-            "One piece is left over, please complete the jigsaw with it.",
-            "Finish the puzzle.",
-        ]
+        return self.make_instructions()

@@ -48,11 +48,7 @@ class StackBlocks(Task):
         self.register_success_conditions([tower, *levels, NothingGrasped(self.gripper)])
         self.register_rounds(self.height)
         number = NUMBER[self.height]
-        return [
-            f"Make a tower of {number} {name} cubes on the green square.",
-            f"The green square needs a tower of {number} {name} blocks, so please build one.",
-            f"Stack {name} blocks on the green square until there are {number}.",
-        ]
+        return self.make_instructions(number=number, name=name)
 
     def _aim_at_next_block(self, waypoint: Waypoint) -> None:
         self.world.frame("waypoint1").set_parent(f"block{self.round}")

@@ -45,12 +45,7 @@ class StackChairs(Task):
             chair.set_color(color.rgb, "cushion")
         for chair in (*self.chairs[1:], self.chairs[0]):
             self.boundary.sample(chair, rng, min_rotation=NO_ROTATION, max_rotation=NO_ROTATION, min_distance=0.13)
-        name = colors[0].name
-        return [
-            f"Pile the chairs up, the {name} one at the bottom.",
-            f"Both other chairs go over the {name} chair, so please put them there.",
-            f"Stack every chair on the {name} one, all facing the same way.",
-        ]
+        return self.make_instructions(color=colors[0].name)
 
     def _aim_at_next_chair(self, waypoint: Waypoint) -> None:
         """Go for the chair of this round, and for the one that was put down last."""

@@ -50,11 +50,7 @@ class StackCups(Task):
             self.boundary.sample(cup, rng, min_rotation=NO_ROTATION, max_rotation=NO_ROTATION, min_distance=0.05)
         for i in range(3):
             self._find_free_side(i)
-        return [
-            f"Nest both other cups inside the {name} cup.",
-            f"The {name} cup is the base: pile the rest into it.",
-            f"Please stack all cups, starting from the {name} one.",
-        ]
+        return self.make_instructions(name=name)
 
     def _find_free_side(self, number: int) -> None:
         """Turn the frame on a cup so that its x points where no other cup stands."""

@@ -19,8 +19,4 @@ class StackWine(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Lay the bottle of wine in the upper row of the rack.",
-            "The wine should be stored lying down, so put the bottle into a notch at the top of the wooden holder.",
-            "A bottle was left beside the rack: move it to the free row above the others.",
-        ]
+        return self.make_instructions()

@@ -18,8 +18,4 @@ class StraightenRope(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Lay each end of the rope on the green ring nearer to it.",
-            "The rope is bent: pull its ends apart, each to the green ring that is closer.",
-            "Stretch the rope out so that each green ring has the nearer end in it.",
-        ]
+        return self.make_instructions()

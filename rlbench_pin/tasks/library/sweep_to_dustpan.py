@@ -20,8 +20,4 @@ class SweepToDustpan(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Sweep all five crumbs into the dustpan.",
-            "Five crumbs lie on the table: get every one of them onto the pan.",
-            "Use the broom to clean the table: all five crumbs go onto the pan.",
-        ]
+        return self.make_instructions()

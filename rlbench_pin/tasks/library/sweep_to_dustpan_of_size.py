@@ -37,8 +37,4 @@ class SweepToDustpanOfSize(Task):
         size, other, word = self.sizes[variation], self.sizes[1 - variation], self.words[variation]
         asked = self.world.sensor(f"in_{size}")
         self.register_success_conditions([Detected(crumb, asked) for crumb in self.crumbs])
-        return [
-            f"Sweep all five crumbs into the {size} dustpan.",
-            f"Five crumbs lie on the table: get every one of them onto the {size} pan, not onto the {other} one.",
-            f"Use the broom to clean the table: all five crumbs go onto the dustpan with {word} walls.",
-        ]
+        return self.make_instructions(size=size, other=other, walls=word)

@@ -30,8 +30,4 @@ class TakeCupOutFromCabinet(Task):
         self.cup.set_pose(self.world.frame(f"{side}_place").pose)
         self.world.frame("waypoint1").set_parent(f"{side}_handle")
         self.world.frame("waypoint2").set_parent(f"{side}_slid")
-        return [
-            f"Take the cup from behind the {side} door and stand it on the table.",
-            f"There is a cup in the {side} half of the cabinet, please bring it out and put it down upright on the table.",
-            f"I want my cup upright on the table: open the {side} side of the cabinet and get it out.",
-        ]
+        return self.make_instructions(side=side)

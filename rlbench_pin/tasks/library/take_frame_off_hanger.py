@@ -26,8 +26,4 @@ class TakeFrameOffHanger(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Take the picture off its hook and lay it flat on the table in front of the wall.",
-            "The framed photo should come down: lift it from the peg and leave it lying on the table, away from the wall.",
-            "I do not want this picture on the wall any more, so put it down flat on the table before it.",
-        ]
+        return self.make_instructions()

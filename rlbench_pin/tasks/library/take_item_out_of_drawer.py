@@ -27,8 +27,4 @@ class TakeItemOutOfDrawer(Task):
         drawer = self.drawers[variation]
         self.world.frame("waypoint1").move_to(f"handle_{drawer}")
         self.cube.set_pose(self.world.frame(f"inside_{drawer}").pose)
-        return [
-            f"Lift the cube out of the {drawer} drawer onto the chest.",
-            f"Something is in the {drawer} drawer: fetch it and leave it on the chest.",
-            f"Empty the {drawer} compartment: its block belongs on top of the chest.",
-        ]
+        return self.make_instructions(drawer=drawer)

@@ -18,11 +18,7 @@ class TakeLidOffSaucepan(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Raise the saucepan's lid straight up by its knob and keep it there.",
-            "The pan must cool down: hold its lid well above it by the knob.",
-            "Take the cover off the pot, up into the air over it, and do not let go.",
-        ]
+        return self.make_instructions()
 
     def reward(self) -> float:
         """Return minus the distances from tip to knob and from knob to goal [m]."""

@@ -41,8 +41,4 @@ class TakeMoneyOutSafe(Task):
         )
         self.world.frame("waypoint1").set_parent(bundle.name)
         self.register_success_conditions([NothingGrasped(self.gripper), Detected(bundle, self.world.sensor("on_table"))])
-        return [
-            f"Take the banknotes on the {level} level out of the safe and lay them on the table in front.",
-            f"From the {level} shelf of the safe, bring the bundle of cash to the table before the door.",
-            f"The money at the {level} of the safe is needed: set it down on the tabletop, in front of the opening.",
-        ]
+        return self.make_instructions(level=level)

@@ -43,11 +43,7 @@ class TakeOffWeighingScales(Task):
         grasp = easiest_top_grasp([pepper], self.peppers, Tray(self.world.body("scales").pose, NO_WALLS))
         above.set_pose(grasp.tip_pose(pepper.position[2] + above.local[2]))
         self.register_success_conditions([NothingGrasped(self.gripper), Detected(pepper, self.world.sensor("on_table"))])
-        return [
-            f"Lay the {color} pepper on the table, in front of the scales.",
-            f"The {color} pepper has been weighed: take it off and leave it on the tabletop before the dial.",
-            f"Put the {color} vegetable from the tray down on the table, on the side that the dial faces.",
-        ]
+        return self.make_instructions(color=color)
 
     def step(self) -> None:
         """Turn the needle as far as the tray has sunk."""

@@ -34,9 +34,4 @@ class TakePlateOffColoredDishRack(Task):
             self.world.body("rack").set_color(rgb[color], f"lane{number}")
         plate, lane = self.world.body("plate"), self.world.frame(f"lane{variation}")
         plate.set_pose([*lane.position[:2], *plate.pose[2:]])
-        color = self.colors[variation]
-        return [
-            f"Take the plate from between the {color} pegs and lay it on the mat.",
-            f"A dry dish stands at the {color} posts: put it down flat on the round mat.",
-            f"Unload the {color} lane of the rack: its plate goes onto the mat.",
-        ]
+        return self.make_instructions(color=self.colors[variation])

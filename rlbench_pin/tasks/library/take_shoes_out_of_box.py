@@ -21,8 +21,4 @@ class TakeShoesOutOfBox(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Take both shoes out of the box and put them on the table.",
-            "The new shoes are still in their carton: open it and place the pair on the table.",
-            "Empty the shoe box, so that the left and the right shoe lie on the table beside it.",
-        ]
+        return self.make_instructions()

@@ -19,8 +19,4 @@ class TakeToiletRollOffStand(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Take the toilet paper off the stand.",
-            "I need the toilet roll, so slide it off the arm of its holder.",
-            "Pull the paper roll from the metal bar.",
-        ]
+        return self.make_instructions()

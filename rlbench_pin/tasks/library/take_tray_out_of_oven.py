@@ -19,8 +19,4 @@ class TakeTrayOutOfOven(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Take the baking tray out of the oven and put it down on the table, right way up.",
-            "The cake is ready: open the oven and set the tray down flat on the table.",
-            "Please get the hot baking sheet, which is still in the oven, onto the table as it is.",
-        ]
+        return self.make_instructions()

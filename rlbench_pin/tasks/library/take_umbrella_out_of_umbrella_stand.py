@@ -18,8 +18,4 @@ class TakeUmbrellaOutOfUmbrellaStand(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Draw the umbrella from its stand.",
-            "It rains outside, so please take my umbrella out of the holder.",
-            "Lift the folded umbrella up until its tip is clear of the stand.",
-        ]
+        return self.make_instructions()

@@ -18,8 +18,4 @@ class TakeUsbOutOfComputer(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Pull the memory stick out of the computer and let go of it.",
-            "The thumb drive is no longer needed in the PC, so take it out of its port and leave it.",
-            "Get the flash drive out of the desktop, then drop it.",
-        ]
+        return self.make_instructions()

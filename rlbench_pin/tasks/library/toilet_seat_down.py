@@ -16,8 +16,4 @@ class ToiletSeatDown(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Lower the raised seat of the toilet.",
-            "The blue seat leans against the cistern: fold it down onto the bowl.",
-            "Please put the toilet seat down.",
-        ]
+        return self.make_instructions()

@@ -16,8 +16,4 @@ class ToiletSeatUp(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Lift the toilet seat until it stands.",
-            "The blue seat lies on the bowl: flip it up.",
-            "I want to clean the toilet, so raise its seat.",
-        ]
+        return self.make_instructions()

@@ -34,8 +34,4 @@ class Tower4(StackBlocks):
         self.register_success_conditions([*levels, NothingGrasped(self.gripper)])
         self.register_rounds(self.height)
         a, b, c, d = (color.name for color in asked)
-        return [
-            f"Build a tower on the green square: {a} at the bottom, then {b}, then {c}, and {d} at the top.",
-            f"From the bottom up, stack the cubes {a}, {b}, {c} and {d} on the green square.",
-            f"The green square gets the {a} cube first, so lay the {b} one on that cube, then {c} over {b}, and {d} over {c}.",
-        ]
+        return self.make_instructions(a=a, b=b, c=c, d=d)

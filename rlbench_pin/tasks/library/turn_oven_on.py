@@ -25,11 +25,7 @@ class TurnOvenOn(Task):
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Begin with a cold oven; only the place of the task varies."""
         self.world.body("oven").set_color(OFF, "glow")
-        return [
-            "Turn the leftmost knob of the oven by a good quarter turn.",
-            "The oven is cold: switch it on with the knob on the far left.",
-            "I want to bake, so rotate the first knob from the left to its side.",
-        ]
+        return self.make_instructions()
 
     def step(self) -> None:
         """Let the oven glow while its knob is turned far enough."""

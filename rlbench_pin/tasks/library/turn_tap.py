@@ -31,11 +31,7 @@ class TurnTap(Task):
         self.open = JointMoved(self.world.joint(f"tap/{side}"), 1.57)
         self.register_success_conditions([self.open])
         self.world.body("tap").set_color(SHUT, "stream")
-        return [
-            f"Open the tap at its {side} handle, with a good quarter of a turn.",
-            f"To let the water run, rotate the {side} handle beside the spout by more than 90 degrees.",
-            f"The valve to the {side} of the spout is shut: give it a little over a quarter turn.",
-        ]
+        return self.make_instructions(side=side)
 
     def step(self) -> None:
         """Let the water run while the handle is open."""

@@ -29,11 +29,7 @@ class TvOn(Task):
         self.patches.clear()
         self.patches.sample(self.remote, rng)
         self.television.set_color(DARK)
-        return [
-            "Lay the remote down in front of the television, aimed at it, and press its power button.",
-            "I would like to watch something: point the remote at the TV, let go of it, and push the red button.",
-            "Turn the television on with its remote, which must lie before the screen and face it.",
-        ]
+        return self.make_instructions()
 
     def step(self) -> None:
         """Show an image once the television is on."""

@@ -17,8 +17,4 @@ class UnplugCharger(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the sentences; only the place of the task varies."""
-        return [
-            "Pull the charger out of the socket.",
-            "The power adapter is plugged in: take its pins straight out of the wall.",
-            "Draw the plug from the outlet until both of its prongs are free.",
-        ]
+        return self.make_instructions()

@@ -28,11 +28,7 @@ class WaterPlants(Task):
         """Draw where the drops will leave the head; only this and the place of the task vary."""
         self.poured, self.missing[:] = False, self.drops
         self.places[:] = PLACES + rng.normal(0.0, SPREAD, self.places.shape)
-        return [
-            "Water the plant with the watering can.",
-            "The plant is thirsty, so give it a drink from the can.",
-            "Use the can to pour water onto the soil in the flower pot.",
-        ]
+        return self.make_instructions()
 
     def step(self) -> None:
         """Let the drops out when the head is over the pot, and note which of them are not on the soil."""

@@ -37,11 +37,7 @@ class WeighingScales(Task):
         self.world.frame("waypoint0").set_parent(pepper.name)
         weighed = Detected(self.world.frame("needle_end"), self.world.sensor("needle_zone"))
         self.register_success_conditions([NothingGrasped(self.gripper), weighed, Detected(pepper, self.world.sensor("tray"))])
-        return [
-            f"Put only the {color} pepper on the scales.",
-            f"How heavy is the {color} pepper? Weigh it by itself.",
-            f"Leave the {color} vegetable on the tray, and nothing else with it.",
-        ]
+        return self.make_instructions(color=color)
 
     def step(self) -> None:
         """Turn the needle as far as the tray has sunk."""

@@ -30,11 +30,7 @@ class WipeDesk(Task):
         for name in self.stains:
             stain = self.world.add_body(name, spec)
             self.boundary.sample(stain, rng, min_rotation=NO_ROTATION, max_rotation=NO_ROTATION, min_distance=0.0)
-        return [
-            "Rub every brown stain off the table with the sponge.",
-            "The desk is filthy, so sponge all the spots away.",
-            "Wipe over the dirty patch with the sponge until it is clean.",
-        ]
+        return self.make_instructions()
 
     def step(self) -> None:
         """Remove the stains under the sponge while it is on the table."""
