@@ -119,6 +119,7 @@ class Demo(Sequence[Observation]):
         task_name: Snake-case name of the task.
         robot: Name of the arm, or absolute path of its TOML file; empty in a demonstration of other programs.
         joint_names: Names of its joints, in the order of joint positions.
+        factors: Factors of generalisation and their levels, such as `light_color:2`; empty without.
     """
 
     random_seed: int | RandomState | None = (
@@ -133,6 +134,7 @@ class Demo(Sequence[Observation]):
     task_name: str = ""
     robot: str = ""
     joint_names: tuple[str, ...] = ()
+    factors: str = ""
 
     def __init__(
         self,
@@ -147,6 +149,7 @@ class Demo(Sequence[Observation]):
         task_name: str = "",
         robot: str = "",
         joint_names: Sequence[str] = (),
+        factors: str = "",
     ) -> None:
         self._observations = list(as_several(observations, "Demo.observations"))  # type: ignore[arg-type]
         self.random_seed = random_seed
@@ -159,12 +162,13 @@ class Demo(Sequence[Observation]):
         self.task_name = as_text(task_name, "Demo.task_name")
         self.robot = as_text(robot, "Demo.robot")
         self.joint_names = as_names(as_several(joint_names, "Demo.joint_names"), "Demo.joint_names")
+        self.factors = as_text(factors, "Demo.factors")
 
     def with_observations(self, observations: Sequence[Observation]) -> Demo:
         """Return the same demonstration as it was observed another time."""
         names = (
             "random_seed", "num_reset_attempts", "variation_number", "instructions", "state", "versions", "attempt",
-            "task_name", "robot", "joint_names",
+            "task_name", "robot", "joint_names", "factors",
         )  # fmt: skip
         return Demo(observations, **{name: getattr(self, name) for name in names})
 

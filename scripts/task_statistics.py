@@ -98,7 +98,11 @@ def main() -> None:
     title = f"Mean length of {len(SEEDS)} demonstrations, first variation"
     draw_bars(file.with_suffix(".png"), dict(sorted(means.items(), key=lambda item: item[1])), "control ticks of 0.05 s", title)
     lines = [
-        line for name in tqdm(names, desc="instructions", unit="task") for variation in sentences(name) for lines in variation.values() for line in lines
+        line
+        for name in tqdm(names, desc="instructions", unit="task")
+        for variation in sentences(name)
+        for lines in variation.values()
+        for line in lines
     ]
     words = count_words(lines)
     write(RESULTS / "words.json", words)

@@ -47,6 +47,9 @@ TASKS = (
 """Tasks by default."""
 MaybePolicy = Annotated[str, tyro.conf.arg(metavar="[POLICY]", help_behavior_hint="")]
 """A policy as an optional argument."""
+Factors = Annotated[tuple[str, ...], tyro.conf.arg(metavar="FACTOR...", help_behavior_hint="(default: none)")]
+"""Factors of generalisation."""
+MaybeLevel = Annotated[str | None, tyro.conf.arg(metavar="1|2|3|colosseum", help_behavior_hint="")]
 EPISODES = 25
 """Episodes of each task by default."""
 
@@ -90,6 +93,13 @@ class Evaluate:
     """Pass the name of the task to the policy, in addition to the instruction."""
     policy_seed_key: MaybeText = None
     """Key of the seeds for the policy, as a results file publishes it, to repeat that run; drawn when not given."""
+    factors: Factors = ()
+    """Factors of generalisation: `light_color:2` is a level, `light_color` all levels, `light_color:2+friction:1` both at once,
+    `all` every factor alone. The same episodes are also played without. `rlbench-pin factors` lists them."""
+    level: MaybeLevel = None
+    """Level of the factors that are named without one: 1, 2, 3, or colosseum."""
+    trained_on: str = ""
+    """Factors in the training data of the policy, for the results file, such as `light_color:1` or `none`."""
     workers: int = 1
     """Worker processes, each with a policy of its own; with 0 this process does the work."""
     engine: EngineName = "processes"
@@ -109,6 +119,7 @@ class Evaluate:
             raise TaskEnvironmentError("No policy was named. Use `rlbench-pin evaluate POLICY`, for example `expert`.")
         from rlbench_pin.cli.progress import EvaluationBar, stopping_gently
         from rlbench_pin.evaluation.policies.references import EXPERT, find_policy
+        from rlbench_pin.evaluation.results.profile import factor_profile, profile_table
         from rlbench_pin.evaluation.run import EvaluationStopped, evaluate
 
         check_at_least(self, workers=0, videos=0)
@@ -126,7 +137,7 @@ class Evaluate:
                 bar.close()
                 print(f"{stopped.done} of {stopped.wanted} episodes are played. Continue with:  {self.go_on()}", file=sys.stderr)
                 return INTERRUPTED
-        print(summary(results))
+        print(profile_table(factor_profile(results)).text() if results.factors else summary(results))
         print(f"Results in {self.out}; `rlbench-pin results {shlex.quote(str(self.out))}` shows all of them.")
         if self.videos:
             folder = self.out.with_name(f"{self.out.stem}_videos")
@@ -150,6 +161,7 @@ class Evaluate:
         Raises:
             UnknownName: There is no such task or set.
         """
+        from rlbench_pin.environment.factors import expand_settings
         from rlbench_pin.evaluation.run import EvaluationConfig
         from rlbench_pin.evaluation.sets import resolve_tasks
 
@@ -174,6 +186,8 @@ class Evaluate:
             robot=self.robot,
             tell_task=self.tell_task,
             policy_seed_key=self.policy_seed_key,
+            factors=expand_settings(self.factors, self.level),
+            trained_on=self.trained_on,
         )
 
     def _protocol(self) -> Protocol | None:

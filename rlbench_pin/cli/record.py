@@ -118,6 +118,8 @@ class Record:
     paired: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ARM...", help_behavior_hint="")] = ()
     """Arms, separated by spaces or commas: one dataset for each, in a folder of `--out` with its name, of those episodes that all
     of them demonstrate at the same attempt of the same seed."""
+    factors: Annotated[str, tyro.conf.arg(metavar="FACTOR:LEVEL+...", help_behavior_hint="(default: none)")] = ""
+    """Factors of generalisation of all episodes, such as `light_color:2+table_texture:1`; `rlbench-pin factors` lists them."""
     out: Path = DEFAULT_OUT
     """Folder of the dataset."""
     json: bool = False
@@ -194,7 +196,7 @@ class Record:
         defaults = {
             **{
                 name: getattr(config, name)
-                for name in ("episodes", "per_variation", "variations", "seed", "max_attempts", "robot")
+                for name in ("episodes", "per_variation", "variations", "seed", "max_attempts", "robot", "factors")
             },
             **{name: getattr(config.images, name) for name in ("image_size", "cameras", "products", "compression")},
             "renderer": config.images.render_mode,
@@ -286,6 +288,7 @@ class Record:
             max_velocity=self.arm_max_velocity,
             max_acceleration=self.arm_max_acceleration,
             robot=robot,
+            factors=self.factors,
             paired=split_names(self.paired) if self.paired or before is None else before.paired,
             listed=self._protocol_episodes() if self.protocol is not None or before is None else before.listed,
             images=ImageConfig(

@@ -65,6 +65,8 @@ class ShowResults:
             check_file(self.plot)
         results = [read_results(path) for path in self.files]
         labels = self.labels(results)
+        if any(r.factors for r in results):
+            return self.show_profiles(results, labels)
         check_same_protocol(results, labels)
         followed = [replace(summarise_protocol(r), policy=label) for r, label in zip(results, labels) if r.protocol]
         summaries = [replace(summarise(r, np.random.default_rng(0)), policy=label) for r, label in zip(results, labels)]
@@ -77,6 +79,26 @@ class ShowResults:
             tables = [task_table(summary) for summary in summaries] + [protocol_table(summary) for summary in followed]
             tables += [overview_table(summaries)] if len(summaries) > 1 else []
             print("\n\n".join(table.text(self.markdown) for table in (*tables, *map(comparison_table, comparisons))))
+        return 0
+
+    def show_profiles(self, results: Sequence[Results], labels: Sequence[str]) -> int:
+        """Print the profile of each file over its factors, and draw them."""
+        from rlbench_pin.evaluation.results.plots import draw_profiles
+        from rlbench_pin.evaluation.results.profile import factor_profile, profile_table
+
+        if self.compare or not all(r.factors for r in results):
+            raise TaskEnvironmentError("Files with factors are shown as profiles. Leave out --compare and files without factors.")
+        profiles = [replace(factor_profile(r), policy=label) for r, label in zip(results, labels)]
+        if self.plot is not None:
+            draw_profiles(self.plot, profiles)
+        if self.json:
+            files = [
+                {"file": str(path), "sha256": r.sha256, "commit": r.commit, "policy": profile.policy, **profile.as_dict()}
+                for path, r, profile in zip(self.files, results, profiles)
+            ]
+            print(json.dumps({"format": 1, "profiles": files}, indent=1))
+        else:
+            print("\n\n".join(profile_table(profile).text(self.markdown) for profile in profiles))
         return 0
 
     def labels(self, results: Sequence[Results]) -> list[str]:

@@ -21,6 +21,7 @@ from rlbench_pin.cli.dataset import Dataset
 from rlbench_pin.cli.demo import RecordDemos
 from rlbench_pin.cli.doctor import Doctor
 from rlbench_pin.cli.evaluate import Evaluate
+from rlbench_pin.cli.factors import ListFactors
 from rlbench_pin.cli.interrupts import INTERRUPTED, PIPE_CLOSED, flushed, say
 from rlbench_pin.cli.list_tasks import ListTasks
 from rlbench_pin.cli.new import New
@@ -48,6 +49,7 @@ COMMANDS: dict[str, type] = {
     "arm": Arm,
     "doctor": Doctor,
     "evaluate": Evaluate,
+    "factors": ListFactors,
     "conventions": Conventions,
     "challenge": Challenge,
     "serve": Serve,

@@ -23,6 +23,7 @@ from rlbench_pin.values import as_names, as_path, as_record, as_text
 
 _MAX_VARIATIONS = 2**31 - 1
 _LONGEST_NAME = 1000
+_LONGEST_FACTORS = 10_000
 _ONLY_JOINTS = tuple(f"panda_joint{i}" for i in range(1, 8))
 """Joints of `ONLY_ARM`, the arm of episodes that do not name theirs."""
 
@@ -40,6 +41,8 @@ class Head:
     robot: str
     """Empty where it is not named."""
     joint_names: tuple[str, ...]
+    factors: str
+    """Factors of generalisation; empty without."""
     random_seed: int | RandomState | None
     num_reset_attempts: int | None
     describes: bool
@@ -59,9 +62,13 @@ def read_head(attributes: dict[str, Any]) -> Head:
         raise ValueError(f"its instructions are {short(instructions)}, not a list of texts")
     if not is_text_map(versions):
         raise ValueError(f"its versions are {short(versions)}, not texts by name")
-    robot, joints = attributes.get("robot", ""), attributes.get("joint_names", [])
+    robot, joints, factors = (
+        attributes.get(name, other) for name, other in (("robot", ""), ("joint_names", []), ("factors", ""))
+    )
     if not isinstance(robot, str) or len(robot) > _LONGEST_NAME:
         raise ValueError(f"its robot is {short(robot)}, not a name")
+    if not isinstance(factors, str) or len(factors) > _LONGEST_FACTORS:
+        raise ValueError(f"its factors are {short(factors)}, not a setting such as light_color:2")
     if not is_texts(joints):
         raise ValueError(f"its joint names are {short(joints)}, not a list of texts")
     assert isinstance(instructions, list) and isinstance(versions, dict) and isinstance(joints, list)
@@ -75,6 +82,7 @@ def read_head(attributes: dict[str, Any]) -> Head:
         versions=versions,
         robot=robot,
         joint_names=tuple(joints),
+        factors=factors,
         random_seed=_seed(attributes),
         num_reset_attempts=_whole(attributes, resets) if resets in attributes else None,
         describes=_flag(attributes, "descriptions"),
@@ -274,6 +282,7 @@ class Episode:
                 task_name=head.task,
                 robot=head.robot,
                 joint_names=head.joint_names,
+                factors=head.factors,
             )
 
     def _read_state(self) -> dict[str, np.ndarray] | None:

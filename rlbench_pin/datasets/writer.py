@@ -89,6 +89,8 @@ def _write_head(file: h5py.File, demo: Demo) -> None:
     file.attrs["attempt"] = demo.attempt
     if demo.robot:
         file.attrs["robot"], file.attrs["joint_names"] = demo.robot, to_json(list(demo.joint_names))
+    if demo.factors:
+        file.attrs["factors"] = demo.factors
     file.attrs["instructions"] = to_json(list(demo.instructions))
     file.attrs["versions"] = to_json(dict(demo.versions))
     if demo.seed is not None:

@@ -294,6 +294,7 @@ def play_demo(
             task_name=runtime.task.get_name(),
             robot=runtime.model.description.reference,
             joint_names=runtime.model.description.arm_joints,
+            factors=origin.factors,
         )
     duration = runtime.world.time - began
     return DemoOutcome(not cause, cause, waypoint, demo, player.planning_time, duration, tuple(player.segments))

@@ -331,13 +331,15 @@ class TaskEnvironment:
             return demos.play_demo(self._runtime, episode, record=record, record_gripper=gripper, on_frame=on_frame)
 
     def reset_to_demo(self, demo: Demo) -> tuple[list[str], Observation]:
-        """Start as a demonstration did: its seed sets up the task, its snapshot the very state.
+        """Start as a demonstration did: its seed sets up the task, its snapshot the very state. Its factors are chosen as well.
 
         Raises:
             TaskEnvironmentError: The demonstration is of another task or arm, or carries no seed.
         """
         seed = demos.check_start(demo, self.get_name(), self._runtime.model.description.reference)
         self.set_variation(demo.variation_number)
+        if demo.factors or self.factors:
+            self.set_factors(demo.factors)
         self._start(seed, demo.attempt)
         demos.restore_start(self._runtime, demo)
         return self.get_task_descriptions(), self.get_observation()

@@ -16,6 +16,7 @@ from rlbench_pin.datasets.storage import write_whole
 from rlbench_pin.datasets.writer import Compression
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.episode import drawn_variations
+from rlbench_pin.environment.factors import FactorSetting
 from rlbench_pin.environment.observations.config import ObservationConfig, RenderMode
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.errors import EpisodeFileError, InvalidArgument, InvalidCamera, RlbenchPinError, TaskEnvironmentError
@@ -33,6 +34,7 @@ from rlbench_pin.values import (
     as_record,
     as_seed,
     as_several,
+    as_text,
     as_whole,
     items_of,
 )
@@ -126,6 +128,8 @@ class RecordConfig:
     """Other arms: only what each of them demonstrates as well is stored, at the same attempt of the same seed."""
     images: ImageConfig = field(default_factory=ImageConfig)
     """Images of the episodes."""
+    factors: str = ""
+    """Factors of generalisation of all episodes, such as `light_color:2+friction:1`."""
     listed: Mapping[str, tuple[tuple[int, int], ...]] = field(default_factory=dict)
     """Task name -> variation and seed of each of its episodes, in place of those that the numbers above give; empty without."""
 
@@ -141,6 +145,7 @@ class RecordConfig:
             raise InvalidArgument("variations", 0, "records nothing", "Write -1 for all variations.")
         for name in ("max_velocity", "max_acceleration"):
             as_number(getattr(self, name), name, InvalidArgument, above=0.0)
+        object.__setattr__(self, "factors", str(FactorSetting.of(as_text(self.factors, "factors", InvalidArgument))))
         as_record(self.images, ImageConfig, "images", InvalidArgument)
         for name in ("per_variation", "draw_variations"):
             as_flag(getattr(self, name), name, InvalidArgument)
@@ -179,6 +184,8 @@ class WorkItem:
     """Other arms that have to solve the same attempt."""
     task_digest: str = ""
     """SHA-256 of the files of the task; not compared when empty."""
+    factors: str = ""
+    """Factors of generalisation; empty without."""
 
     @property
     def limits(self) -> tuple[float, float]:
@@ -205,7 +212,9 @@ def plan_items(config: RecordConfig, tasks: Mapping[str, type[Task]] | None = No
     items: list[WorkItem] = []
     with ImageConfig(products=()).environment(robot=config.robot) as environment:
         for name, task in tasks.items():
-            count, files = environment.get_task(task).variation_count(), task_digest(task)
+            running, files = environment.get_task(task), task_digest(task)
+            running.set_factors(config.factors)  # refuses a factor that the task cannot take
+            count = running.variation_count()
             if task.get_name() in config.listed:
                 planned = _listed_items(config, name, task.get_name(), count)
             else:
@@ -243,7 +252,7 @@ def _item(config: RecordConfig, task: str, name: str, variation: int, index: int
     return WorkItem(
         task, name, variation, index, seed, tuple(range(config.max_attempts)),
         max_velocity=config.max_velocity, max_acceleration=config.max_acceleration,
-        robot=config.robot, paired=config.paired,
+        robot=config.robot, paired=config.paired, factors=config.factors,
     )  # fmt: skip
 
 
@@ -311,6 +320,7 @@ def common_flags(config: RecordConfig) -> dict[str, str]:
         "--seed": f"{config.seed}",
         "--max-attempts": f"{config.max_attempts}",
         "--robot": config.robot,
+        "--factors": config.factors,
         "--paired": " ".join(sorted({config.robot, *config.paired})) if config.paired else "",
         "--cameras": " ".join(images.cameras),
         "--products": " ".join(images.products),

@@ -123,11 +123,13 @@ class Recorder:
 
     def _try(self, item: WorkItem, attempt: int, failures: list[str]) -> Demo | None:
         task = self._load(item, item.robot)
+        fields = (*LOW_DIM, "gripper_matrix")
+        stored = read_demo(Path(item.source), fields, sha256=item.sha256 or None) if item.source else None
+        task.set_factors(item.factors if stored is None else stored.factors)
         outcome = task.try_demo(seed=item.seed, variation=item.variation, attempt=attempt)
-        if not item.source:
+        if stored is None:
             failures += [outcome.cause] if outcome.cause else []
             return outcome.demo if outcome.demo is None or self._all_can(item, attempt, failures) else None
-        stored = read_demo(Path(item.source), (*LOW_DIM, "gripper_matrix"), sha256=item.sha256 or None)
         if outcome.demo is not None and same_motion(outcome.demo, stored):
             return outcome.demo
         return replay_demo(task, stored)
@@ -136,6 +138,7 @@ class Recorder:
         """Whether the paired arms demonstrate the attempt as well."""
         for robot in item.paired:
             task = self._load(item, robot)
+            task.set_factors(item.factors)
             outcome = task.try_demo(seed=item.seed, variation=item.variation, attempt=attempt, record=False)
             if not outcome.success:
                 failures.append(f"{robot}: {outcome.cause}")

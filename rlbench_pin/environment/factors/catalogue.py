@@ -21,6 +21,8 @@ Numbers = Mapping[str, float | tuple[float, float]]
 """Numbers of one level: a range that is drawn from, or a value."""
 COLOSSEUM: Literal["colosseum"] = "colosseum"
 JOINED, LEVEL = "+", ":"
+ALL = "all"
+"""All factors, on a command line."""
 _REASONS = {
     "manipulated": "its scene marks no object as manipulated",
     "receiving": "its scene marks no object as receiving",
@@ -56,7 +58,9 @@ class Factor:
         if level == COLOSSEUM and self.colosseum is not None:
             return self.colosseum
         if level == COLOSSEUM or not 1 <= level <= len(self.levels):
-            raise InvalidArgument(f"level of '{self.name}'", level, f"has to be one of {', '.join(self.level_names)}, or 0 for none")
+            raise InvalidArgument(
+                f"level of '{self.name}'", level, f"has to be one of {', '.join(self.level_names)}, or 0 for none"
+            )
         return self.levels[level - 1]
 
     @property
@@ -122,7 +126,7 @@ class FactorSetting:
         if isinstance(given, FactorSetting):
             return given
         if isinstance(given, Mapping):
-            parts = [(as_text(name, "factor", InvalidArgument), level) for name, level in given.items()]
+            parts = [(as_text(name, "factor", InvalidArgument), _level(level)) for name, level in given.items()]
         else:
             words = given.split(JOINED) if isinstance(given, str) else given
             if not isinstance(words, Sequence) or not all(isinstance(word, str) for word in words):
@@ -134,9 +138,9 @@ class FactorSetting:
                 raise UnknownName("factor", name, tuple(catalogue))
             if name in chosen:
                 raise InvalidArgument("factors", given, f"names '{name}' twice", "Choose one level for each factor.")
-            chosen[name] = _level(level)
-            if chosen[name] != 0:
-                catalogue[name].numbers(chosen[name])
+            chosen[name] = level
+            if level != 0:
+                catalogue[name].numbers(level)
         return cls(tuple((name, chosen[name]) for name in catalogue if chosen.get(name, 0) != 0))
 
     def __str__(self) -> str:
@@ -152,16 +156,50 @@ class FactorSetting:
         return next((f"'{name}': {reason}" for name, reason in reasons if reason), "")
 
 
+def expand_settings(words: Sequence[str], level: Level | str | None = None) -> tuple[str, ...]:
+    """Return the settings that words of a command line mean, each once.
+
+    `light_color:2` and `light_color:2+friction:1` are settings already. A factor without a level means each of its levels, and
+    `all` means every factor, alone.
+
+    Args:
+        words: The words.
+        level: Level of what has none, such as 2 or `colosseum`; a factor with fewer levels takes its highest. None means each.
+
+    Raises:
+        UnknownName: There is no such factor.
+        InvalidArgument: A factor has no such level.
+    """
+    wanted = None if level is None else _level(level)
+    found: dict[str, None] = {}
+    for word in (part for text in words for part in text.replace(",", " ").split()):
+        names = tuple(factor_catalogue()) if word == ALL else (word,)
+        for name in names:
+            found |= dict.fromkeys([str(FactorSetting.of(name))] if LEVEL in name else _levels_of(name, wanted, word == ALL))
+    return tuple(setting for setting in found if setting)
+
+
+def _levels_of(name: str, wanted: Level | None, all_factors: bool) -> list[str]:
+    if name not in factor_catalogue():
+        raise UnknownName("factor", name, (ALL, *factor_catalogue()))
+    factor = factor_catalogue()[name]
+    if wanted == COLOSSEUM and factor.colosseum is None and all_factors:
+        return []
+    if wanted is None:
+        return [f"{name}{LEVEL}{level}" for level in range(1, len(factor.levels) + 1)]
+    return [str(FactorSetting.of({name: wanted if wanted == COLOSSEUM else min(wanted, len(factor.levels))}))]
+
+
 FactorsLike = str | Sequence[str] | Mapping[str, Level] | FactorSetting
 """What can be passed as factors."""
 _EXAMPLE = "For example `light_color:2`, or `{'light_color': 2, 'friction': 1}`."
 
 
-def _part(word: str) -> tuple[str, object]:
+def _part(word: str) -> tuple[str, Level]:
     name, colon, level = word.partition(LEVEL)
     if not colon:
         raise InvalidArgument("factors", word, "lacks a level", f"Write `{name}:1`; `rlbench-pin factors` lists the levels.")
-    return name, level
+    return name, _level(level)
 
 
 def _level(level: object) -> Level:

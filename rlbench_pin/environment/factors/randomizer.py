@@ -70,4 +70,6 @@ class FactorNotApplicable(InvalidArgument):
     """A task cannot take a factor."""
 
     def __init__(self, task: str, setting: str, reason: str) -> None:
-        super().__init__("factors", setting, f"cannot change '{task}': {reason}", "`rlbench-pin factors` lists what each changes.")
+        super().__init__(
+            "factors", setting, f"cannot change '{task}': {reason}", "`rlbench-pin factors` lists what each changes."
+        )

@@ -20,7 +20,7 @@ _FIELDS: dict[Measure, str] = {"success": "success", "stable": "lasts"}  # of an
 IMPLIED = ("episodes", "seed", "variations", "time_limit")
 """Limits that may differ: the episodes themselves say the first three, and the last is of a clock on the wall."""
 _SHOWN = 3
-_Episodes = dict[tuple[str, int, int, str], EpisodeRecord]
+_Episodes = dict[tuple[str, int, int], EpisodeRecord]
 _ADVICE = "Evaluate both with the same `--tasks`, `--episodes` and `--seed`; `--common` compares the episodes that both have."
 _LIMITS_ADVICE = "Evaluate both with the same limits; `--any-limits` compares them nevertheless."
 
@@ -116,6 +116,8 @@ def compare(
     as_record(rng, np.random.Generator, "rng")
     as_choice(measure, "measure", _FIELDS)
     common, any_limits = as_flag(common, "common"), as_flag(any_limits, "any_limits")
+    if one.factors or other.factors:
+        raise InvalidValue("results", (one.policy, other.policy), "have factors", "Compare `results.of_factors(SETTING)`.")
     check_same_protocol((one, other), (one.policy, other.policy))
     before, after = _by_key(one), _by_key(other)
     _check_episodes(one, other, before, after, common)
@@ -157,13 +159,17 @@ def _counted(one: Results, after: _Episodes, measure: Measure) -> dict[str, Pair
     """Return how the episodes of each task went, of those that both have."""
     found: dict[str, list[tuple[bool, bool]]] = {task: [] for task in one.tasks}
     for episode in one.episodes:
-        if episode.key in after:
-            found[episode.task].append((getattr(episode, _FIELDS[measure]), getattr(after[episode.key], _FIELDS[measure])))
+        if (same := after.get(_key(episode))) is not None:
+            found[episode.task].append((getattr(episode, _FIELDS[measure]), getattr(same, _FIELDS[measure])))
     return {task: _pairs(outcomes) for task, outcomes in found.items() if outcomes}
 
 
 def _by_key(results: Results) -> _Episodes:
-    return {episode.key: episode for episode in results.episodes}
+    return {_key(episode): episode for episode in results.episodes}
+
+
+def _key(episode: EpisodeRecord) -> tuple[str, int, int]:
+    return episode.task, episode.variation, episode.seed
 
 
 def _check_episodes(one: Results, other: Results, before: _Episodes, after: _Episodes, common: bool) -> None:
@@ -177,7 +183,7 @@ def _check_episodes(one: Results, other: Results, before: _Episodes, after: _Epi
     )
     found = [text for what, a, b in parts if (text := _difference(what, a, b))]
     if not found:
-        found = [_difference("episodes (task, variation, seed, factors)", tuple(before), tuple(after)) or "neither has an episode"]
+        found = [_difference("episodes (task, variation, seed)", tuple(before), tuple(after)) or "neither has an episode"]
     raise IncompatibleResults(one.policy, other.policy, found, "They have no episode in common." if not shared else _ADVICE)
 
 

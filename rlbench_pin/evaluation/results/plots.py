@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 
 from rlbench_pin.datasets.storage import write_whole
 from rlbench_pin.errors import InvalidValue
+from rlbench_pin.evaluation.results.profile import Profile
 from rlbench_pin.evaluation.results.statistics import Summary
 from rlbench_pin.evaluation.results.tables import MEAN, printable
 from rlbench_pin.values import as_path, as_record, as_several, as_whole
@@ -47,6 +48,52 @@ def draw_results(path: Path | str, summaries: Sequence[Summary]) -> Path:
         metadata: dict[str, Any] = {"Date": None} if kind == "svg" else {"Software": None}
         figure.savefig(written, format=kind, dpi=150, metadata=metadata)
     return write_whole(path, written.getvalue())
+
+
+def draw_profiles(path: Path | str, profiles: Sequence[Profile]) -> Path:
+    """Draw success over factors, one panel for each profile, an axis for each factor; equal results give the same file.
+
+    Args:
+        path: A PNG or SVG file.
+        profiles: Profiles, 1 to 8.
+
+    Raises:
+        InvalidValue: The file has another ending, or there are too many profiles.
+        StorageError: It cannot be written.
+    """
+    found = [as_record(profile, Profile, "A profile") for profile in as_several(profiles, "profiles")]
+    path = check_plot(path, len(found))
+    kind = path.suffix.lower()[1:]
+    written = io.BytesIO()
+    with rc_context(_FIXED):
+        figure = Figure(figsize=(_WIDTH, 5.5 * len(found)), layout="constrained")
+        for place, profile in enumerate(found):
+            _draw_profile(figure.add_subplot(len(found), 1, place + 1, projection="polar"), profile)
+        metadata: dict[str, Any] = {"Date": None} if kind == "svg" else {"Software": None}
+        figure.savefig(written, format=kind, dpi=150, metadata=metadata)
+    return write_whole(path, written.getvalue())
+
+
+def _draw_profile(axes: Any, profile: Profile) -> None:
+    """Draw one profile: a line for each level through the axes of its factors, and a circle without factors."""
+    values: dict[str, dict[str, float]] = {}
+    for row in profile.rows:
+        name, _, level = row.setting.rpartition(":") if "+" not in row.setting else (row.setting, "", "together")
+        values.setdefault(name, {})[level] = row.summary.success.value
+    names, levels = list(values), list(dict.fromkeys(level for found in values.values() for level in found))
+    angles = np.linspace(0.0, 2.0 * np.pi, len(names), endpoint=False)
+    around = np.linspace(0.0, 2.0 * np.pi, 181)
+    axes.plot(around, np.full(181, profile.base.success.value), color="#888888", linewidth=1.0, linestyle="--", label="none")
+    for place, level in enumerate(levels):
+        chosen = [(angle, values[name][level]) for angle, name in zip(angles, names) if level in values[name]]
+        line: dict[str, Any] = {"color": COLORS[place % len(COLORS)], "marker": "o", "markersize": 3.5, "linewidth": 1.2}
+        closed = [*chosen, chosen[0]] if len(chosen) == len(names) > 2 else chosen
+        axes.plot(*zip(*closed), label=level if level.isalpha() else f"level {level}", clip_on=False, **line)
+    axes.set_xticks(angles, [_label(name).strip() for name in names])
+    axes.set_ylim(0.0, 1.0)
+    axes.set_yticks(np.linspace(0.25, 1.0, 4), [f"{v} %" for v in (25, 50, 75, 100)])
+    axes.set_title(f"{_label(profile.policy)}: success by factor", pad=18)
+    axes.legend(loc="lower left", bbox_to_anchor=(1.05, 0.0), frameon=False)
 
 
 def check_plot(path: Path | str, policies: int) -> Path:

@@ -301,8 +301,9 @@ def _key(line: Mapping[str, Any]) -> tuple[str, int, int, str] | None:
     if not isinstance(record, dict):
         return None
     task, variation, seed, factors = (record.get(name) for name in ("task", "variation", "seed", "factors"))
-    known = isinstance(task, str) and type(variation) is int and type(seed) is int
-    return (task, variation, seed, str(factors or "")) if known else None
+    if not isinstance(task, str) or type(variation) is not int or type(seed) is not int:
+        return None
+    return task, variation, seed, str(factors or "")
 
 
 @contextmanager

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,7 +18,7 @@ class DelayState:
     waiting: tuple[ArmControl, ...]
     wanted: ArmControl
     arrived: ArmControl
-    random: dict[str, Any]
+    random: Mapping[str, Any]
 
 
 class CommandDelay:

@@ -43,7 +43,7 @@ def test_equal_content_is_equal_to_the_byte() -> None:
 @pytest.mark.parametrize(
     ("before", "after", "says"),
     [
-        ('"format": 1', '"format": 4', "format 4, this package reads formats 1 to 3"),
+        ('"format": 1', '"format": 5', "format 5, this package reads formats 1 to 4"),
         ('"format": 1', '"format": 2', "lacks policy_seed_key"),
         ('"format": 1', '"format": true', "format True"),
         ('"steps": 10', '"steps": 11', "it was altered"),

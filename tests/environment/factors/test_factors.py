@@ -1,0 +1,294 @@
+"""Factors of generalisation: named, graded, the same from the same seed, and gone without a trace at level 0."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rlbench_pin.environment import (
+    Discrete,
+    Environment,
+    JointPosition,
+    MoveArmThenGripper,
+    RandomizeEvery,
+    VisualRandomizationConfig,
+)
+from rlbench_pin.environment.factors import FactorNotApplicable, FactorSetting, expand_settings, factor_catalogue
+from rlbench_pin.environment.factors.draw import FUNCTIONS, OTHER
+from rlbench_pin.environment.presets import image_config
+from rlbench_pin.environment.task_environment import TaskEnvironment
+from rlbench_pin.errors import InvalidArgument, UnknownName
+from rlbench_pin.observation import Observation
+
+APPEARANCE = tuple(name for name, factor in factor_catalogue().items() if factor.group == "appearance")
+SENSORS = ("image_blur", "image_jpeg", "image_exposure", "dead_pixels")
+SLIDE = "put_item_in_drawer"
+
+
+def environment(**keys: object) -> Environment:
+    """Return the front camera, small, and the low-dimensional data."""
+    config = image_config((64, 64), ("front",), depth=True, mask=False)
+    config.set_all_low_dim(True)
+    return Environment(MoveArmThenGripper(JointPosition(), Discrete()), obs_config=config, seed=0, **keys)  # type: ignore[arg-type]
+
+
+@pytest.fixture(scope="module")
+def bin_task() -> Iterator[TaskEnvironment]:
+    """A task with manipulated and receiving objects that it does not paint."""
+    with environment() as env:
+        yield env.get_task("put_rubbish_in_bin")
+
+
+@pytest.fixture(scope="module")
+def drawer() -> Iterator[TaskEnvironment]:
+    """A task with joints and three variations."""
+    with environment() as env:
+        yield env.get_task("open_drawer")
+
+
+def start(task: TaskEnvironment, factors: str | Mapping[str, object], seed: int = 3) -> Observation:
+    """Return the first observation of an episode with factors."""
+    task.set_factors(factors)  # type: ignore[arg-type]
+    return task.reset(seed=seed, variation=0)[1]
+
+
+def content(observation: Observation) -> dict[str, bytes | None]:
+    """Return every array of an observation as bytes."""
+    values = {name: getattr(observation, name) for name in vars(observation) if name != "misc"}
+    return {name: None if value is None else np.asarray(value).tobytes() for name, value in values.items()}
+
+
+# Names and levels ---------------------------------------------------------------------------------------------------
+
+
+def test_each_factor_has_a_function_and_growing_levels() -> None:
+    """The catalogue and the functions have the same names; a higher level reaches farther."""
+    assert {*FUNCTIONS, OTHER} == set(factor_catalogue())
+    for factor in factor_catalogue().values():
+        assert 1 <= len(factor.levels) <= 3 and factor.changes.endswith(".")
+        for numbers, more in zip(factor.levels, factor.levels[1:]):
+            assert numbers.keys() == more.keys() and numbers != more
+
+
+def test_settings_are_read_in_any_form_and_written_in_one() -> None:
+    """Text, texts and tables; in the order of the catalogue; level 0 is nothing."""
+    wanted = FactorSetting((("light_color", 2), ("friction", 1)))
+    for given in ("friction:1+light_color:2", "light_color:2 + friction:1", ["friction:1", "light_color:2"], {"friction": 1, "light_color": 2}):
+        assert FactorSetting.of(given) == wanted
+    assert str(wanted) == "light_color:2+friction:1" and FactorSetting.of(str(wanted)) == wanted
+    assert str(FactorSetting.of("friction:colosseum")) == "friction:colosseum"
+    assert not FactorSetting.of("") and FactorSetting.of({"friction": 0}) == FactorSetting()
+
+
+@pytest.mark.parametrize(
+    ("given", "error", "message"),
+    [
+        ("frictoin:1", UnknownName, "friction"),
+        ("friction:4", InvalidArgument, "1, 2, 3, colosseum"),
+        ("shadow:colosseum", InvalidArgument, "1, 2, 3"),
+        ("friction", InvalidArgument, "friction:1"),
+        ("friction:1+friction:2", InvalidArgument, "twice"),
+        ({"friction": 1.5}, InvalidArgument, "colosseum"),
+        ({"friction": True}, InvalidArgument, "colosseum"),
+        (3, InvalidArgument, "text"),
+    ],
+)
+def test_bad_settings_are_refused(given: object, error: type[Exception], message: str) -> None:
+    """With what was possible."""
+    with pytest.raises(error, match=message):
+        FactorSetting.of(given)  # type: ignore[arg-type]
+
+
+def test_words_of_a_command_line_become_settings() -> None:
+    """A factor without a level means all its levels, `all` every factor."""
+    assert expand_settings(["friction", "mass:2+damping:1"]) == ("friction:1", "friction:2", "friction:3", "mass:2+damping:1")
+    every = expand_settings(["all"], 2)
+    assert len(every) == len(factor_catalogue()) and "mass:2" in every and "instruction_none:1" in every
+    presets = expand_settings(["all"], "colosseum")
+    assert "friction:colosseum" in presets and all(setting.endswith(":colosseum") for setting in presets)
+    with pytest.raises(UnknownName, match="friction"):
+        expand_settings(["fricton"])
+
+
+# What they change ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.simulation
+@pytest.mark.parametrize("name", [*APPEARANCE, *SENSORS])
+def test_what_is_seen_changes_and_nothing_else(bin_task: TaskEnvironment, name: str) -> None:
+    """At every level the image is another one; objects and arm are where they were."""
+    plain = start(bin_task, "")
+    images = [plain.front_rgb.tobytes()]
+    for level in range(1, len(factor_catalogue()[name].levels) + 1):
+        changed = start(bin_task, {name: level})
+        images.append(changed.front_rgb.tobytes())
+        np.testing.assert_array_equal(changed.task_low_dim_state, plain.task_low_dim_state)
+        np.testing.assert_array_equal(changed.joint_positions, plain.joint_positions)
+    assert len(set(images)) == len(images)
+
+
+@pytest.mark.simulation
+def test_level_0_is_as_without_factors_and_all_of_them_are_removed(bin_task: TaskEnvironment) -> None:
+    """To the byte, also after an episode with all factors."""
+    with environment() as env:
+        without = content(env.get_task("put_rubbish_in_bin").reset(seed=3, variation=0)[1])
+    every = {n: len(f.levels) for n, f in factor_catalogue().items() if not f.why_not(bin_task.task) and f.group != "language"}
+    assert content(start(bin_task, every)) != without
+    assert content(start(bin_task, {name: 0 for name in every})) == without
+
+
+@pytest.mark.simulation
+def test_the_same_seed_gives_the_same_bytes_in_any_order(bin_task: TaskEnvironment) -> None:
+    """Whatever came before, and however the factors are ordered."""
+    names = ["light_color:2", "friction:3", "camera_pose:1", "depth_noise:2", "start_configuration:3", "dead_pixels:1"]
+    first = content(start(bin_task, "+".join(names)))
+    start(bin_task, "table_color:3", seed=8)
+    assert content(start(bin_task, "+".join(reversed(names)))) == first
+    assert content(start(bin_task, "+".join(names), seed=4)) != first
+
+
+@pytest.mark.simulation
+def test_physics_is_scaled_within_the_range(drawer: TaskEnvironment) -> None:
+    """Mass, friction and damping of the chest, and the gains of the arm; all come back."""
+    world = drawer.world
+    chest = world.body("chest").model
+    link = chest.links["drawer_top_link"]
+    start(drawer, "")
+    before = (world.dynamics_overrides.mass(chest, link), world.dynamics_overrides.friction(chest, link), world.robot.position_gain)
+    start(drawer, "mass:3+friction:3+damping:3+arm_gains:3")
+    after = (world.dynamics_overrides.mass(chest, link), world.dynamics_overrides.friction(chest, link), world.robot.position_gain)
+    ratios = [new / old for new, old in zip(after, before)]
+    assert 0.5 <= ratios[0] <= 2.0 and 0.3 <= ratios[1] <= 1.5 and 0.65 <= ratios[2] <= 1.5 and 1.0 not in ratios
+    start(drawer, "")
+    again = (world.dynamics_overrides.mass(chest, link), world.dynamics_overrides.friction(chest, link), world.robot.position_gain)
+    assert again == before
+
+
+@pytest.mark.simulation
+def test_the_arm_starts_elsewhere_at_rest(drawer: TaskEnvironment) -> None:
+    """Farther at a higher level, in the same direction; the objects stay."""
+    home = start(drawer, "")
+    offsets = [np.asarray(start(drawer, {"start_configuration": level}).joint_positions) - home.joint_positions for level in (1, 2, 3)]
+    sizes = [float(np.abs(offset).max()) for offset in offsets]
+    assert 0.0 < sizes[0] < sizes[1] < sizes[2] <= 0.2 + 1e-9
+    np.testing.assert_array_equal(np.sign(offsets[0]), np.sign(offsets[2]))
+    moved = start(drawer, "start_configuration:3")
+    np.testing.assert_array_equal(moved.task_low_dim_state, home.task_low_dim_state)
+    assert np.abs(np.asarray(moved.joint_velocities)).max() < 1e-6
+
+
+@pytest.mark.simulation
+def test_commands_arrive_later(drawer: TaskEnvironment) -> None:
+    """The motion of the arm with a latency of two ticks is that without, two ticks later."""
+
+    def moved(factors: str) -> list[float]:
+        first = start(drawer, factors)
+        action = np.append(np.asarray(first.joint_positions) + [0.05, 0, 0, 0, 0, 0, 0], 1.0)
+        return [float(drawer.step(action)[0].joint_positions[0] - first.joint_positions[0]) for _ in range(6)]
+
+    at_once, later = moved(""), moved("action_latency:2")
+    assert at_once[0] > 0.01
+    np.testing.assert_allclose(later[:2], 0.0, atol=1e-4)
+    np.testing.assert_allclose(later[2:], at_once[:4], atol=2e-3)
+
+
+@pytest.mark.simulation
+def test_lost_commands_are_the_same_again_and_survive_a_saved_state(drawer: TaskEnvironment) -> None:
+    """With losses and latency an episode can be saved in the middle, and goes on to the byte."""
+    first = start(drawer, "action_loss:3+action_latency:1")
+    rng = np.random.default_rng(0)
+    actions = [np.append(np.asarray(first.joint_positions) + rng.uniform(-0.03, 0.03, 7), 1.0) for _ in range(12)]
+    for action in actions[:6]:
+        drawer.step(action)
+    state = drawer.get_state()
+    rest = [content(drawer.step(action)[0]) for action in actions[6:]]
+    drawer.set_state(state)
+    assert [content(drawer.step(action)[0]) for action in actions[6:]] == rest
+    assert pickle.loads(pickle.dumps(state)).episode.factors == "action_latency:1+action_loss:3"
+
+
+@pytest.mark.simulation
+def test_noise_of_depth_and_joints_is_drawn_anew(drawer: TaskEnvironment) -> None:
+    """Two observations of one instant differ by noise of the size that the level says."""
+    plain = start(drawer, "")
+    noisy = start(drawer, "joint_noise:3+depth_noise:3")
+    other = drawer.get_observation()
+    errors = np.asarray(noisy.joint_positions) - plain.joint_positions
+    assert 0.0 < np.abs(errors).max() < 0.06 and not np.array_equal(noisy.joint_positions, other.joint_positions)
+    assert 0.0 < np.abs(noisy.front_depth - plain.front_depth).max() < 0.1
+    np.testing.assert_array_equal(noisy.front_rgb, plain.front_rgb)
+
+
+# Language -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.simulation
+def test_instructions_are_of_the_kind_asked_for(drawer: TaskEnvironment) -> None:
+    """Held-out, vague, specific; those of another variation; none. The goal stays."""
+    start(drawer, "")
+    task, own = drawer.task, drawer.get_task_descriptions()
+    for kind in ("held_out", "vague", "specific"):
+        start(drawer, {f"instruction_{kind}": 1})
+        assert sorted(drawer.get_task_descriptions()) == sorted(task.get_wording(kind)) and kind  # type: ignore[arg-type]
+    plain = start(drawer, "")
+    other = start(drawer, "instruction_other:1")
+    said = drawer.get_task_descriptions()
+    assert not set(own) & set(said) and ("middle" in said[0] or "top" in said[0])
+    assert other.misc["descriptions"] == said and other.misc["variation_index"] == 0
+    np.testing.assert_array_equal(other.task_low_dim_state, plain.task_low_dim_state)
+    start(drawer, "instruction_none:1")
+    assert drawer.get_task_descriptions() == [""]
+
+
+# Refusals -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.simulation
+def test_a_task_that_cannot_take_a_factor_says_why() -> None:
+    """By its scene file, by its one variation, or because nothing has a joint."""
+    with environment() as env:
+        task = env.get_task("stack_cups")
+        for setting, reason in (("object_color:1", "colours that have a meaning"), ("damping:1", "joint")):
+            with pytest.raises(FactorNotApplicable, match=reason):
+                task.set_factors(setting)
+        task.set_factors("light_color:1")
+        assert str(task.factors) == "light_color:1"
+    with environment(factors="instruction_other:1") as env, pytest.raises(FactorNotApplicable, match="one variation"):
+        env.get_task("put_rubbish_in_bin")
+
+
+@pytest.mark.simulation
+def test_factors_and_domain_randomization_exclude_each_other() -> None:
+    """They change the same properties."""
+    keys = {"randomize_every": RandomizeEvery.EPISODE, "visual_randomization_config": VisualRandomizationConfig()}
+    with environment(**keys) as env:
+        task = env.get_task("open_drawer")
+        with pytest.raises(InvalidArgument, match="domain randomization"):
+            task.set_factors("light_color:1")
+
+
+# Demonstrations -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.simulation
+def test_a_demonstration_carries_its_factors_and_can_be_replayed(drawer: TaskEnvironment) -> None:
+    """Another environment starts from it with the same factors, in the same state."""
+    drawer.set_factors("friction:2+start_configuration:2+light_color:3")
+    outcome = drawer.try_demo(seed=5, variation=1)
+    assert outcome.demo is not None and outcome.demo.factors == "light_color:3+friction:2+start_configuration:2"
+    with environment() as env:
+        task = env.get_task("open_drawer")
+        _, seen = task.reset_to_demo(outcome.demo)
+        assert str(task.factors) == outcome.demo.factors
+        assert content(replace_misc(seen)) == content(replace_misc(outcome.demo[0]))
+
+
+def replace_misc(observation: Observation) -> Observation:
+    """Return an observation without what demonstrations add."""
+    kept = replace(observation, misc={})
+    kept.ignore_collisions = None
+    return kept
