@@ -70,7 +70,7 @@ def _words(names: list[str]) -> dict[str, str]:
     words = {"first": first, "list": ", ".join(names), "series": _series(names), "chain": ", then ".join(names)}
     if not later:
         targets = {"these": "the button of this colour", "in_the_order": f"the button with the {first} base"}
-        order = "initial then ordinals in_order before one_by_one afterwards and_then keeping_order repeat s es"
+        order = "initial then ordinals in_order before one_by_one afterwards and_then keeping_order repeat s"
         return words | targets | dict.fromkeys(order.split(), "")
     pairs = [f"before the {later[0]} one", *(f"the {one} one before the {other} one" for one, other in pairwise(later))]
     others = f"the {later[0]} one" if len(later) == 1 else f"the {_series(later)} ones in turn"
@@ -88,7 +88,6 @@ def _words(names: list[str]) -> dict[str, str]:
         "keeping_order": ", and keep to the order",
         "repeat": f"; next, do the same on {', then on '.join(f'the {name} base' for name in later)}",
         "s": "s",
-        "es": "es",
     }
 
 
