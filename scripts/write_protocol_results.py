@@ -47,10 +47,8 @@ def with_file(entries: list[dict[str, Any]], path: Path) -> list[dict[str, Any]]
 
 def page(entries: list[dict[str, Any]]) -> str:
     """Return the page as Markdown."""
-    parts = [HEAD]
-    for name in dict.fromkeys(entry["name"] for entry in entries):
-        parts.append(_section(name, [entry for entry in entries if entry["name"] == name]))
-    return "\n".join(parts)
+    names = dict.fromkeys(entry["name"] for entry in entries)
+    return "\n".join([HEAD, *(_section(name, [entry for entry in entries if entry["name"] == name]) for name in names)])
 
 
 def _section(name: str, entries: list[dict[str, Any]]) -> str:

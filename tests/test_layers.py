@@ -48,7 +48,7 @@ HOMES: dict[str, tuple[str, ...]] = {
     "isal": ("datasets",),
     "pyarrow": ("datasets",),
     "av": ("datasets",),
-    "tomllib": ("scene", "checking", "evaluation", "robot"),
+    "tomllib": ("scene", "checking", "environment", "evaluation", "robot"),
     "tomlkit": ("scene", "builder"),
     "pydantic": ("scene",),
     "xml": ("urdf", "builder"),

@@ -69,8 +69,8 @@ class ListFactors:
     def _draw(self, task: str, folder: Path) -> Iterator[Path]:
         """Draw the levels of each factor that changes an image side by side, and yield the files."""
         import numpy as np
-        from PIL import Image
 
+        from rlbench_pin.datasets.formats.rlbench import write_png
         from rlbench_pin.environment.environment import Environment
         from rlbench_pin.environment.factors import factor_catalogue
         from rlbench_pin.environment.presets import image_config, joint_position_mode
@@ -88,7 +88,7 @@ class ListFactors:
                     seen.append(getattr(observation, f"{self.camera}_rgb"))
                 if any(not np.array_equal(seen[0], image) for image in seen[1:]):
                     path = folder / f"{factor.name}.png"
-                    Image.fromarray(np.concatenate(seen, axis=1)).save(path)
+                    write_png(path, np.concatenate(seen, axis=1))
                     yield path
 
 

@@ -8,6 +8,7 @@ from rlbench_pin.sim.body import Body, Contact, ObjectJoint
 from rlbench_pin.sim.client import RENDERERS, EglMissing, RendererName, give_back_memory
 from rlbench_pin.sim.frames import Frame, Posed, Region, Sensor
 from rlbench_pin.sim.render.camera import CameraView, Images, field_of_view, framed, look_at
+from rlbench_pin.sim.render.image_noise import ImageNoise
 from rlbench_pin.sim.render.lighting import Light, Lighting, ShadowMap
 from rlbench_pin.sim.render.renderer import Request
 from rlbench_pin.sim.render.texture import Texture, read_texture, shaded_texture
@@ -22,6 +23,7 @@ __all__ = [
     "DriveMode",
     "EglMissing",
     "Frame",
+    "ImageNoise",
     "Images",
     "Light",
     "Lighting",

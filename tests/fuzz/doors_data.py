@@ -241,6 +241,7 @@ def more_samples(library: Path, new: Fresh, first: Path) -> dict[str, object]:
         "Episode.misc.key": "scalar",
         "Episode.shape.field": "joint_positions",
         "TaskEnvironment.set_variation.v": 0,
+        "TaskEnvironment.set_factors.factors": "friction:1",
         "SceneSpec.format": 2,
         "SensorSpec.shape": "box",
         "Tray.half": np.array([0.1, 0.1]),

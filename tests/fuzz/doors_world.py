@@ -56,7 +56,8 @@ def samples(task: TaskEnvironment) -> dict[str, object]:
         "World.joint.name": joint.name, "World.frame.name": "waypoint0", "SimRobot.link_pose.link": "panda_hand",
         "SimRobot.show.links": None,
         "SimRobot.set_joint_states.positions": nine[0], "SimRobot.set_joint_states.velocities": nine[1],
-        "TaskEnvironment.set_variation.v": 0, "World.add_body.name": Fresh(_Counter("added")),
+        "TaskEnvironment.set_variation.v": 0, "TaskEnvironment.set_factors.factors": "friction:1",
+        "World.add_body.name": Fresh(_Counter("added")),
         "World.add_body.spec": BodySpec(name="x", asset="objects/cube_small/cube_small.urdf"),
     }  # fmt: skip
     return plain | special

@@ -21,14 +21,13 @@ from rlbench_pin.environment.observations.config import (
     ModelObservationConfig,
     ObservationConfig,
 )
-from rlbench_pin.environment.observations.image_noise import ImageNoise
 from rlbench_pin.errors import CameraError, InvalidCamera, TaskError, shown
 from rlbench_pin.observation import CAMERAS, LOW_DIM, Observation
 from rlbench_pin.robot.collision import Distance
 from rlbench_pin.robot.description import RobotDescription
 from rlbench_pin.robot.distances import DistanceModel
 from rlbench_pin.robot.model import RobotModel
-from rlbench_pin.sim import CameraView, Images, Lighting, Request, World, look_at
+from rlbench_pin.sim import CameraView, ImageNoise, Images, Lighting, Request, World, look_at
 from rlbench_pin.spatial import FloatArray, above_table, compose, relative, se3_to_pose
 from rlbench_pin.tasks import Task
 from rlbench_pin.values import as_vector

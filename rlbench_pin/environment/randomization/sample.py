@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 
 from rlbench_pin.environment.observations.config import ObservationConfig
-from rlbench_pin.environment.observations.image_noise import ImageNoise
 from rlbench_pin.environment.randomization.config import DynamicsRandomizationConfig, VisualRandomizationConfig
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.observation import CAMERAS
-from rlbench_pin.sim import Light, Lighting, Texture, shaded_texture
+from rlbench_pin.sim import ImageNoise, Light, Lighting, Texture, shaded_texture
 from rlbench_pin.spatial import FloatArray, matrix_to_pose
 
 

@@ -77,8 +77,8 @@ def test_each_factor_has_a_function_and_growing_levels() -> None:
 def test_settings_are_read_in_any_form_and_written_in_one() -> None:
     """Text, texts and tables; in the order of the catalogue; level 0 is nothing."""
     wanted = FactorSetting((("light_color", 2), ("friction", 1)))
-    for given in ("friction:1+light_color:2", "light_color:2 + friction:1", ["friction:1", "light_color:2"], {"friction": 1, "light_color": 2}):
-        assert FactorSetting.of(given) == wanted
+    texts = ("friction:1+light_color:2", "light_color:2 + friction:1", ["friction:1", "light_color:2"])
+    assert all(FactorSetting.of(given) == wanted for given in (*texts, {"friction": 1, "light_color": 2}))
     assert str(wanted) == "light_color:2+friction:1" and FactorSetting.of(str(wanted)) == wanted
     assert str(FactorSetting.of("friction:colosseum")) == "friction:colosseum"
     assert not FactorSetting.of("") and FactorSetting.of({"friction": 0}) == FactorSetting()
@@ -138,7 +138,7 @@ def test_level_0_is_as_without_factors_and_all_of_them_are_removed(bin_task: Tas
         without = content(env.get_task("put_rubbish_in_bin").reset(seed=3, variation=0)[1])
     every = {n: len(f.levels) for n, f in factor_catalogue().items() if not f.why_not(bin_task.task) and f.group != "language"}
     assert content(start(bin_task, every)) != without
-    assert content(start(bin_task, {name: 0 for name in every})) == without
+    assert content(start(bin_task, dict.fromkeys(every, 0))) == without
 
 
 @pytest.mark.simulation
@@ -155,24 +155,25 @@ def test_the_same_seed_gives_the_same_bytes_in_any_order(bin_task: TaskEnvironme
 def test_physics_is_scaled_within_the_range(drawer: TaskEnvironment) -> None:
     """Mass, friction and damping of the chest, and the gains of the arm; all come back."""
     world = drawer.world
-    chest = world.body("chest").model
+    chest, overrides = world.body("chest").model, world.dynamics_overrides
     link = chest.links["drawer_top_link"]
-    start(drawer, "")
-    before = (world.dynamics_overrides.mass(chest, link), world.dynamics_overrides.friction(chest, link), world.robot.position_gain)
-    start(drawer, "mass:3+friction:3+damping:3+arm_gains:3")
-    after = (world.dynamics_overrides.mass(chest, link), world.dynamics_overrides.friction(chest, link), world.robot.position_gain)
+
+    def values(factors: str) -> tuple[float, float, float]:
+        start(drawer, factors)
+        return overrides.mass(chest, link), overrides.friction(chest, link), world.robot.position_gain
+
+    before, after = values(""), values("mass:3+friction:3+damping:3+arm_gains:3")
     ratios = [new / old for new, old in zip(after, before)]
     assert 0.5 <= ratios[0] <= 2.0 and 0.3 <= ratios[1] <= 1.5 and 0.65 <= ratios[2] <= 1.5 and 1.0 not in ratios
-    start(drawer, "")
-    again = (world.dynamics_overrides.mass(chest, link), world.dynamics_overrides.friction(chest, link), world.robot.position_gain)
-    assert again == before
+    assert values("") == before
 
 
 @pytest.mark.simulation
 def test_the_arm_starts_elsewhere_at_rest(drawer: TaskEnvironment) -> None:
     """Farther at a higher level, in the same direction; the objects stay."""
     home = start(drawer, "")
-    offsets = [np.asarray(start(drawer, {"start_configuration": level}).joint_positions) - home.joint_positions for level in (1, 2, 3)]
+    starts = [start(drawer, {"start_configuration": level}).joint_positions for level in (1, 2, 3)]
+    offsets = [np.asarray(q) - home.joint_positions for q in starts]
     sizes = [float(np.abs(offset).max()) for offset in offsets]
     assert 0.0 < sizes[0] < sizes[1] < sizes[2] <= 0.2 + 1e-9
     np.testing.assert_array_equal(np.sign(offsets[0]), np.sign(offsets[2]))
@@ -233,7 +234,7 @@ def test_instructions_are_of_the_kind_asked_for(drawer: TaskEnvironment) -> None
     task, own = drawer.task, drawer.get_task_descriptions()
     for kind in ("held_out", "vague", "specific"):
         start(drawer, {f"instruction_{kind}": 1})
-        assert sorted(drawer.get_task_descriptions()) == sorted(task.get_wording(kind)) and kind  # type: ignore[arg-type]
+        assert sorted(drawer.get_task_descriptions()) == sorted(task.get_wording(kind))  # type: ignore[arg-type]
     plain = start(drawer, "")
     other = start(drawer, "instruction_other:1")
     said = drawer.get_task_descriptions()
@@ -284,10 +285,10 @@ def test_a_demonstration_carries_its_factors_and_can_be_replayed(drawer: TaskEnv
         task = env.get_task("open_drawer")
         _, seen = task.reset_to_demo(outcome.demo)
         assert str(task.factors) == outcome.demo.factors
-        assert content(replace_misc(seen)) == content(replace_misc(outcome.demo[0]))
+        assert content(without_misc(seen)) == content(without_misc(outcome.demo[0]))
 
 
-def replace_misc(observation: Observation) -> Observation:
+def without_misc(observation: Observation) -> Observation:
     """Return an observation without what demonstrations add."""
     kept = replace(observation, misc={})
     kept.ignore_collisions = None
