@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,10 +12,15 @@ from rlbench_pin.environment.episode import EpisodeRandom
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.environment.waypoint_planning import check_feasible
 from rlbench_pin.errors import BoundaryError, PlanningError, ResetError, WaypointError
+from rlbench_pin.sim import World
 from rlbench_pin.tasks import at_rest
 
 MAX_RESET_ATTEMPTS = 40
 """Placements that a reset tries."""
+MAX_PLACES = 100
+"""Places of the task that are drawn until one is accepted."""
+Accept = Callable[[World], bool]
+"""Whether the place of a task will do."""
 SETTLE_TICKS, REST_TICKS = 10, 2
 """Control ticks that a placed task comes to rest in at most, and how many of them in a row it has to rest to be left at that."""
 
@@ -36,6 +42,7 @@ def start_episode(
     *,
     static: bool,
     max_attempts: int = MAX_RESET_ATTEMPTS,
+    accept: Accept | None = None,
 ) -> EpisodeStart:
     """Bring the task to the start of an episode.
 
@@ -45,6 +52,7 @@ def start_episode(
         random: Generators of this episode.
         static: Leave the task where its scene file puts it.
         max_attempts: Placements to try.
+        accept: Whether a place of the task will do; None takes any.
 
     Raises:
         ResetError: No attempt gave a placement whose waypoints can all be reached; carries why each failed.
@@ -54,7 +62,7 @@ def start_episode(
     runtime.world.build_again()
     for attempt in range(1, max_attempts + 1):
         try:
-            instructions = _try_start(runtime, variation, random, static)
+            instructions = _try_start(runtime, variation, random, static, accept)
         except (BoundaryError, WaypointError, PlanningError) as error:
             causes.append(f"{type(error).__name__}: {error}")
             continue
@@ -63,7 +71,7 @@ def start_episode(
     raise ResetError(runtime.task.get_name(), causes)
 
 
-def lay_out(runtime: Runtime, variation: int, random: EpisodeRandom, *, static: bool) -> list[str]:
+def lay_out(runtime: Runtime, variation: int, random: EpisodeRandom, *, static: bool, accept: Accept | None = None) -> list[str]:
     """Lay out one random episode of a variation, whether it can be reached or not, and return its instructions.
 
     Args:
@@ -71,6 +79,7 @@ def lay_out(runtime: Runtime, variation: int, random: EpisodeRandom, *, static: 
         variation: Variation of the task.
         random: Generators of this episode.
         static: Leave the task where its scene file puts it.
+        accept: Whether a place of the task will do; None takes any.
 
     Raises:
         BoundaryError: Something found no place.
@@ -82,8 +91,16 @@ def lay_out(runtime: Runtime, variation: int, random: EpisodeRandom, *, static: 
     instructions = task.begin_episode(variation, random.placement)
     runtime.instruct(instructions)
     if not static and not task.is_static_workspace():
-        runtime.place_task(random.placement)
+        _place(runtime, random, accept)
     return instructions
+
+
+def _place(runtime: Runtime, random: EpisodeRandom, accept: Accept | None) -> None:
+    for _ in range(MAX_PLACES):
+        runtime.place_task(random.placement)
+        if accept is None or accept(runtime.world):
+            return
+    raise BoundaryError(f"none of {MAX_PLACES} places of the task was accepted")
 
 
 def check_arm_is_free(runtime: Runtime) -> None:
@@ -94,8 +111,8 @@ def check_arm_is_free(runtime: Runtime) -> None:
         raise BoundaryError(f"the arm at home touches {pairs[0][1]}")
 
 
-def _try_start(runtime: Runtime, variation: int, random: EpisodeRandom, static: bool) -> list[str]:
-    instructions = lay_out(runtime, variation, random, static=static)
+def _try_start(runtime: Runtime, variation: int, random: EpisodeRandom, static: bool, accept: Accept | None) -> list[str]:
+    instructions = lay_out(runtime, variation, random, static=static, accept=accept)
     check_arm_is_free(runtime)
     waypoints = runtime.task.get_waypoints()
     if waypoints and runtime.task.repeats_waypoints:

@@ -198,7 +198,8 @@ class TaskEnvironment:
         changes = self._changes
         if changes is not None:
             changes.prepare_episode(variation, seed, attempt)
-        start = start_episode(self._runtime, variation, random, static=self._static_positions)
+        accept = None if changes is None else changes.accept
+        start = start_episode(self._runtime, variation, random, static=self._static_positions, accept=accept)
         if changes is not None:
             changes.begin_episode(variation, random, seed, attempt)
         self._episode = EpisodeOrigin(seed, attempt, start.attempts, self._runtime.instructions, str(self.factors))

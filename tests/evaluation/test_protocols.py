@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+import write_protocol_results
 
 from rlbench_pin.environment import (
     Discrete,
@@ -275,3 +276,12 @@ def test_initial_states_are_those_of_the_file() -> None:
     published = load_protocol("peract18").initial_states
     assert protocol_states().digests("peract18", tasks) == {task: published[task] for task in tasks}  # type: ignore[attr-defined]
     assert set(published) == set(load_protocol("peract18").task_names)
+
+
+def test_the_page_of_results_is_that_of_its_data() -> None:
+    """As `write_protocol_results.py` writes it: the expert reaches 98 % on each level, the no-op policy nothing."""
+    entries = write_protocol_results.stored()
+    assert write_protocol_results.PAGE.read_text(encoding="utf-8") == write_protocol_results.page(entries)
+    means = {(entry["name"], entry["policy"]): [mean["success"] for mean in entry["means"]] for entry in entries}
+    for name in ("gembench", "peract18"):
+        assert min(means[name, "expert"]) >= 0.98 and max(means[name, "noop"]) == 0.0

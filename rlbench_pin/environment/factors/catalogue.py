@@ -14,7 +14,7 @@ from rlbench_pin.scene.spec import InstructionsSpec
 from rlbench_pin.tasks import Task
 from rlbench_pin.values import as_text
 
-Group = Literal["appearance", "sensors", "physics", "arm", "language"]
+Group = Literal["appearance", "sensors", "scene", "physics", "arm", "language"]
 Level = int | Literal["colosseum"]
 """1, 2 or 3, or the ranges of COLOSSEUM."""
 Numbers = Mapping[str, float | tuple[float, float]]
@@ -27,6 +27,7 @@ _REASONS = {
     "manipulated": "its scene marks no object as manipulated",
     "receiving": "its scene marks no object as receiving",
     "joints": "no object of its scene has a joint",
+    "placement": "it always stands at the same place",
     "variations": "it has one variation",
     **{kind: f"its scene has no {kind.replace('_', '-')} instructions" for kind in InstructionsSpec.model_fields},
 }
@@ -39,7 +40,7 @@ class Factor:
 
     name: str
     group: Group
-    """What it is about: appearance, sensors, physics, the arm, or language."""
+    """What it is about: appearance, sensors, the scene, physics, the arm, or language."""
     changes: str
     """What it changes, as sentences."""
     levels: tuple[Numbers, ...]
@@ -86,6 +87,8 @@ def _has(task: Task, need: str) -> bool:
         return bool(getattr(scene.instructions, need))
     if need == "joints":
         return any(body.joints for body in task.world.bodies.values())
+    if need == "placement":
+        return not task.is_static_workspace()
     return need != "variations" or task.variation_count() > 1
 
 

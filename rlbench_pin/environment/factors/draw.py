@@ -13,11 +13,13 @@ from rlbench_pin.environment.factors.catalogue import FactorSetting, Numbers, fa
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.randomization.config import images_in
 from rlbench_pin.environment.randomization.sample import RandomizationSample, Surface, small_motion
-from rlbench_pin.environment.reset import MAX_RESET_ATTEMPTS, lay_out
+from rlbench_pin.environment.reset import MAX_RESET_ATTEMPTS, Accept, lay_out
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.errors import BoundaryError, TaskEnvironmentError
 from rlbench_pin.observation import CAMERAS
-from rlbench_pin.sim import Light
+from rlbench_pin.sim import Light, World
+from rlbench_pin.spatial import pose_to_se3
+from rlbench_pin.tasks.placement import footprint
 from rlbench_pin.tasks.task import Wording
 
 REPEATS = (4.0, 8.0)
@@ -217,7 +219,30 @@ def _joint_noise(draw: Draw, sample: Sample) -> Sample:
     return replace(sample, joint_sigma=draw.number("sigma"))
 
 
-# Physics and arm -----------------------------------------------------------------------------------------------------
+# Scene, physics and arm -----------------------------------------------------------------------------------------------
+
+
+def _distractors(draw: Draw, sample: Sample) -> Sample:
+    seed = draw.seed()
+    return replace(sample, distractors=round(draw.number("count")), distractor_seed=seed)
+
+
+def _unchanged(draw: Draw, sample: Sample) -> Sample:
+    """What is decided before the episode is laid out."""
+    return sample
+
+
+def _on_the_left(world: World) -> bool:
+    """Whether the middle of the task's footprint is on the left of the arm, at y >= 0."""
+    middle = np.append(np.mean(footprint(world), axis=0), 0.0)
+    return bool(pose_to_se3(world.root.pose).act(middle)[1] >= 0.0)
+
+
+PLACES: Mapping[str, Accept] = {
+    "placement_left": _on_the_left,
+    "placement_right": lambda world: not _on_the_left(world),
+}
+"""Factor -> whether a place of the task will do."""
 
 
 def _scaled(place: int) -> DrawFunction:
@@ -318,6 +343,8 @@ FUNCTIONS: Mapping[str, DrawFunction] = {
     "dead_pixels": _dead_pixels,
     "depth_noise": _depth_noise,
     "joint_noise": _joint_noise,
+    "distractors": _distractors,
+    **dict.fromkeys(PLACES, _unchanged),
     "mass": _scaled(0),
     "friction": _scaled(1),
     "damping": _scaled(2),

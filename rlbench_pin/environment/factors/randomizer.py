@@ -6,7 +6,8 @@ import numpy as np
 
 from rlbench_pin.environment.episode import EpisodeRandom
 from rlbench_pin.environment.factors.catalogue import FactorSetting
-from rlbench_pin.environment.factors.draw import OTHER, draw_factors, other_instructions
+from rlbench_pin.environment.factors.distractors import add_distractors
+from rlbench_pin.environment.factors.draw import OTHER, PLACES, draw_factors, other_instructions
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.randomization.randomizer import WorldChanges
 from rlbench_pin.environment.runtime import Runtime
@@ -37,6 +38,8 @@ class FactorRandomizer(WorldChanges):
         if reason := setting.why_not(runtime.task):
             raise FactorNotApplicable(runtime.task.get_name(), str(setting), reason)
         self._other: tuple[str, ...] | None = None
+        chosen = dict(setting.levels)
+        self.accept = next((accept for name, accept in PLACES.items() if name in chosen), None)
 
     def prepare_episode(self, variation: int, seed: int, attempt: int) -> None:
         """Bring the world back to how it was built, and find the words of another variation where they are wanted."""
@@ -47,6 +50,8 @@ class FactorRandomizer(WorldChanges):
     def begin_episode(self, variation: int, random: EpisodeRandom, seed: int, attempt: int) -> None:
         """Change the world, the arm and the instructions at the start of an episode."""
         sample = draw_factors(self._runtime, self._config, self.setting, seed, attempt)
+        if sample.distractors:
+            add_distractors(self._runtime, sample.distractors, sample.distractor_seed)
         if sample.start is not None:
             self._start_at(sample.start)
         self.apply(sample)

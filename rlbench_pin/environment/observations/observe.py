@@ -349,12 +349,18 @@ class Appearance:
     """Faults of the images."""
     joint_sigma: float = 0.0
     """Standard deviation of measured joint positions [rad]."""
+    _views: dict[str, CameraView] = field(default_factory=dict, repr=False)
 
     def moved(self, name: str, view: CameraView) -> CameraView:
         """Return the view of a camera with its offset and field of view."""
-        if name in self.offsets:
-            view = replace(view, pose=compose(view.pose, self.offsets[name]))
-        return replace(view, fov=view.fov * self.fields_of_view[name]) if name in self.fields_of_view else view
+        if name not in self.offsets and name not in self.fields_of_view:
+            return view
+        pose = compose(view.pose, self.offsets[name]) if name in self.offsets else view.pose
+        moved = replace(view, pose=pose, fov=view.fov * self.fields_of_view.get(name, 1.0))
+        last = self._views.get(name)
+        if last is None or last.key != moved.key:  # otherwise its rays are not computed again
+            self._views[name] = moved
+        return self._views[name]
 
 
 class Observer:

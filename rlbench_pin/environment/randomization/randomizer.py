@@ -15,6 +15,7 @@ from rlbench_pin.sim import read_texture
 
 if TYPE_CHECKING:
     from rlbench_pin.environment.episode import EpisodeRandom
+    from rlbench_pin.environment.reset import Accept
 
 
 class WorldChanges:
@@ -25,7 +26,10 @@ class WorldChanges:
 
     Attributes:
         current: The sample that is applied, or None.
+        accept: Whether a place of the task will do; None takes any.
     """
+
+    accept: Accept | None = None
 
     def __init__(self, runtime: Runtime) -> None:
         self._runtime = runtime

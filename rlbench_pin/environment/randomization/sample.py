@@ -64,6 +64,10 @@ class RandomizationSample:
     """Faults of the images."""
     joint_sigma: float = 0.0
     """Standard deviation of measured joint positions [rad]."""
+    distractors: int = 0
+    """Distractor objects that were added at the start."""
+    distractor_seed: int = 0
+    """Seed of these objects and their places."""
     start: FloatArray | None = None
     """By how much the joints differ at the start (n,) [rad]."""
     latency: int = 0

@@ -23,6 +23,8 @@ from rlbench_pin.environment.presets import image_config
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import InvalidArgument, UnknownName
 from rlbench_pin.observation import Observation
+from rlbench_pin.spatial import TABLE_HEIGHT, pose_to_se3
+from rlbench_pin.tasks.placement import footprint
 
 APPEARANCE = tuple(name for name, factor in factor_catalogue().items() if factor.group == "appearance")
 SENSORS = ("image_blur", "image_jpeg", "image_exposure", "dead_pixels")
@@ -222,6 +224,46 @@ def test_noise_of_depth_and_joints_is_drawn_anew(drawer: TaskEnvironment) -> Non
     assert 0.0 < np.abs(errors).max() < 0.06 and not np.array_equal(noisy.joint_positions, other.joint_positions)
     assert 0.0 < np.abs(noisy.front_depth - plain.front_depth).max() < 0.1
     np.testing.assert_array_equal(noisy.front_rgb, plain.front_rgb)
+
+
+@pytest.mark.simulation
+def test_distractors_stand_away_from_the_task(bin_task: TaskEnvironment) -> None:
+    """More at a higher level, the first ones at the same places; at rest, and gone in the next episode."""
+    plain = start(bin_task, "")
+    places: list[list[np.ndarray]] = []
+    for level in (1, 2, 3):
+        seen = start(bin_task, {"distractors": level})
+        world = bin_task.world
+        objects = [body for name, body in world.bodies.items() if name.startswith("distractor_object")]
+        places.append([body.position for body in objects])
+        assert len(objects) == 2**level and max(np.abs(body.velocity).max() for body in objects) < 0.05
+        own = [body for body in world.bodies.values() if body not in objects]
+        near = min(np.linalg.norm(a.position[:2] - b.position[:2]) for a in objects for b in own)
+        assert near > 0.05 and all(abs(body.position[2] - TABLE_HEIGHT) < 0.1 for body in objects)
+        np.testing.assert_allclose(seen.task_low_dim_state, plain.task_low_dim_state, atol=1e-3)
+    for fewer, more in zip(places, places[1:]):
+        np.testing.assert_allclose(fewer, more[: len(fewer)], atol=1e-3)
+    start(bin_task, "")
+    assert not any(name.startswith("distractor_object") for name in bin_task.world.bodies)
+
+
+@pytest.mark.simulation
+def test_the_task_is_placed_in_one_half_of_the_table(bin_task: TaskEnvironment) -> None:
+    """Left or right of the arm, and in both halves without the factor; a task that stays cannot take it."""
+
+    def sides(factors: str) -> set[bool]:
+        bin_task.set_factors(factors)
+        found = set()
+        for seed in range(8):
+            bin_task.reset(seed=seed, variation=0)
+            low, high = footprint(bin_task.world)
+            middle = np.append((low + high) / 2.0, 0.0)
+            found.add(bool(pose_to_se3(bin_task.world.root.pose).act(middle)[1] >= 0.0))
+        return found
+
+    assert sides("placement_left:1") == {True} and sides("placement_right:1") == {False} and sides("") == {True, False}
+    with environment(factors="placement_left:1") as env, pytest.raises(FactorNotApplicable, match="same place"):
+        env.get_task("reach_target")
 
 
 # Language -----------------------------------------------------------------------------------------------------------
