@@ -27,7 +27,8 @@ LOW = 0.9
 """Tasks whose success is below this share are named."""
 HEAD = """# Factors of generalisation: results
 
-Success with each [factor](../factors.md) alone, and the paired difference to the same episodes without it, both as means over tasks with intervals of 95 %.
+Success with each [factor](../factors.md) alone, and the paired difference to the same episodes without it.
+Both are means over tasks, with intervals of 95 %.
 Written by `python scripts/write_factor_results.py FILE...` from results files.
 """
 

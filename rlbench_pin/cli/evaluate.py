@@ -49,6 +49,7 @@ MaybePolicy = Annotated[str, tyro.conf.arg(metavar="[POLICY]", help_behavior_hin
 """A policy as an optional argument."""
 Factors = Annotated[tuple[str, ...], tyro.conf.arg(metavar="FACTOR...", help_behavior_hint="(default: none)")]
 """Factors of generalisation."""
+TrainedOn = Annotated[str, tyro.conf.arg(metavar="FACTOR:LEVEL+...", help_behavior_hint="(default: not stated)")]
 MaybeLevel = Annotated[str | None, tyro.conf.arg(metavar="1|2|3|colosseum", help_behavior_hint="")]
 EPISODES = 25
 """Episodes of each task by default."""
@@ -98,7 +99,7 @@ class Evaluate:
     `all` every factor alone. The same episodes are also played without. `rlbench-pin factors` lists them."""
     level: MaybeLevel = None
     """Level of the factors that are named without one: 1, 2, 3, or colosseum."""
-    trained_on: str = ""
+    trained_on: TrainedOn = ""
     """Factors in the training data of the policy, for the results file, such as `light_color:1` or `none`."""
     workers: int = 1
     """Worker processes, each with a policy of its own; with 0 this process does the work."""

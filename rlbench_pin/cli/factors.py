@@ -7,17 +7,20 @@ import textwrap
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
 from rlbench_pin.cli.options import AnyTasks, MaybePath, Size, check_folder
+from rlbench_pin.observation import CAMERAS
 
 if TYPE_CHECKING:
     import numpy as np
 
     from rlbench_pin.environment.factors import Factor
 
+CameraName = Annotated[str, tyro.conf.arg(metavar=f"{{{','.join(CAMERAS)}}}")]
+"""A camera."""
 WIDTH = 110
 """Columns of the list."""
 
@@ -34,7 +37,7 @@ class ListFactors:
     """Tasks that are asked about."""
     images: MaybePath = None
     """Folder for an image of each factor that can be seen, of the first task."""
-    camera: str = "front"
+    camera: CameraName = "front"
     """Camera of these images."""
     image_size: Size = (256, 256)
     """Width and height of one level in them [px]."""

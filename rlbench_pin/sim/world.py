@@ -17,7 +17,10 @@ from rlbench_pin.sim.contents import Contents
 from rlbench_pin.sim.render.camera import CameraView, Images
 from rlbench_pin.sim.render.lighting import ShadowMap
 from rlbench_pin.sim.state import WorldState
-from rlbench_pin.values import as_flag, as_record, whole_ratio
+from rlbench_pin.values import as_flag, as_number, as_record, as_seed, as_whole, whole_ratio
+
+MAX_LATENCY = 100
+"""Control ticks by which commands of the arm can be late at most."""
 
 
 class World(Contents):
@@ -103,9 +106,13 @@ class World(Contents):
             latency: Control ticks between a command and its arrival.
             loss: Probability that a command does not arrive in its tick. The last one that did holds on.
             seed: Seed of the losses.
+
+        Raises:
+            InvalidValue: A number is none, or out of range.
         """
-        if self.command_delay is not None:
-            self.keepers.remove(self.command_delay)
+        latency, seed = as_whole(latency, "latency", least=0, most=MAX_LATENCY), as_seed(seed, "seed")
+        loss = as_number(loss, "loss", least=0.0, most=1.0)
+        self.keepers = [keeper for keeper in self.keepers if keeper is not self.command_delay]
         self.command_delay = CommandDelay(self.robot, latency, loss, seed) if latency or loss else None
         if self.command_delay is not None:
             self.keepers.append(self.command_delay)

@@ -189,6 +189,16 @@ def _read_sentences(task: TaskClass) -> Sentences | None:
     return None if any(None in group for group in groups) else groups  # type: ignore[return-value]
 
 
+def takes_sentences_of_scene(text: str) -> bool:
+    """Whether the Python returns the sentences of `[instructions]` in the scene file."""
+    source = source_or_none(text)
+    task = TaskClass.of(source) if source is not None else None
+    method = task.method("init_episode") if task is not None else None
+    answer = only_return(method) if method is not None else None
+    call = answer.value if answer is not None else None
+    return isinstance(call, ast.Call) and ast.unparse(call.func) == "self.make_instructions"
+
+
 def _with_sentences(task: TaskClass, new: Sentences) -> str | None:
     """Return the Python with other instructions and their number of variations; None when it cannot express them."""
     said, source = _said(task), task.source

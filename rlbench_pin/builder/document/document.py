@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from string import Template
@@ -10,7 +11,7 @@ from typing import Any
 
 from rlbench_pin.builder.contracts import TaskText
 from rlbench_pin.builder.document import operations
-from rlbench_pin.builder.document.behaviour import Behaviour
+from rlbench_pin.builder.document.behaviour import Behaviour, takes_sentences_of_scene
 from rlbench_pin.builder.document.errors import EditRefused, TaskFilesError
 from rlbench_pin.builder.document.operations import Edited
 from rlbench_pin.builder.document.problems import python_problems, scene_problem
@@ -102,7 +103,17 @@ class _Reading:
 
     @cached_property
     def behaviour(self) -> Behaviour:
-        return Behaviour.of(self.texts[1])
+        found, training = Behaviour.of(self.texts[1]), self.training
+        return found if training is None else replace(found, instructions=(training,))
+
+    @cached_property
+    def training(self) -> tuple[str, ...] | None:
+        """The training sentences of the scene, where the Python returns them; None where it has its own."""
+        table = self.parsed.raw.get("instructions") if self.parsed is not None else None
+        sentences = table.get("training") if isinstance(table, dict) else None
+        if not isinstance(sentences, list) or not all(isinstance(sentence, str) for sentence in sentences):
+            return None
+        return tuple(sentences) if takes_sentences_of_scene(self.texts[1]) else None
 
 
 class TaskDocument:
@@ -320,6 +331,9 @@ class TaskDocument:
         Raises:
             EditRefused: The Python is not of a form that can be edited so.
         """
+        if field == "instructions" and self._reading.training is not None:
+            self._edit("change instructions", operations.sentences_changed, value, merge=merge)
+            return
         is_own, text = self.wrote_python, self.behaviour.written(field, value)
         self.take(f"change {field.replace('_', ' ')}", (self.scene_text, text), merge)
         if is_own:

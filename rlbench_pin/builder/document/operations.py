@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -37,7 +37,10 @@ from rlbench_pin.errors import InvalidValue
 from rlbench_pin.scene.reader import POSED_TABLES, placement_for_file
 from rlbench_pin.scene.spec import ROOT, PlacementSpec
 from rlbench_pin.scene.writer import TABLES
-from rlbench_pin.values import as_choice, as_text, as_whole
+from rlbench_pin.values import as_choice, as_several, as_text, as_whole
+
+INSTRUCTIONS = "instructions"
+"""The table of sentences."""
 
 
 @dataclass(frozen=True)
@@ -101,6 +104,20 @@ def placement_changed(scene: SceneText, python: str, key: str, value: Any) -> Ed
     if section is None:
         return Edited((with_entry(scene, PLACEMENT, keys), python), PLACEMENT)
     return Edited((with_keys(scene, Entry(PLACEMENT, section, raw), keys), python), PLACEMENT)
+
+
+def sentences_changed(scene: SceneText, python: str, groups: Sequence[Sequence[str]]) -> Edited:
+    """Change the training sentences of `[instructions]`: one group of templates for all variations."""
+    if len(as_several(groups, INSTRUCTIONS)) != 1:
+        raise EditRefused(
+            "change instructions", "the scene has one list for all variations.", "Use words such as `{color}` in it."
+        )
+    scene.refuse_inline("change instructions", INSTRUCTIONS)
+    section = scene.section(INSTRUCTIONS)
+    assert section is not None, "it was read from there"
+    sentences = [as_text(sentence, "sentence") for sentence in as_several(groups[0], INSTRUCTIONS)]
+    entry = Entry(INSTRUCTIONS, section, scene.raw[INSTRUCTIONS])
+    return Edited((with_keys(scene, entry, {"training": sentences}), python), INSTRUCTIONS)
 
 
 def duplicated(scene: SceneText, python: str, name: str) -> Edited:

@@ -61,7 +61,6 @@ class Session:
         self.drops_onto = False
         self.pending_deletion: HasDependants | None = None
         self.typed: set[str] = set()
-        self._behaviour: tuple[str, Behaviour] | None = None
         self._notify = notify
         self._listeners: list[Callable[[], None]] = []
         self.edits = JobThread("edits", self._report)
@@ -73,11 +72,8 @@ class Session:
 
     @property
     def behaviour(self) -> Behaviour:
-        """The parts of the Python file that forms can edit, cached until the file changes."""
-        text = self.document.python_text
-        if self._behaviour is None or self._behaviour[0] != text:
-            self._behaviour = (text, self.document.behaviour)
-        return self._behaviour[1]
+        """The parts of the files that forms of the behaviour can edit."""
+        return self.document.behaviour
 
     @property
     def places(self) -> Places:

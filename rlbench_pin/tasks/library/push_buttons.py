@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 
@@ -72,7 +71,8 @@ def _words(names: list[str]) -> dict[str, str]:
         targets = {"these": "the button of this colour", "in_the_order": f"the button with the {first} base"}
         order = "initial then ordinals in_order before one_by_one afterwards and_then keeping_order repeat s"
         return words | targets | dict.fromkeys(order.split(), "")
-    pairs = [f"before the {later[0]} one", *(f"the {one} one before the {other} one" for one, other in pairwise(later))]
+    between = zip(later, later[1:], strict=False)
+    pairs = [f"before the {later[0]} one", *(f"the {one} one before the {other} one" for one, other in between)]
     others = f"the {later[0]} one" if len(later) == 1 else f"the {_series(later)} ones in turn"
     return words | {
         "these": "these buttons one after another",

@@ -172,13 +172,35 @@ def test_hand_written_parts_stay_when_a_condition_goes(opened: Opener) -> None:
 def test_sentences_with_fields_stay_f_strings(opened: Opener) -> None:
     """A new one is one when it has the fields of the others; others are plain texts."""
     document = opened("push_button")
+    plain = document.python_text.replace(
+        "return self.make_instructions(name=name)", 'return [f"Press the {name} button.", f"Push the button of {name}."]'
+    )
+    document.set_python_text(plain)
     (sentences,) = document.behaviour.instructions or ()
-    assert sentences[0] == "Press the button with the {name} base."
+    assert sentences[0] == "Press the {name} button."
     document.set_behaviour("instructions", [[*sentences[:2], "Press {name}.", "Press {other}."]])
-    assert 'f"Press {name}.",\n            "Press {other}.",\n' in document.python_text
-    assert f'f"{sentences[1]}",\n' in document.python_text
+    text = document.python_text
+    assert f'f"{sentences[1]}"' in text and 'f"Press {name}."' in text and ' "Press {other}."' in text.replace("\n", " ")
     with pytest.raises(EditRefused):
         document.set_behaviour("instructions", [["Press {name}."], ["Push."]])
+
+
+def test_sentences_of_the_scene_are_edited_there(opened: Opener) -> None:
+    """The Python stays; words in braces stay; the other kinds stay; one list serves all variations."""
+    document = opened("push_button")
+    before, python = document.scene_text, document.python_text
+    (sentences,) = document.behaviour.instructions or ()
+    assert document.spec is not None and sentences == document.spec.instructions.training and "{name}" in sentences[0]
+    document.set_behaviour("instructions", [["Press the {name} one.", *sentences[1:]]])
+    changed = before.replace(f'"{sentences[0]}"', '"Press the {name} one."')
+    assert document.scene_text == changed and document.python_text == python and document.problems == ()
+    document.set_behaviour("instructions", [[*sentences, "Push {name}."]])
+    assert document.spec.instructions.training == (*sentences, "Push {name}.")
+    with pytest.raises(EditRefused, match="one list"):
+        document.set_behaviour("instructions", [["a"], ["b"]])
+    document.undo()
+    document.undo()
+    assert document.scene_text == before
 
 
 def test_sentences_for_each_variation_are_a_table(built: TaskDocument) -> None:

@@ -17,9 +17,9 @@ def test_a_body_is_renamed_everywhere(opened: Opener) -> None:
     document = opened("open_drawer")
     python = document.python_text
     left = document.rename("chest", "commode")
-    assert "chest" not in document.scene_text.replace("objects/chest/chest.urdf", "").replace(
-        "right in front of the chest", ""
-    ).replace("straight out of the chest", "")
+    lines = [line for line in document.scene_text.splitlines() if not line.startswith('    "')]  # sentences stay
+    texts = "\n".join(lines).replace("objects/chest/chest.urdf", "").replace("right in front of the chest", "")
+    assert "chest" not in texts.replace("straight out of the chest", "")
     assert document.spec is not None and document.problems == ()
     assert [joint.name for joint in document.spec.joint] == [f"commode/drawer_{which}" for which in ("bottom", "middle", "top")]
     assert 'self.world.joint(f"chest/drawer_{drawer}")' in document.python_text
@@ -36,7 +36,6 @@ def test_texts_of_the_python_are_renamed_and_the_rest_is_told(opened: Opener) ->
     assert 'self.world.body("brick")' in document.python_text and 'objects(["brick"])' in document.python_text
     assert document.problems == ()
     assert any(line.startswith("15: ") and "self.block" in line for line in left)
-    assert any("{name} block in it" in line for line in left)
     assert not any(line.endswith('register_graspable_objects(["brick"])') for line in left)
 
 

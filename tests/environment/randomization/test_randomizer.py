@@ -108,7 +108,7 @@ def test_the_arm_can_be_left_alone():
         with environment(RandomizeEvery.EPISODE, VisualRandomizationConfig(randomize_arm=randomize_arm)) as env:
             task = env.get_task("reach_target")
             task.reset(seed=0)
-            assert bool(task._randomizer.current.links) == randomize_arm
+            assert bool(task._changes.current.links) == randomize_arm
 
 
 @pytest.mark.simulation
@@ -127,8 +127,8 @@ def test_after_randomization_everything_is_as_before():
     with environment(RandomizeEvery.EPISODE, config, DynamicsRandomizationConfig()) as env:
         task = env.get_task("pick_and_lift")
         assert run(task) != expected
-        task._randomizer.remove()
-        task._randomizer = None
+        task._changes.remove()
+        task._changes = None
         assert run(task) == expected
 
 
@@ -138,8 +138,8 @@ def test_dynamics_change_motion_and_stay_within_bounds():
     with environment(RandomizeEvery.EPISODE, dynamics=config) as env:
         task = env.get_task("pick_and_lift")
         task.reset(seed=0)
-        sample = task._randomizer.current
-        assert all(0.5 <= mass <= 2.0 for mass, _, _ in sample.factors.values())
+        sample = task._changes.current
+        assert all(0.5 <= mass <= 2.0 for mass, _, _ in sample.dynamics.values())
         assert 0.3 <= sample.gains <= 0.4 and task.world.robot.position_gain == 0.2 * sample.gains
 
 
@@ -159,15 +159,15 @@ def test_states_with_fewer_bodies_come_back():
     with environment(RandomizeEvery.EPISODE, VisualRandomizationConfig(), DynamicsRandomizationConfig()) as env:
         task = env.get_task("wipe_desk")
         task.reset(seed=0)
-        full, sample = task.get_state(), task._randomizer.current
-        assert "stain7" in sample.factors and "table" in sample.factors
+        full, sample = task.get_state(), task._changes.current
+        assert "stain7" in sample.dynamics and "table" in sample.dynamics
         task._runtime.task.stains.remove("stain7")
         task.world.remove_body("stain7")
         state = task.get_state()
         task.set_state(full)
         assert "stain7" in task.world.bodies
         task.set_state(state)
-        assert "stain7" not in task.world.bodies and task._randomizer.current is sample
+        assert "stain7" not in task.world.bodies and task._changes.current is sample
         for name in ("table", "sponge"):
             uid = task.world.body(name).model.uid
             assert any(changed == uid for changed, _ in task.world.dynamics_overrides._changed)
