@@ -122,7 +122,11 @@ class Randomizer(WorldChanges):
 
     def begin_episode(self, variation: int, random: EpisodeRandom, seed: int, attempt: int) -> None:
         """Randomize the episode that was just set up, when that is an event."""
-        self._rng = random.randomization
+        self.randomize(variation, random.randomization)
+
+    def randomize(self, variation: int, rng: np.random.Generator) -> None:
+        """Randomize an episode of a variation that was just set up, when that is an event; `rng` draws its samples."""
+        self._rng = rng
         if self._every is RandomizeEvery.TRANSITION:
             self._events, self.current = 0, None
             return

@@ -157,7 +157,7 @@ class DomainRandomizationScene(Scene):
 
     def _after_episode_start(self, variation: int, rng: np.random.Generator) -> None:
         if self._randomizer is not None:
-            self._randomizer.begin_episode(variation, rng)
+            self._randomizer.randomize(variation, rng)
 
 
 add_aliases(__name__, ("domain_randomization", "domain_randomization_scene"))
