@@ -20,7 +20,7 @@ def test_the_list(capsys: pytest.CaptureFixture[str]) -> None:
     """A line per protocol and part, with what is missing; JSON has all data."""
     assert exit_code("list", "--protocols") == 0
     lines = {line.split()[0]: line.split() for line in capsys.readouterr().out.splitlines()}
-    assert lines["peract18"][:7] == ["peract18", "1", "18", "249", "450", "128x128", "25"]
+    assert lines["peract18"][:7] == ["peract18", "2", "18", "249", "450", "128x128", "25"]
     assert lines["gembench:L1"][2:5] == ["16", "31", "3100"]
     assert lines["gembench:L4"][2:5] == ["6", "12", "1200"] and "missing" not in lines["gembench:L4"]
     assert exit_code("list", "--protocols", "--json") == 0

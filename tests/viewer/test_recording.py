@@ -64,7 +64,7 @@ def test_a_demonstration_is_recorded(reach: TaskEnvironment) -> None:
         assert frame.arm.tolist() == np.asarray(observation.joint_positions).tolist()
         assert frame.velocities.tolist() == np.asarray(observation.joint_velocities).tolist()
     assert recording.failure is None
-    assert recording.instruction == "Move the hand to the red ball."
+    assert recording.instruction == "Move the gripper to the red ball."
     assert recording.conditions == ("tip inside goal",)
     assert [(segment.waypoint, segment.begins) for segment in recording.segments] == [("waypoint0", 0)]
     assert [recording.frames[0].conditions_met, recording.frames[-1].conditions_met] == [(False,), (True,)]
