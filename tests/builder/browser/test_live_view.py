@@ -39,7 +39,7 @@ def test_a_demonstration_is_played_and_stepped_through(page: Page, server: Local
     """The time line obeys buttons, keys and the slider's number; a second tab sees the same instant."""
     with contextlib.closing(TaskView(server.viser, find_task("reach_target"), seed=3)) as view:
         page.open(server.address)
-        page.shows("Move the hand to the red ball.")
+        page.shows("Move the gripper to the red ball.")
         page.press("Play the demonstration")
         page.shows("frame 54 of 54")
         page.shows("goal reached")
