@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 from string import Template
 from typing import Any
@@ -103,7 +103,7 @@ class _Reading:
 
     @cached_property
     def behaviour(self) -> Behaviour:
-        found, training = Behaviour.of(self.texts[1]), self.training
+        (found, _), training = _read_python(self.texts[1]), self.training
         return found if training is None else replace(found, instructions=(training,))
 
     @cached_property
@@ -113,7 +113,16 @@ class _Reading:
         sentences = table.get("training") if isinstance(table, dict) else None
         if not isinstance(sentences, list) or not all(isinstance(sentence, str) for sentence in sentences):
             return None
-        return tuple(sentences) if takes_sentences_of_scene(self.texts[1]) else None
+        return tuple(sentences) if _read_python(self.texts[1])[1] else None
+
+
+@lru_cache(maxsize=4)
+def _read_python(text: str) -> tuple[Behaviour, bool]:
+    """Return the behaviour that a Python file says, and whether it returns the sentences of the scene.
+
+    While an element is dragged, the scene changes many times and the Python does not.
+    """
+    return Behaviour.of(text), takes_sentences_of_scene(text)
 
 
 class TaskDocument:

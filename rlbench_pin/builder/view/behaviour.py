@@ -37,7 +37,7 @@ _KIND_NAMES = {"place": "body or frame", "conditions": "condition", "places": "b
 
 def show_behaviour(panel: Panel, session: Session) -> None:
     """Show forms for the behaviour in the Python file."""
-    behaviour: Behaviour = session.behaviour
+    behaviour = session.document.behaviour
 
     def put(field: str) -> Callable[[Any], None]:
         return lambda value: session.do(lambda document: document.set_behaviour(field, value))

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from rlbench_pin.builder.contracts import OpenedTask, PlannedPath, WaypointVerdict
-from rlbench_pin.builder.document import Behaviour, HasDependants, TaskDocument
+from rlbench_pin.builder.document import HasDependants, TaskDocument
 from rlbench_pin.builder.view.placing import Snap
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.scene import SceneSpec
@@ -69,11 +69,6 @@ class Session:
     def spec(self) -> SceneSpec:
         """The scene of the last valid text; an empty one before."""
         return self.document.spec or _EMPTY
-
-    @property
-    def behaviour(self) -> Behaviour:
-        """The parts of the files that forms of the behaviour can edit."""
-        return self.document.behaviour
 
     @property
     def places(self) -> Places:

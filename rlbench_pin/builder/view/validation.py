@@ -111,7 +111,8 @@ class Validation:
             panel.note(f"... and {more} more.")
 
     def _show_requirements(self, panel: Panel) -> None:
-        document, behaviour = self._session.document, self._session.behaviour
+        document = self._session.document
+        behaviour = document.behaviour
         sentences = behaviour.instructions
         own = sorted({body.asset for body in self._session.spec.body if body.asset.startswith("./")})
         validated = self._validated[1] if self._validated is not None and self.is_green else 0
