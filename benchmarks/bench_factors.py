@@ -1,4 +1,4 @@
-"""What factors of generalisation cost: resets and steps with all factors, against those without. Goal: resets below 1.5 x."""
+"""Cost of factors of generalisation: resets and steps with all factors, against those without. Goal: resets below 1.5 x."""
 
 from __future__ import annotations
 

@@ -245,8 +245,9 @@ def _content(file: Path) -> bytes:
     """Return what a file does: code without comments and docstrings, scenes without notes, solid models without visuals."""
     if file.suffix == ".toml":
         scene = tomllib.loads(file.read_text(encoding="utf-8"))
-        scene["body"] = [{key: value for key, value in body.items() if key != "role"} for body in scene.get("body", [])]
-        notes = ("deviation", "excluded_factor") if scene["body"] else ("body", "deviation", "excluded_factor")
+        for body in scene.get("body", []):
+            body.pop("role", None)
+        notes = ("deviation", "excluded_factor")
         return json.dumps({table: value for table, value in scene.items() if table not in notes}).encode()
     if file.suffix == ".urdf" and _is_solid(file):
         return solid_urdf(file).encode()

@@ -119,17 +119,17 @@ def _try_start(runtime: Runtime, variation: int, random: EpisodeRandom, static: 
         _check_rounds(runtime, random)
     elif waypoints:
         check_feasible(runtime.planner, waypoints, np.array(runtime.description.home), random.planning)
-    _come_to_rest(runtime)
+    come_to_rest(runtime.world)
     runtime.task.reset_conditions()
     return instructions
 
 
-def _come_to_rest(runtime: Runtime) -> None:
+def come_to_rest(world: World) -> None:
     """Step the world until nothing moves that is not held by the arm, `SETTLE_TICKS` at most."""
     resting = 0
     for _ in range(SETTLE_TICKS):
-        runtime.world.step()
-        resting = resting + 1 if at_rest(runtime.world.bodies.values()) else 0
+        world.step()
+        resting = resting + 1 if at_rest(world.bodies.values()) else 0
         if resting == REST_TICKS:
             return
 

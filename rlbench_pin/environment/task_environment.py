@@ -339,8 +339,7 @@ class TaskEnvironment:
         """
         seed = demos.check_start(demo, self.get_name(), self._runtime.model.description.reference)
         self.set_variation(demo.variation_number)
-        if demo.factors or self.factors:
-            self.set_factors(demo.factors)
+        self.set_factors(demo.factors)
         self._start(seed, demo.attempt)
         demos.restore_start(self._runtime, demo)
         return self.get_task_descriptions(), self.get_observation()

@@ -254,7 +254,7 @@ class BodySpec(PosedSpec):
     scale: Number = Field(default=1.0, ge=1e-4, le=100.0)
     """Uniform scale of the asset."""
     role: Literal["manipulated", "receiving"] | None = None
-    """What a demonstration does with it. `manipulated`: the gripper moves it. `receiving`: a manipulated object ends in, on or at
+    """Use in a demonstration. `manipulated`: the gripper moves it. `receiving`: a manipulated object ends in, on or at
     it, or acts on it as a tool."""
 
 

@@ -31,7 +31,7 @@ _REASONS = {
     "variations": "it has one variation",
     **{kind: f"its scene has no {kind.replace('_', '-')} instructions" for kind in InstructionsSpec.model_fields},
 }
-"""What a factor needs of a task -> why a task cannot take it."""
+"""Need of a factor -> why a task without it cannot take the factor."""
 
 
 @dataclass(frozen=True)
@@ -40,15 +40,15 @@ class Factor:
 
     name: str
     group: Group
-    """What it is about: appearance, sensors, the scene, physics, the arm, or language."""
+    """Part of an episode that it changes."""
     changes: str
-    """What it changes, as sentences."""
+    """Description, as sentences."""
     levels: tuple[Numbers, ...]
     """Numbers of level 1, 2, ...; level 0 is no change."""
     colosseum: Numbers | None = None
     """Numbers with the ranges of COLOSSEUM (arXiv 2402.08191); None where it has no such factor."""
     needs: str = ""
-    """What a task has to have, such as `receiving` objects."""
+    """Need of a task, such as `receiving` objects."""
 
     def numbers(self, level: Level) -> Numbers:
         """Return the numbers of a level.
@@ -194,7 +194,7 @@ def _levels_of(name: str, wanted: Level | None, all_factors: bool) -> list[str]:
 
 
 FactorsLike = str | Sequence[str] | Mapping[str, Level] | FactorSetting
-"""What can be passed as factors."""
+"""Forms in which factors can be passed."""
 _EXAMPLE = "For example `light_color:2`, or `{'light_color': 2, 'friction': 1}`."
 
 

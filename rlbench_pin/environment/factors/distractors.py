@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from rlbench_pin.environment.reset import come_to_rest
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.scene.reader import resolve_asset
 from rlbench_pin.scene.spec import BodySpec
-from rlbench_pin.sim import World
 from rlbench_pin.spatial import TABLE_HEIGHT, pose_at
-from rlbench_pin.tasks import at_rest
 from rlbench_pin.tasks.boxes import OrientedBox
 from rlbench_pin.tasks.placement import footprint
 
@@ -26,8 +25,6 @@ ARM_RADIUS = 0.25
 """Radius of the circle about the base of the arm that stays free [m]."""
 TRIES = 60
 """Places that are tried for one object."""
-SETTLE_TICKS = 10
-"""Control ticks that they come to rest in at most."""
 
 
 def add_distractors(runtime: Runtime, count: int, seed: int) -> tuple[str, ...]:
@@ -60,12 +57,12 @@ def add_distractors(runtime: Runtime, count: int, seed: int) -> tuple[str, ...]:
                 break
         else:
             world.remove_body(name)
-    _settle(world)
+    come_to_rest(world)
     return tuple(names)
 
 
 def _task_boxes(runtime: Runtime) -> list[OrientedBox]:
-    """Return the space that stays free: above the footprint of the task, around its waypoints, and around the arm."""
+    """Return the space that stays free: above the footprint of the task, and around its waypoints."""
     world = runtime.world
     low, high = footprint(world)
     corners = np.array([[*(low - MARGIN), -0.1], [*(high + MARGIN), 1.0]])
@@ -76,10 +73,3 @@ def _task_boxes(runtime: Runtime) -> list[OrientedBox]:
 
 def _grown(box: OrientedBox) -> OrientedBox:
     return OrientedBox(box.center, box.axes, box.half + MARGIN)
-
-
-def _settle(world: World) -> None:
-    for _ in range(SETTLE_TICKS):
-        world.step()
-        if at_rest(world.bodies.values()):
-            return

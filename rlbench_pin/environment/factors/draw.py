@@ -1,4 +1,4 @@
-"""What each factor draws for one episode: a `RandomizationSample`."""
+"""Draws of the factors for one episode, into a `RandomizationSample`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from rlbench_pin.environment.reset import MAX_RESET_ATTEMPTS, Accept, lay_out
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.errors import BoundaryError, TaskEnvironmentError
 from rlbench_pin.observation import CAMERAS
-from rlbench_pin.sim import Light, World
+from rlbench_pin.sim import Light, Lighting, World
 from rlbench_pin.spatial import pose_to_se3
 from rlbench_pin.tasks.placement import footprint
 from rlbench_pin.tasks.task import Wording
@@ -31,7 +31,7 @@ OTHER = "instruction_other"
 
 @dataclass(frozen=True)
 class Draw:
-    """What one factor draws from, for one episode."""
+    """Sources of the draws of one factor in one episode."""
 
     runtime: Runtime
     """The running task, at the start of the episode."""
@@ -60,6 +60,10 @@ class Draw:
     def seed(self) -> int:
         """Draw a seed."""
         return int(self.rng.integers(LARGEST_SEED))
+
+    def lighting(self, sample: RandomizationSample) -> Lighting:
+        """Return the lights of the sample so far."""
+        return sample.lighting or self.settings.lighting
 
 
 Sample = RandomizationSample
@@ -144,7 +148,7 @@ def _light_color(draw: Draw, sample: Sample) -> Sample:
 def _light_direction(draw: Draw, sample: Sample) -> Sample:
     angle = draw.either_side("angle")
     cos, sin = float(np.cos(angle)), float(np.sin(angle))
-    lighting = sample.lighting or draw.settings.lighting
+    lighting = draw.lighting(sample)
     x, y, z = lighting.key.direction
     key = replace(lighting.key, direction=(cos * x - sin * y, sin * x + cos * y, z))
     return replace(sample, lighting=replace(lighting, key=key))
@@ -153,19 +157,19 @@ def _light_direction(draw: Draw, sample: Sample) -> Sample:
 def _light_intensity(draw: Draw, sample: Sample) -> Sample:
     factor = 2.0 ** draw.either_side("stops")
     sample = _with_lights(draw, sample, lambda light: replace(light, intensity=light.intensity * factor))
-    assert sample.lighting is not None
-    return replace(sample, lighting=replace(sample.lighting, ambient=min(sample.lighting.ambient * factor, 1.0)))
+    lighting = draw.lighting(sample)
+    return replace(sample, lighting=replace(lighting, ambient=min(lighting.ambient * factor, 1.0)))
 
 
 def _shadow(draw: Draw, sample: Sample) -> Sample:
-    lighting = sample.lighting or draw.settings.lighting
+    lighting = draw.lighting(sample)
     moved = draw.number("share") * lighting.ambient
     key = replace(lighting.key, intensity=lighting.key.intensity + moved)
     return replace(sample, lighting=replace(lighting, key=key, ambient=lighting.ambient - moved))
 
 
 def _with_lights(draw: Draw, sample: Sample, change: Callable[[Light], Light]) -> Sample:
-    lighting = sample.lighting or draw.settings.lighting
+    lighting = draw.lighting(sample)
     fills = tuple(change(light) for light in lighting.fills)
     return replace(sample, lighting=replace(lighting, key=change(lighting.key), fills=fills))
 
@@ -228,7 +232,7 @@ def _distractors(draw: Draw, sample: Sample) -> Sample:
 
 
 def _unchanged(draw: Draw, sample: Sample) -> Sample:
-    """What is decided before the episode is laid out."""
+    """Return the sample: these factors act before the episode is laid out."""
     return sample
 
 

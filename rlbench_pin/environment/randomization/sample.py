@@ -18,14 +18,14 @@ from rlbench_pin.spatial import FloatArray, matrix_to_pose
 
 @dataclass(frozen=True)
 class Surface:
-    """What the colours of an object, or of a part of the room, are multiplied by."""
+    """Factor of the colours of an object, or of a part of the room."""
 
     tint: tuple[float, float, float] = (1.0, 1.0, 1.0)
     """Factor of red, green and blue."""
     image: Path | None = None
     """Image of a pattern, or None."""
     share: float = 0.0
-    """Share of the pattern, over its mean brightness; the rest is plain."""
+    """Share of the pattern, over its mean brightness; the other share is plain."""
     repeats: float = 1.0
     """How often the pattern repeats along a metre."""
 

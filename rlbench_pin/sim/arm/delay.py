@@ -13,7 +13,7 @@ from rlbench_pin.sim.arm.control import ArmControl, SimRobot
 
 @dataclass(frozen=True)
 class DelayState:
-    """What a delay remembers."""
+    """State of a delay."""
 
     waiting: tuple[ArmControl, ...]
     wanted: ArmControl
