@@ -1,4 +1,4 @@
-"""Stow three things in one drawer of a chest, one after another."""
+"""Stow three items in one drawer of a chest, one after another."""
 
 from __future__ import annotations
 
