@@ -99,6 +99,10 @@ class Observation(OptionalFields):
         return np.concatenate(parts) if parts else np.zeros(0)
 
 
+PHASE, INTERVENTION = "phase", "intervention"
+"""Keys of `misc` in recovery demonstrations."""
+TASK, RECOVERY = "task", "recovery"
+"""Phases beside the names of disturbances."""
 FIELDS: tuple[str, ...] = tuple(f.name for f in fields(Observation) if f.name != "misc")
 """The declared fields of observations, images first, without `misc`."""
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import tyro
 
-from rlbench_pin.cli.options import Cameras, RobotName, Size, TaskName, check_at_least, check_folder, storing
+from rlbench_pin.cli.options import Cameras, Disturbances, RobotName, Size, TaskName, check_at_least, check_folder, storing
 from rlbench_pin.errors import DemoError
 from rlbench_pin.observation import CAMERAS, Demo, Observation
 
@@ -47,6 +47,8 @@ class RecordDemos:
     """Attempts for each episode."""
     robot: RobotName = "panda"
     """Name of the arm, or path of its TOML file."""
+    disturb: Disturbances = ()
+    """One of these happens at a random moment, and the planner continues from where it leads to."""
     json: bool = False
     """Print JSON for programs."""
 
@@ -86,7 +88,7 @@ class RecordDemos:
         for attempt in range(self.max_attempts):
             with storing(self.out), ExitStack() as stack:
                 recorder = stack.enter_context(VideoRecorder(task, self.out)) if self.video else None
-                outcome = task.try_demo(seed=seed, attempt=attempt, on_frame=_counter(bar, seed))
+                outcome = task.try_demo(seed=seed, attempt=attempt, on_frame=_counter(bar, seed), disturb=self.disturb)
                 if outcome.demo is not None:
                     keep_task(self.out, type(task.task))
                     return self._keep(outcome.demo, outcome.duration, recorder)

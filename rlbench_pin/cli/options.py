@@ -32,6 +32,11 @@ AnyTasks = Annotated[tuple[str, ...], tyro.conf.arg(metavar="[TASK...]", help_be
 """Tasks as optional arguments."""
 SomeTasks = Annotated[tuple[str, ...], tyro.conf.arg(metavar="TASK...", help_behavior_hint="(required)")]
 """Tasks as required arguments; the command reports missing ones."""
+Disturbances = Annotated[
+    tuple[Literal["push", "slip", "stop"], ...],
+    tyro.conf.arg(metavar="{push,slip,stop}...", help_behavior_hint="(default: none)"),
+]
+"""Disturbances of recovery demonstrations."""
 RobotName = Annotated[str, tyro.conf.arg(metavar="ARM")]
 """An arm."""
 Device = Annotated[str, tyro.conf.arg(metavar="DEVICE")]

@@ -21,6 +21,7 @@ from rlbench_pin.cli.options import (
     AnyTasks,
     Cameras,
     Compression,
+    Disturbances,
     EngineName,
     MaybeBool,
     MaybeInt,
@@ -120,6 +121,9 @@ class Record:
     of them demonstrate at the same attempt of the same seed."""
     factors: Annotated[str, tyro.conf.arg(metavar="FACTOR:LEVEL+...", help_behavior_hint="(default: none)")] = ""
     """Factors of generalisation of all episodes, such as `light_color:2+table_texture:1`; `rlbench-pin factors` lists them."""
+    disturb: Disturbances = ()
+    """Recovery demonstrations: one of these happens in each episode, at a random moment, and the planner continues from where it
+    leads to. `push`: the gripper is moved aside by 3 cm; `slip`: the fingers let go soon after a grasp; `stop`: the arm stops."""
     out: Path = DEFAULT_OUT
     """Folder of the dataset."""
     json: bool = False
@@ -196,7 +200,7 @@ class Record:
         defaults = {
             **{
                 name: getattr(config, name)
-                for name in ("episodes", "per_variation", "variations", "seed", "max_attempts", "robot", "factors")
+                for name in ("episodes", "per_variation", "variations", "seed", "max_attempts", "robot", "factors", "disturb")
             },
             **{name: getattr(config.images, name) for name in ("image_size", "cameras", "products", "compression")},
             "renderer": config.images.render_mode,
@@ -289,6 +293,7 @@ class Record:
             max_acceleration=self.arm_max_acceleration,
             robot=robot,
             factors=self.factors,
+            disturb=self.disturb,
             paired=split_names(self.paired) if self.paired or before is None else before.paired,
             listed=self._protocol_episodes() if self.protocol is not None or before is None else before.listed,
             images=ImageConfig(

@@ -24,6 +24,7 @@ from rlbench_pin.environment.actions import (
 from rlbench_pin.environment.demos import DemoOutcome, SegmentReport, library_versions
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.episode import EnvironmentState
+from rlbench_pin.environment.expert import expert_action
 from rlbench_pin.environment.observations import (
     Camera,
     CameraConfig,
@@ -82,6 +83,7 @@ __all__ = [
     "VisualRandomizationConfig",
     "calculate_delta_pose",
     "clear_view",
+    "expert_action",
     "image_config",
     "key_frame_actions",
     "key_frames_succeed",

@@ -22,6 +22,7 @@ from rlbench_pin.errors import (
     WaypointError,
 )
 from rlbench_pin.observation import Demo, Observation, RandomState
+from rlbench_pin.planning.plan import Plan
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import Task, Waypoint
 from rlbench_pin.values import as_record
@@ -111,6 +112,7 @@ class DemoPlayer:
         self._target = runtime.robot.joint_positions
         self._succeeded = False
         self._ignores_collisions: bool | None = None
+        self._first = 0
 
     @property
     def planning_time(self) -> float:
@@ -132,21 +134,22 @@ class DemoPlayer:
         self._frame()
         for _ in range(MAX_ROUNDS):
             self._succeeded = False
-            for waypoint, rest, angles in self._segments():
+            for waypoint, rest, angles in self._segments(task.get_waypoints()[self._first :]):
                 if waypoint.index not in self.omit.waypoints:
                     self._run_segment(waypoint, rest, angles)
+            self._first = 0
             repeat = task.should_repeat_waypoints()
             if self._succeeded or not repeat:
                 break
         self._wait_for_success()
         return self.frames
 
-    def _segments(self) -> Iterator[tuple[Waypoint, list[Waypoint], list[float]]]:
-        """Yield each waypoint that is not skipped, those after it in its group, and the grasp angles to try, best first.
+    def _segments(self, waypoints: Sequence[Waypoint]) -> Iterator[tuple[Waypoint, list[Waypoint], list[float]]]:
+        """Yield each of some waypoints that is not skipped, those after it in its group, and the grasp angles to try, best first.
 
         Start hooks run here, before the poses of their segment are read.
         """
-        for group in grasp_groups(self.runtime.task.get_waypoints()):
+        for group in grasp_groups(waypoints):
             angles: list[float] | None = None
             for number, waypoint in enumerate(group, start=1):
                 self.waypoint = waypoint
@@ -160,6 +163,13 @@ class DemoPlayer:
 
     def _run_segment(self, waypoint: Waypoint, rest: Sequence[Waypoint], angles: Sequence[float]) -> None:
         self._succeeded = False
+        self._move(waypoint, rest, self._plan(waypoint, rest, angles))
+        if waypoint.gripper is not None and (waypoint.releases or not self.omit.grasps):
+            self._operate_gripper(waypoint)
+        waypoint.run_end_hook()
+
+    def _plan(self, waypoint: Waypoint, rest: Sequence[Waypoint], angles: Sequence[float]) -> Plan:
+        """Plan from where the arm is to a waypoint, and report it as a segment."""
         began = time.process_time()
         plan = self._planner.plan(waypoint, rest, angles)
         seconds = time.process_time() - began
@@ -168,17 +178,22 @@ class DemoPlayer:
         self._ignores_collisions = waypoint.ignore_collisions
         if len(self.frames) == 1:
             self._flag(self.frames[0])
+        return plan
+
+    def _move(self, waypoint: Waypoint, rest: Sequence[Waypoint], plan: Plan) -> None:
+        """Move to a waypoint as planned; `rest` are those after it in its group."""
         follow(self.runtime, plan.trajectory, on_tick=self._arm_tick, compliant=waypoint.compliant)
-        if waypoint.gripper is not None and (waypoint.releases or not self.omit.grasps):
-            self._operate_gripper(waypoint)
-        waypoint.run_end_hook()
 
     def _operate_gripper(self, waypoint: Waypoint) -> None:
-        self._amount = waypoint.gripper_amount
+        self._move_fingers(waypoint.gripper_amount, release=waypoint.releases)
+
+    def _move_fingers(self, amount: float, *, release: bool) -> None:
+        """Move the fingers to an opening fraction, and hold what is between them, or let go."""
+        self._amount = amount
         move_gripper(
             self.runtime,
-            self._amount,
-            release=waypoint.releases,
+            amount,
+            release=release,
             speed=self.runtime.description.grip_speed,
             attach=self.runtime.gripper.attaches,
             on_tick=self._gripper_tick,
@@ -263,22 +278,16 @@ class LiveDemoFailed(DemoError, RuntimeError):
 def play_demo(
     runtime: Runtime,
     origin: EpisodeOrigin,
-    *,
-    record: bool,
-    record_gripper: bool,
-    on_frame: Callable[[Observation], None] | None,
+    player: DemoPlayer,
 ) -> DemoOutcome:
     """Play the demonstration of the episode that has just started, with or without success.
 
     Args:
         runtime: The runtime, at the start of the episode.
         origin: Where the episode came from.
-        record: Keep observations; False only measures.
-        record_gripper: Keep those of finger motions, too.
-        on_frame: Called with every recorded observation.
+        player: Plays it.
     """
     state, began = runtime.world.arrays(exact=False), runtime.world.time
-    player = DemoPlayer(runtime, record=record, record_gripper=record_gripper, on_frame=on_frame)
     cause, waypoint = try_play(player)
     demo = None
     if not cause:

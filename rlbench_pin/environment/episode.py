@@ -23,7 +23,7 @@ MAX_DEMOS = 10_000_000
 
 @dataclass(frozen=True)
 class EpisodeRandom:
-    """The five generators of one episode."""
+    """The generators of one episode."""
 
     variation: np.random.Generator
     """Variation of the task, where none is set."""
@@ -35,12 +35,14 @@ class EpisodeRandom:
     """Noise of observations."""
     randomization: np.random.Generator
     """Domain randomization."""
+    disturbance: np.random.Generator
+    """Disturbances of recovery demonstrations."""
 
     @classmethod
     def from_seed(cls, seed: int, attempt: int = 0) -> EpisodeRandom:
         """Spawn the generators of try `attempt` of episode `seed`; attempt 0 is the seed alone."""
         sequence = np.random.SeedSequence(seed) if attempt == 0 else np.random.SeedSequence((seed, attempt))
-        return cls(*(np.random.default_rng(child) for child in sequence.spawn(5)))
+        return cls(*(np.random.default_rng(child) for child in sequence.spawn(6)))
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any, TypeVar
 
 import numpy as np
@@ -264,6 +265,17 @@ class Runtime:
             for functions, new in added:
                 functions.remove(new)
 
+    @contextmanager
+    def ahead(self) -> Iterator[None]:
+        """Simulate a block ahead of time: nobody is called for its ticks, and afterwards all is as it was."""
+        before, called = self.save(), (self.before_tick, self.after_tick, self.listeners)
+        self.before_tick, self.after_tick, self.listeners = [], [self.task.step], Listeners()
+        try:
+            yield
+        finally:
+            self.before_tick, self.after_tick, self.listeners = called
+            self.restore(before)
+
     def step(self) -> None:
         """Advance one control tick: the functions of `before_tick`, the physics, the functions of `after_tick`."""
         for function in tuple(self.before_tick):
@@ -432,6 +444,7 @@ def follow(
     on_tick: Callable[[FloatArray], None] = lambda target: None,
     whole: bool = False,
     compliant: bool = False,
+    ticks: int | None = None,
 ) -> None:
     """Track `trajectory` to its end and come to rest there, or until the episode is over.
 
@@ -441,14 +454,18 @@ def follow(
         on_tick: Called after every tick with the commanded joint positions (n,) [rad].
         whole: Go on when the episode is over.
         compliant: Go slowly, and give way to contact: as `CompliantFollowing`.
+        ticks: Return after so many ticks, while the arm moves.
     """
     target = runtime.robot.joint_positions
     dt = runtime.world.control_dt
-    for target in _compliant_targets(runtime, trajectory) if compliant else TrajectoryTracker(trajectory, dt, MIN_SPEED):
+    targets = _compliant_targets(runtime, trajectory) if compliant else TrajectoryTracker(trajectory, dt, MIN_SPEED)
+    for target in islice(targets, ticks):
         runtime.drive_to(target)
         on_tick(target)
         if runtime.over and not whole:
             return
+    if ticks is not None:
+        return
     for _ in range(_REST_TICKS):
         if (runtime.over and not whole) or np.abs(runtime.robot.joint_velocities).max() < REST_SPEED:
             return

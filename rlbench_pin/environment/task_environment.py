@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from threading import RLock
+from typing import Any
 
 import numpy as np
 
 from rlbench_pin.datasets.layout import ALL_VARIATIONS
 from rlbench_pin.environment import demos
 from rlbench_pin.environment.actions.modes import ActionMode
-from rlbench_pin.environment.demos import DemoOutcome
+from rlbench_pin.environment.demos import DemoOutcome, DemoPlayer
 from rlbench_pin.environment.episode import MAX_DEMOS, EnvironmentState, EpisodeOrigin, EpisodeRandom, checked_seed, demo_seeds
 from rlbench_pin.environment.factors import FactorRandomizer, FactorSetting, FactorsLike
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.randomization.randomizer import WorldChanges
+from rlbench_pin.environment.recovery import Disturbance, DisturbedPlayer, as_disturbances
 from rlbench_pin.environment.reset import start_episode
 from rlbench_pin.environment.runtime import RefusedOpening, Runtime, success_is_stable
 from rlbench_pin.environment.stored import StoredSelection, read_stored_demos
@@ -90,6 +92,15 @@ class TaskEnvironment:
     def seed(self) -> int:
         """Seed of the present episode; 0 before the first reset."""
         return 0 if self._episode is None else self._episode.seed
+
+    @property
+    def episode(self) -> EpisodeOrigin:
+        """Origin of the present episode.
+
+        Raises:
+            NotReset: Before the first reset.
+        """
+        return self._started("episode")
 
     @property
     def succeeded(self) -> bool:
@@ -277,6 +288,7 @@ class TaskEnvironment:
         from_episode_number: int = 0,
         *,
         seed: int | None = None,
+        disturb: Sequence[Disturbance] = (),
     ) -> list[Demo]:
         """Return demonstrations of the present variation, stored or made now.
 
@@ -289,6 +301,7 @@ class TaskEnvironment:
             random_selection: Pick stored demonstrations at random.
             from_episode_number: First stored episode when not picked at random; with variation -1 counted through all variations.
             seed: Live demonstration i starts from `seed + i`; a retry is a further attempt of the same seed.
+            disturb: Disturbances of which one happens in each live demonstration: `push`, `slip`, `stop`.
 
         Raises:
             DemoError: A live demonstration failed `max_attempts` times (also a RuntimeError).
@@ -298,7 +311,7 @@ class TaskEnvironment:
             wanted = StoredSelection(amount, self._variation_number, image_paths, random_selection, from_episode_number)
             return read_stored_demos(self._dataset_root, self.get_name(), wanted, self._obs_config, self._seeds)
         return demos.live_demos(
-            lambda s, attempt: self.try_demo(seed=s, attempt=attempt, on_frame=callable_each_step),
+            lambda s, attempt: self.try_demo(seed=s, attempt=attempt, on_frame=callable_each_step, disturb=disturb),
             self.task,
             demo_seeds(amount, seed, self._seeds),
             as_whole(max_attempts, "max_attempts", InvalidArgument, least=1, most=MAX_DEMOS),
@@ -312,6 +325,7 @@ class TaskEnvironment:
         attempt: int = 0,
         on_frame: Callable[[Observation], None] | None = None,
         record: bool = True,
+        disturb: Sequence[Disturbance] = (),
     ) -> DemoOutcome:
         """Reset with (seed, attempt) and play the demonstration once, with or without success.
 
@@ -321,15 +335,22 @@ class TaskEnvironment:
             attempt: Which try of the seed.
             on_frame: Called with every recorded observation.
             record: Keep observations; False only measures.
+            disturb: Disturbances of which one happens: `push`, `slip`, `stop`. The planner continues from where it leads to.
         """
         if variation is not None:
             self.set_variation(variation)
+        kinds = as_disturbances(disturb)
         episode = self._start(checked_seed(seed), as_whole(attempt, "attempt", InvalidArgument, least=0, most=LARGEST_SEED))
         as_function(on_frame, "on_frame", InvalidArgument)
         record = as_flag(record, "record", InvalidArgument)
         gripper = self._obs_config.record_gripper_closing
         with self._alone("try_demo"):
-            return demos.play_demo(self._runtime, episode, record=record, record_gripper=gripper, on_frame=on_frame)
+            options: dict[str, Any] = {"record": record, "record_gripper": gripper, "on_frame": on_frame}
+            if not kinds:
+                return demos.play_demo(self._runtime, episode, DemoPlayer(self._runtime, **options))
+            rng = EpisodeRandom.from_seed(episode.seed, episode.attempt).disturbance
+            player = DisturbedPlayer(self._runtime, kinds, rng, **options)
+            return demos.play_demo(self._runtime, episode, player)
 
     def reset_to_demo(self, demo: Demo) -> tuple[list[str], Observation]:
         """Start as a demonstration did: its seed sets up the task, its snapshot the very state. Its factors are chosen as well.

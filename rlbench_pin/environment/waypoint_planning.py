@@ -175,6 +175,7 @@ class WaypointPlanner:
 
     Attributes:
         angle: Grasp angle about the z axis of the tip [rad]: the one that was planned last, or after `rank` the best.
+        grasp: Waypoint at which the gripper closed last; None where it has opened since.
     """
 
     def __init__(self, runtime: Runtime) -> None:
@@ -182,7 +183,7 @@ class WaypointPlanner:
         self._robot_links = set(runtime.robot.link_poses())
         self._arm_links = self._robot_links - {*runtime.model.fingers.links}
         self.angle = 0.0
-        self._grasp: Waypoint | None = None
+        self.grasp: Waypoint | None = None
 
     def rank(self, group: Sequence[Waypoint]) -> list[float]:
         """Return the grasp angles that a group of waypoints can be reached with, best first [rad].
@@ -232,7 +233,7 @@ class WaypointPlanner:
             found = [next(self._other_goals(waypoint, rest, found, q), found[0])]
         self.angle = found[0].angle
         if waypoint.gripper is not None:
-            self._grasp = None if waypoint.releases else waypoint
+            self.grasp = None if waypoint.releases else waypoint
         return found[0].plan
 
     def _as_held(self, pose: FloatArray, angle: float, tip: FloatArray) -> FloatArray:
@@ -240,7 +241,7 @@ class WaypointPlanner:
 
         The waypoint of the grasp moves with what is held, so it is where the tip should be on it; `tip` (7,) is where it is.
         """
-        grasp, held = self._grasp, self._runtime.gripper.held
+        grasp, held = self.grasp, self._runtime.gripper.held
         if grasp is None or not any(grasp.frame.moves_with(name) for name in held):
             return pose
         return compose(pose, relative(tip, rotated(grasp.pose, angle)))

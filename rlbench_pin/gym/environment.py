@@ -22,6 +22,7 @@ from rlbench_pin.environment.actions import ActionMode, JointPositionActionMode
 from rlbench_pin.environment.actions.modes import ActionSpec
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.episode import checked_seed
+from rlbench_pin.environment.factors import FactorsLike
 from rlbench_pin.environment.observations.config import LOW_DIM_FIELDS, Instant
 from rlbench_pin.environment.observations.observe import boxed, boxed_settings
 from rlbench_pin.environment.runtime import Runtime
@@ -186,7 +187,7 @@ class Window:
 OBSERVATION_MODES = ("state", "vision")
 RENDER_MODES = ("rgb_array", "human")
 INVALID_ACTIONS = ("continue", "terminate", "raise")
-RESET_OPTIONS = ("variation", "reset_to_demo")
+RESET_OPTIONS = ("variation", "reset_to_demo", "factors")
 
 CINEMATIC = CameraView(
     pose=look_at((-0.05, 1.70, 1.80), (0.17, 0.0, 1.13)), fov=float(np.radians(65.0)), size=(640, 360), near=0.05, far=6.0
@@ -210,8 +211,8 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
     """One task behind gymnasium's interface. Every instance has a world of its own.
 
     Observations are a dict of float32 boxes, and of four images with `observation_mode="vision"`. Quaternions in actions are
-    brought to unit length. `info` holds `success`, `is_success` (the same), `text_descriptions`, `variation`, `error` when
-    the action was refused, and `refused_opening` when `SafeArm` kept the fingers as they were.
+    brought to unit length. `info` holds `success`, `is_success` (the same), `text_descriptions`, `variation`, `factors`, `error`
+    when the action was refused, and `refused_opening` when `SafeArm` kept the fingers as they were.
 
     A seed given to `reset` is the seed of that very episode, the same as `TaskEnvironment.reset(seed=...)`; without one the
     seed is drawn from `np_random`.
@@ -229,8 +230,10 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         renderer: Renderer of images: `cpu`, `egl` or `auto`.
         cameras: Cameras of vision observations; None is `VISION_CAMERAS`. Only with `vision`.
         robot: Name of the arm, or path of its TOML file.
+        factors: Factors of generalisation of every episode, such as `light_color:2+friction:1`.
 
     Raises:
+        FactorNotApplicable: The task cannot take one of the factors.
         UnknownName: No such task, mode, camera, arm, choice or argument.
         InvalidArgument: `cameras` or `image_size` without `vision`.
         TaskError: The task file cannot be loaded.
@@ -254,10 +257,12 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         renderer: RendererName = "cpu",
         cameras: Sequence[str] | None = None,
         robot: str = DEFAULT_ROBOT,
+        factors: FactorsLike = "",
     ) -> None:
         EzPickle.__init__(
             self, task, observation_mode, render_mode, action_mode, variation=variation, shaped_rewards=shaped_rewards,
             invalid_action=invalid_action, image_size=image_size, renderer=renderer, cameras=cameras, robot=robot,
+            factors=factors,
         )  # fmt: skip
         _check_choice("observation mode", observation_mode, OBSERVATION_MODES)
         _check_choice("handling of invalid actions", invalid_action, INVALID_ACTIONS)
@@ -274,7 +279,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         size = as_image_size((128, 128) if image_size is None else image_size, "image_size", InvalidCamera)
         mode, settings = _own_copy(action_mode), boxed_settings(seen, size)
         self._environment = Environment(
-            mode, obs_config=settings, robot_setup=robot, shaped_rewards=shaped_rewards, renderer=renderer
+            mode, obs_config=settings, robot_setup=robot, shaped_rewards=shaped_rewards, renderer=renderer, factors=factors
         )
         try:
             self._load(task, variation, seen, size)
@@ -309,6 +314,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         Args:
             seed: Seed of the episode and of `np_random`.
             options: `variation`: that of this episode, -1 to draw it. `reset_to_demo`: the demonstration to start as.
+                `factors`: factors of this episode and those after it.
 
         Raises:
             UnknownName: There is no such option.
@@ -317,6 +323,8 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         """
         super().reset(seed=None if seed is None else checked_seed(seed))
         chosen = _checked_options(options)
+        if "factors" in chosen:
+            self._task.set_factors(chosen["factors"])
         demo = chosen.get("reset_to_demo")
         if demo is not None:
             _, observation = self._task.reset_to_demo(demo)
@@ -365,6 +373,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
             "stable_success": success and self._task.success_is_stable(),
             "text_descriptions": self._task.get_task_descriptions(),
             "variation": self._task.runtime.variation,
+            "factors": self._task.episode.factors,
         }
 
     # Images and the end ---------------------------------------------------------------------------------------
@@ -421,6 +430,8 @@ def _checked_options(options: Mapping[str, Any] | None) -> Mapping[str, Any]:
         raise TaskEnvironmentError(f"options['reset_to_demo'] is a Demo, as `get_demos` returns, not {type(demo).__name__}.")
     if demo is not None and "variation" in chosen:
         raise TaskEnvironmentError("A demonstration brings its variation. Pass 'reset_to_demo' or 'variation', not both.")
+    if demo is not None and "factors" in chosen:
+        raise TaskEnvironmentError("A demonstration brings its factors. Pass 'reset_to_demo' or 'factors', not both.")
     as_whole(variation, "options['variation'], -1 to draw one,", InvalidArgument)
     return chosen
 

@@ -19,6 +19,7 @@ from rlbench_pin.environment.episode import drawn_variations
 from rlbench_pin.environment.factors import FactorSetting
 from rlbench_pin.environment.observations.config import ObservationConfig, RenderMode
 from rlbench_pin.environment.presets import low_dim_config, make_environment
+from rlbench_pin.environment.recovery import Disturbance, as_disturbances
 from rlbench_pin.errors import EpisodeFileError, InvalidArgument, InvalidCamera, RlbenchPinError, TaskEnvironmentError
 from rlbench_pin.observation import CAMERAS, PRODUCTS
 from rlbench_pin.robot.description import DEFAULT_ROBOT, robot_description
@@ -130,6 +131,8 @@ class RecordConfig:
     """Images of the episodes."""
     factors: str = ""
     """Factors of generalisation of all episodes, such as `light_color:2+friction:1`."""
+    disturb: tuple[Disturbance, ...] = ()
+    """Disturbances of which one happens in each episode: `push`, `slip`, `stop`; none when empty."""
     listed: Mapping[str, tuple[tuple[int, int], ...]] = field(default_factory=dict)
     """Task name -> variation and seed of each of its episodes, in place of those that the numbers above give; empty without."""
 
@@ -146,6 +149,7 @@ class RecordConfig:
         for name in ("max_velocity", "max_acceleration"):
             as_number(getattr(self, name), name, InvalidArgument, above=0.0)
         object.__setattr__(self, "factors", str(FactorSetting.of(as_text(self.factors, "factors", InvalidArgument))))
+        object.__setattr__(self, "disturb", as_disturbances(self.disturb))
         as_record(self.images, ImageConfig, "images", InvalidArgument)
         for name in ("per_variation", "draw_variations"):
             as_flag(getattr(self, name), name, InvalidArgument)
@@ -186,6 +190,8 @@ class WorkItem:
     """SHA-256 of the files of the task; not compared when empty."""
     factors: str = ""
     """Factors of generalisation; empty without."""
+    disturb: tuple[Disturbance, ...] = ()
+    """Disturbances of which one happens."""
 
     @property
     def limits(self) -> tuple[float, float]:
@@ -252,7 +258,7 @@ def _item(config: RecordConfig, task: str, name: str, variation: int, index: int
     return WorkItem(
         task, name, variation, index, seed, tuple(range(config.max_attempts)),
         max_velocity=config.max_velocity, max_acceleration=config.max_acceleration,
-        robot=config.robot, paired=config.paired, factors=config.factors,
+        robot=config.robot, paired=config.paired, factors=config.factors, disturb=config.disturb,
     )  # fmt: skip
 
 
@@ -321,6 +327,7 @@ def common_flags(config: RecordConfig) -> dict[str, str]:
         "--max-attempts": f"{config.max_attempts}",
         "--robot": config.robot,
         "--factors": config.factors,
+        "--disturb": " ".join(config.disturb),
         "--paired": " ".join(sorted({config.robot, *config.paired})) if config.paired else "",
         "--cameras": " ".join(images.cameras),
         "--products": " ".join(images.products),

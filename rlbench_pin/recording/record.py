@@ -126,7 +126,7 @@ class Recorder:
         fields = (*LOW_DIM, "gripper_matrix")
         stored = read_demo(Path(item.source), fields, sha256=item.sha256 or None) if item.source else None
         task.set_factors(item.factors if stored is None else stored.factors)
-        outcome = task.try_demo(seed=item.seed, variation=item.variation, attempt=attempt)
+        outcome = task.try_demo(seed=item.seed, variation=item.variation, attempt=attempt, disturb=item.disturb)
         if stored is None:
             failures += [outcome.cause] if outcome.cause else []
             return outcome.demo if outcome.demo is None or self._all_can(item, attempt, failures) else None
@@ -139,7 +139,8 @@ class Recorder:
         for robot in item.paired:
             task = self._load(item, robot)
             task.set_factors(item.factors)
-            outcome = task.try_demo(seed=item.seed, variation=item.variation, attempt=attempt, record=False)
+            seed, variation = item.seed, item.variation
+            outcome = task.try_demo(seed=seed, variation=variation, attempt=attempt, record=False, disturb=item.disturb)
             if not outcome.success:
                 failures.append(f"{robot}: {outcome.cause}")
                 return False

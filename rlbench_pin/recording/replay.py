@@ -17,7 +17,7 @@ from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.environment.replay import replay_succeeds
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import DemoError
-from rlbench_pin.observation import LOW_DIM, Demo, Observation
+from rlbench_pin.observation import INTERVENTION, LOW_DIM, PHASE, Demo, Observation
 from rlbench_pin.robot.description import DEFAULT_ROBOT
 from rlbench_pin.tasks import OwnTasks, stored_task
 from rlbench_pin.values import as_flag, as_path, as_record, as_several
@@ -38,7 +38,7 @@ def replay_demo(task: TaskEnvironment, stored: Demo) -> Demo:
     """
     as_record(task, TaskEnvironment, "task")
     _, first = task.reset_to_demo(stored)
-    _keep_flag(first, stored[0])
+    _keep_flags(first, stored[0])
     frames = [first]
     for index, recorded in enumerate(stored[1:], start=1):
         action = recorded.misc.get("joint_position_action")
@@ -46,7 +46,7 @@ def replay_demo(task: TaskEnvironment, stored: Demo) -> Demo:
             raise DemoError("The stored demonstration has no `joint_position_action`, so it cannot be replayed. Record it again.")
         observation, _, _ = task.step(action)
         observation.misc["joint_position_action"] = np.array(action)
-        _keep_flag(observation, recorded)
+        _keep_flags(observation, recorded)
         _compare(observation.joint_positions, recorded.joint_positions, index, stored)
         frames.append(observation)
     again = stored.with_observations(frames)
@@ -54,9 +54,10 @@ def replay_demo(task: TaskEnvironment, stored: Demo) -> Demo:
     return again
 
 
-def _keep_flag(observation: Observation, recorded: Observation) -> None:
+def _keep_flags(observation: Observation, recorded: Observation) -> None:
     if recorded.ignore_collisions is not None:
         observation.ignore_collisions = recorded.ignore_collisions
+    observation.misc |= {key: recorded.misc[key] for key in (PHASE, INTERVENTION) if key in recorded.misc}
 
 
 def _compare(now: np.ndarray | None, then: np.ndarray | None, index: int, stored: Demo) -> None:

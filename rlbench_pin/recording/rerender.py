@@ -7,14 +7,17 @@ import threading
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from rlbench_pin.datasets import EpisodeEntry, kept_task, read_manifest, stored_tasks
 from rlbench_pin.datasets.layout import check_inside, checked_task_name, chosen_tasks, episode_path
 from rlbench_pin.datasets.manifest import is_whole, parse_json, short
 from rlbench_pin.datasets.storage import hold, remove_leftovers, write_whole
+from rlbench_pin.environment.factors import FactorSetting
+from rlbench_pin.environment.recovery import Disturbance, as_disturbances
 from rlbench_pin.errors import DatasetConflict, DatasetError, EpisodeFileError
 from rlbench_pin.processes import Engine
-from rlbench_pin.recording.config import ImageConfig, WorkItem
+from rlbench_pin.recording.config import RECORDING, ImageConfig, WorkItem, read_recording
 from rlbench_pin.recording.record import OnProgress, RecordReport, check_work, run_items
 from rlbench_pin.robot.description import DEFAULT_ROBOT, robot_description
 from rlbench_pin.tasks import OwnTasks, Task, keep_tasks, stored_task, task_class, task_digest, task_origin, task_reference
@@ -40,6 +43,10 @@ class EpisodeSeed:
     """Number of the attempt of the seed."""
     robot: str = DEFAULT_ROBOT
     """Name of the arm, or path of its TOML file."""
+    factors: str = ""
+    """Factors of generalisation, such as `light_color:2`; empty without."""
+    disturb: tuple[Disturbance, ...] = ()
+    """Disturbances of which one happens."""
 
     def check(self) -> None:
         """Raise DatasetError or ValueError unless the task name and the numbers are valid, because paths are made of them."""
@@ -48,6 +55,8 @@ class EpisodeSeed:
             if not is_whole(value := getattr(self, name)):
                 raise ValueError(f"{name}={short(value)} of '{self.task}' is not a number from 0 on")
         robot_description(self.robot)
+        FactorSetting.of(self.factors)
+        object.__setattr__(self, "disturb", as_disturbances(self.disturb))
 
 
 def seeds_of(root: Path, tasks: Sequence[str] = ()) -> list[EpisodeSeed]:
@@ -60,7 +69,9 @@ def seeds_of(root: Path, tasks: Sequence[str] = ()) -> list[EpisodeSeed]:
     Raises:
         DatasetError: A task is not stored, or an episode has no seed.
     """
-    return [_seed(task, entry) for task, entry in _entries(root, tasks)]
+    entries = _entries(root, tasks)
+    more = _common(root)
+    return [_seed(task, entry, **more) for task, entry in entries]
 
 
 def write_seeds(path: Path, seeds: Sequence[EpisodeSeed]) -> Path:
@@ -161,12 +172,12 @@ def _items(source: Path, tasks: Sequence[str]) -> list[WorkItem]:
         seeds = read_seeds(source)
         chosen = chosen_tasks(source, sorted({seed.task for seed in seeds}), tasks)
         return _at_least_one(source, [_item(seed) for seed in seeds if seed.task in chosen])
-    items = []
+    items, more = [], _common(source)
     for task, entry in _entries(source, tasks):
         path = episode_path(source, task, entry.variation, entry.episode)
         check_inside(source, path)
         held = path.is_file()
-        items.append(_item(_seed(task, entry), str(path) if held else "", entry.sha256 if held else ""))
+        items.append(_item(_seed(task, entry, **more), str(path) if held else "", entry.sha256 if held else ""))
     return _at_least_one(source, items)
 
 
@@ -178,14 +189,22 @@ def _at_least_one(source: Path, items: list[WorkItem]) -> list[WorkItem]:
 
 def _item(seed: EpisodeSeed, source: str = "", sha256: str = "") -> WorkItem:
     found_by = (seed.task, seed.task, seed.variation, seed.episode, seed.seed, (seed.attempt,))
-    return WorkItem(*found_by, source, sha256, robot=seed.robot)
+    return WorkItem(*found_by, source, sha256, robot=seed.robot, factors=seed.factors, disturb=seed.disturb)
+
+
+def _common(root: Path) -> dict[str, Any]:
+    """Return the factors and the disturbances of all episodes that were recorded into a folder; none where it does not say."""
+    if not (as_path(root, "root") / RECORDING).exists():
+        return {}
+    config = read_recording(root)
+    return {"factors": config.factors, "disturb": config.disturb}
 
 
 def _entries(root: Path, tasks: Sequence[str]) -> list[tuple[str, EpisodeEntry]]:
     return [(task, entry) for task in chosen_tasks(root, stored_tasks(root), tasks) for entry in read_manifest(root, task)]
 
 
-def _seed(task: str, entry: EpisodeEntry) -> EpisodeSeed:
+def _seed(task: str, entry: EpisodeEntry, **more: Any) -> EpisodeSeed:
     if entry.random_seed is None:
         raise DatasetError(f"'{entry.file}' of '{task}' has no seed, so it cannot be made again.")
-    return EpisodeSeed(task, entry.variation, entry.episode, entry.random_seed, entry.attempt, entry.robot)
+    return EpisodeSeed(task, entry.variation, entry.episode, entry.random_seed, entry.attempt, entry.robot, **more)

@@ -56,6 +56,7 @@ PLAYED = frozenset(
         "key_frame_actions",
         "key_frames_succeed",
         "convert_by_playing",
+        "expert_action",
         "replay_demo",
         "verify",
         "folder_demos",
@@ -127,6 +128,7 @@ def special_samples(folder: Path, task: TaskEnvironment, numbers: Iterator[int],
     }
     special |= {f"{name}.task": kind for name in ("keep_task", "task_digest", "task_reference", "task_scene")}
     special |= {f"{name}.task": task for name in ("VideoRecorder", "convert_by_playing", "replay_demo", "verify")}
+    special |= {"expert_action.task_environment": task, "expert_action.action_mode": None}
     special |= {"keep_tasks.tasks": [kind], "keep_tasks.root": new, "keep_task.root": new}
     return special | more_samples(library, new, first) | evaluation_samples(folder, numbers)
 

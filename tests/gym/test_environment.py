@@ -71,6 +71,18 @@ def test_variation_option_holds_for_one_episode(reach: GymnasiumEnv) -> None:
 
 
 @pytest.mark.simulation
+def test_factors_are_those_of_the_arguments_or_of_the_options() -> None:
+    """`info` says which; an option counts for the episodes after it, too, and the instruction is the one of the factor."""
+    with closing(GymnasiumEnv("open_drawer", factors="instruction_none:1")) as env:
+        assert env.reset(seed=0)[1]["text_descriptions"] == [""]
+        assert env.reset(seed=0)[1]["factors"] == "instruction_none:1"
+        for options in ({"factors": "friction:2"}, None):
+            info = env.reset(seed=0, options=options)[1]
+            assert info["factors"] == "friction:2"
+            assert info["text_descriptions"] != [""]
+        assert env.reset(seed=0, options={"factors": ""})[1]["factors"] == ""
+
+
 def test_reset_to_demo_starts_as_the_demo_and_its_actions_succeed() -> None:
     """From the start of a demonstration its joint positions reach the goal: reward 1, success, the end."""
     with GymnasiumEnv("reach_target", action_mode=MoveArmThenGripper(JointPosition(), Discrete())) as env:
