@@ -178,6 +178,26 @@ class Runtime:
         self._callbacks: list[TickFunction] = []
         self._result: ActionResult | None = None
         self._kept: dict[object, Any] = {}
+        self._base, self._built = np.array(robot.base_pose), (model, planner)
+
+    def place_arm(self, base: FloatArray | None = None) -> None:
+        """Put the base of the arm at a pose (7,) in the world; None puts it where its description says.
+
+        `model` and `planner` are then those of an arm that stands there.
+        """
+        own = np.array(self.description.base_pose)
+        wanted = own if base is None else base
+        if not np.array_equal(wanted, self._base):
+            self._base = wanted
+            if np.array_equal(wanted, own):
+                self.model, self.planner = self._built
+            else:
+                self.model = RobotModel(self.description, wanted)
+                self.planner = MotionPlanner(self.model, self.planner.config)
+                self.planner.listeners = self._built[1].listeners
+            self.observer.use_model(self.model)
+            self._kept.clear()
+        self.robot.place_base(self._base)
 
     def begin(self, variation: int, planning: np.random.Generator, noise: np.random.Generator) -> None:
         """Take over what an episode is given.
@@ -189,6 +209,8 @@ class Runtime:
         """
         self.variation, self.noise_rng = variation, noise
         self.instructions = ()
+        if not np.array_equal(self._base, self.description.base_pose):
+            self.robot.place_base(self._base)  # the world has just gone back to its origin
         self._planning_seed = int(planning.integers(2**63))
 
     @property

@@ -383,6 +383,10 @@ class Observer:
         self._model = ModelObserver(world, model)
         self.appearance = Appearance()
 
+    def use_model(self, model: RobotModel) -> None:
+        """Compute with another model of the arm."""
+        self._arm, self._model = model, ModelObserver(self._world, model)
+
     def observe(self, task: Task, variation: int, rng: np.random.Generator, instructions: Sequence[str] = ()) -> Observation:
         """Return what is seen and felt now; every array is the caller's own."""
         observation = Observation(misc={"variation_index": variation, "descriptions": list(instructions)})

@@ -64,6 +64,7 @@ class WorldChanges:
         for name, (mass, friction, damping) in sample.dynamics.items():
             if name in world.bodies or name in world.room:
                 world.dynamics_overrides.scale(world.body(name).model, mass=mass, friction=friction, damping=damping)
+        self._runtime.place_arm(sample.base)
         world.dynamics_overrides.scale_gains(sample.gains)
         world.delay_commands(sample.latency, sample.loss, sample.loss_seed)
 
@@ -88,6 +89,7 @@ class WorldChanges:
         world.texture_overrides.clear()
         world.dynamics_overrides.clear()
         world.delay_commands()
+        self._runtime.place_arm()
         self._runtime.observer.appearance = Appearance()
 
 

@@ -70,6 +70,8 @@ class RandomizationSample:
     """Seed of these objects and their places."""
     start: FloatArray | None = None
     """By how much the joints differ at the start (n,) [rad]."""
+    base: FloatArray | None = None
+    """Pose of the arm's base in the world (7,), or None for that of its description."""
     latency: int = 0
     """Control ticks by which commands reach the arm's motors later."""
     loss: float = 0.0

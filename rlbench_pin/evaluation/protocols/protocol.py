@@ -45,7 +45,8 @@ MOST_EPISODES = 100_000
 """Episodes of a split at most, for one task or variation and one seed."""
 _FOLDER = Path(__file__).parent
 _UNAVAILABLE = {
-    "colosseum": "its factors (colours, textures, sizes, light, camera, distractors, friction, mass) do not exist here yet",
+    "colosseum": "it changes the size and the mass of objects by ranges that are no factors here yet; "
+    "`rlbench-pin evaluate POLICY --factors all --level colosseum` plays its other factors",
 }
 """Name of a protocol that is not written -> why."""
 

@@ -356,6 +356,11 @@ class SimRobot:
         for callback in self.on_reset:
             callback(fingers is not None)
 
+    def place_base(self, pose: FloatArray) -> None:
+        """Put the base of the arm at a pose (7,) in the world."""
+        self.model.set_base_pose(pose)
+        self.forget_measurements()
+
     def set_joint_states(self, positions: FloatArray, velocities: FloatArray) -> None:
         """Put the joints of arm and fingers at positions and velocities (n + fingers,); motor commands stay."""
         given = ((positions, "vector of positions"), (velocities, "vector of velocities"))

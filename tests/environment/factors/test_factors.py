@@ -20,6 +20,7 @@ from rlbench_pin.environment import (
 from rlbench_pin.environment.factors import FactorNotApplicable, FactorSetting, expand_settings, factor_catalogue
 from rlbench_pin.environment.factors.draw import FUNCTIONS, OTHER
 from rlbench_pin.environment.presets import image_config
+from rlbench_pin.environment.replay import replay_succeeds
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import InvalidArgument, UnknownName
 from rlbench_pin.observation import Observation
@@ -182,6 +183,30 @@ def test_the_arm_starts_elsewhere_at_rest(drawer: TaskEnvironment) -> None:
     moved = start(drawer, "start_configuration:3")
     np.testing.assert_array_equal(moved.task_low_dim_state, home.task_low_dim_state)
     assert np.abs(np.asarray(moved.joint_velocities)).max() < 1e-6
+
+
+@pytest.mark.simulation
+def test_the_arm_stands_elsewhere(drawer: TaskEnvironment) -> None:
+    """Farther at a higher level; model and simulation agree, demonstrations succeed and replay, and the arm comes back."""
+    home, runtime = start(drawer, ""), drawer.runtime
+    own = runtime.model
+    tips = []
+    for level in (1, 2, 3):
+        seen = start(drawer, {"arm_base": level})
+        np.testing.assert_allclose(runtime.model.tip_pose(np.asarray(seen.joint_positions)), seen.gripper_pose, atol=1e-6)
+        np.testing.assert_array_equal(seen.joint_positions, home.joint_positions)
+        tips.append(np.asarray(seen.gripper_pose))
+    moved = [np.linalg.norm(tip[:3] - np.asarray(home.gripper_pose)[:3]) for tip in tips]
+    assert 0.0 < moved[0] < moved[1] < moved[2] < 0.15
+    demo = drawer.try_demo(seed=3).demo
+    assert demo is not None
+    state = drawer.get_state()
+    start(drawer, "")
+    assert runtime.model is own
+    np.testing.assert_array_equal(drawer.get_observation().gripper_pose, home.gripper_pose)
+    drawer.reset_to_demo(demo)
+    assert replay_succeeds(drawer, demo)
+    np.testing.assert_allclose(drawer.set_state(state).gripper_pose, demo[-1].gripper_pose, atol=1e-6)
 
 
 @pytest.mark.simulation
