@@ -8,7 +8,6 @@ from itertools import chain
 
 from rlbench_pin.baselines.classical.recipes import TASKS as CLASSICAL_TASKS
 from rlbench_pin.evaluation import task_set
-from rlbench_pin.tasks import library_names
 
 Command = tuple[str, ...]
 """Words behind `rlbench-pin`; `{out}` stands for the folder of the run, `{jobs}` for the number of workers."""
@@ -73,14 +72,11 @@ def cloned() -> dict[str, Row]:
 
 
 def keyed() -> dict[str, Row]:
-    """Return key-frame cloning of the tasks of PerAct that are built, from 20 and from 100 demonstrations."""
-    found = {}
-    for demos, steps, episodes in (("20", "750", 10), ("100", "1500", 25)):
-        name = f"key_frames_{demos}"
-        training = trained("key-frames", "data", name, key_frame_tasks(), "--demos", demos, "--steps", steps)
-        policy = f"key_frames?folder={{out}}/models/{name}"
-        found[name] = evaluated(name, policy, key_frame_tasks(), episodes, before=(stored(), training))
-    return found
+    """Return key-frame cloning of the 18 tasks of PerAct from 100 demonstrations of each, by the protocol."""
+    training = trained("key-frames", "data", "key_frames", task_set("PERACT18").tasks)
+    policy = "key_frames?folder={out}/models/key_frames"
+    play = ("evaluate", policy, "--protocol", "peract18", "--workers", "{jobs}", "--out", "{out}/key_frames.json")
+    return {"key_frames": Row({"key_frames": "key_frames.json"}, play, (stored(), training))}
 
 
 def by_trial() -> dict[str, Row]:
@@ -107,14 +103,9 @@ def few_shot() -> dict[str, Row]:
     return found
 
 
-def key_frame_tasks() -> tuple[str, ...]:
-    """Return the tasks of PerAct that are built."""
-    return tuple(task for task in task_set("PERACT18").tasks if task in library_names())
-
-
 def stored() -> Stage:
     """Return the command that records 100 demonstrations without images of each task that is cloned."""
-    tasks = sorted({*CLONED, *key_frame_tasks()})
+    tasks = sorted({*CLONED, *task_set("PERACT18").tasks})
     return (("record", *tasks, "--episodes", "100", "--products", "--workers", "{jobs}", "--out", "{out}/data"),)
 
 
