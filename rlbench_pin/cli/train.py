@@ -123,7 +123,7 @@ class Cloning(FromDemonstrations):
 
 @dataclass(frozen=True)
 class KeyFrames(FromDemonstrations):
-    """Learn tip poses from recorded demonstrations, from point clouds of five cameras."""
+    """Learn tip poses from recorded demonstrations, from point clouds of four cameras."""
 
     def run(self) -> int:
         """Train."""

@@ -1,4 +1,4 @@
-"""Training examples of the key-frame baseline: key frames of demonstrations, and point clouds from five cameras."""
+"""Training examples of the key-frame baseline: key frames of demonstrations, and point clouds from four cameras."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from rlbench_pin.environment import (
     key_frame_actions,
 )
 from rlbench_pin.errors import DatasetError
-from rlbench_pin.observation import CAMERAS, Demo, Observation
+from rlbench_pin.observation import Demo, Observation
 from rlbench_pin.robot import RobotModel, robot_description
 from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray, matrix_to_pose, pose_to_matrix
 
@@ -95,8 +95,10 @@ FLAT = 0.003
 """What is less high over the table counts as table [m]."""
 TABLE_SHARE = 0.1
 """Points of the table that are kept, as a share of the others."""
-IMAGE_SIZE = (256, 256)
-"""Width and height of the images [px]."""
+CAMERAS = ("front", "left_shoulder", "right_shoulder", "wrist")
+"""Cameras of the protocol PerAct-18."""
+IMAGE_SIZE = (128, 128)
+"""Width and height of the images [px], as in PerAct-18."""
 
 
 @dataclass(frozen=True)
@@ -117,16 +119,17 @@ class Cloud:
 
 
 def cloud_config() -> ObservationConfig:
-    """Return what has to be observed for a cloud: colours and points of the five cameras, joints, gripper and tip."""
+    """Return what has to be observed for a cloud: colours and points of the four cameras, joints, gripper and tip."""
     config = image_config(IMAGE_SIZE, CAMERAS, depth=False, mask=False)
     switch_cameras(config, True)
     return config
 
 
 def switch_cameras(config: ObservationConfig, on: bool) -> None:
-    """Ask for colours and points of the five cameras, or for no image at all."""
+    """Ask for colours and points of the four cameras, or for no image at all."""
     config.set_all_high_dim(False)
-    for camera in config.cameras().values():
+    for name in CAMERAS:
+        camera = config.cameras()[name]
         camera.rgb = camera.point_cloud = on
 
 
