@@ -1,0 +1,112 @@
+"""Write docs/results/factors.md: what factors of generalisation cost a policy.
+
+`python scripts/write_factor_results.py FILE...` takes the profiles of results files into docs/results/factors.json, in place of
+earlier ones of the same policy, and writes the page. Several files of one policy, each with other factors, make one table.
+Without files it writes the page from factors.json.
+With `--check` nothing is written; it only says whether the page is out of date.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from reference_lib.docs import table
+
+from rlbench_pin.evaluation import read_results
+from rlbench_pin.evaluation.results.profile import factor_profile
+
+RESULTS = Path(__file__).resolve().parents[1] / "docs" / "results"
+DATA, PAGE = RESULTS / "factors.json", RESULTS / "factors.md"
+LOW = 0.9
+"""Tasks whose success is below this share are named."""
+HEAD = """# Factors of generalisation: results
+
+Success with each [factor](../factors.md) alone, and the paired difference to the same episodes without it.
+Both are means over tasks, with intervals of 95 %.
+Written by `python scripts/write_factor_results.py FILE...` from results files.
+"""
+
+
+def stored() -> list[dict[str, Any]]:
+    """Return the entries of factors.json."""
+    found: list[dict[str, Any]] = json.loads(DATA.read_text(encoding="utf-8")) if DATA.is_file() else []
+    return found
+
+
+def entry_of(path: Path) -> dict[str, Any]:
+    """Return the entry of a results file."""
+    results = read_results(path)
+    profile = factor_profile(results)
+    name = results.policy.partition("?")[0]
+    low = {
+        row.setting: {t.task: f"{t.success.count} of {t.success.of}" for t in row.summary.tasks if t.success.value < LOW}
+        for row in profile.rows
+    }
+    head = {"policy": name, "commit": results.commit, "results_sha256": results.sha256, "tasks": len(results.tasks)}
+    return {**head, "episodes": profile.base.episodes, **profile.as_dict(), "low": low}
+
+
+def joined(entries: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return one entry for each policy, with the factors of all."""
+    found: dict[str, dict[str, Any]] = {}
+    for entry in entries:
+        first = found.setdefault(entry["policy"], entry)
+        if first is not entry:
+            if first["none"] != entry["none"]:
+                raise SystemExit(f"The files of '{entry['policy']}' differ without factors: they are of other episodes.")
+            first["factors"] += entry["factors"]
+            first["low"] |= entry["low"]
+    return list(found.values())
+
+
+def page(entries: list[dict[str, Any]]) -> str:
+    """Return the page as Markdown."""
+    return "\n".join([HEAD, *map(_section, entries)])
+
+
+def _section(entry: dict[str, Any]) -> str:
+    rows = [("none", str(entry["tasks"]), str(entry["episodes"]), _rate(entry["none"]), "", "")]
+    for row in entry["factors"]:
+        low = ", ".join(f"`{task}` {count}" for task, count in entry["low"][row["factors"]].items())
+        difference = f"{100 * row['difference']['value']:+.1f} ({_span(row['difference'])})"
+        rows.append((f"`{row['factors']}`", str(row["tasks"]), str(row["episodes"]), _rate(row["success"]), difference, low))
+    head = ("Factor", "Tasks", "Episodes", "Success [%]", "Difference", f"Tasks below {100 * LOW:.0f} %")
+    text = f"At commit `{entry['commit'][:8]}`. Factors in the training data: {entry['trained_on'] or 'not stated'}."
+    return f"## {entry['policy']}\n\n{text}\n\n{table(head, rows, 'lrrrrl')}\n"
+
+
+def _rate(estimate: dict[str, Any]) -> str:
+    return f"{100 * estimate['value']:.1f} ({_span(estimate)})"
+
+
+def _span(estimate: dict[str, Any]) -> str:
+    low, high = estimate["interval_95"]
+    return f"{100 * low:.1f} to {100 * high:.1f}"
+
+
+def main() -> int:
+    """Take files in, write the page, or check it."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("files", nargs="*", type=Path, metavar="FILE", help="results files of evaluations with factors")
+    parser.add_argument("--check", action="store_true", help="change nothing; exit 1 when the page is out of date")
+    arguments = parser.parse_args()
+    made = joined([entry_of(path) for path in arguments.files])
+    names = {entry["policy"] for entry in made}
+    kept = [entry for entry in stored() if entry["policy"] not in names]
+    entries = sorted([*kept, *made], key=lambda entry: entry["policy"])
+    text = page(entries)
+    if arguments.check:
+        return int(not PAGE.is_file() or PAGE.read_text(encoding="utf-8") != text)
+    DATA.write_text(json.dumps(entries, indent=1) + "\n", encoding="utf-8")
+    PAGE.write_text(text, encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
