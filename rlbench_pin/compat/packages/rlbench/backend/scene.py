@@ -361,13 +361,13 @@ class Scene:
         if not self._runtime.task.get_waypoints():
             raise NoWaypointsError(f"Task '{task.get_name()}' has no waypoints, so it cannot be demonstrated.", task)
         frames: list[Observation] = []
-        outcome = demos.play_demo(
+        player = demos.DemoPlayer(
             self._runtime,
-            self._origin,
             record=record or callable_each_step is not None,
             record_gripper=self._obs_config.record_gripper_closing,
             on_frame=lambda frame: self._keep_frame(frame, frames, record, callable_each_step),
         )
+        outcome = demos.play_demo(self._runtime, self._origin, player)
         if outcome.demo is None:
             raise DemoError(f"Task '{task.get_name()}' was not demonstrated: {outcome.cause}", task)
         self.remember_start(outcome.demo)
