@@ -136,7 +136,7 @@ class DemoPlayer:
             self._succeeded = False
             for waypoint, rest, angles in self._segments(task.get_waypoints()[self._first :]):
                 if waypoint.index not in self.omit.waypoints:
-                    self._run_segment(waypoint, rest, angles)
+                    self.run_segment(waypoint, rest, angles)
             self._first = 0
             repeat = task.should_repeat_waypoints()
             if self._succeeded or not repeat:
@@ -161,11 +161,18 @@ class DemoPlayer:
                 yield waypoint, group[number:], angles
                 angles = [self._planner.angle]
 
-    def _run_segment(self, waypoint: Waypoint, rest: Sequence[Waypoint], angles: Sequence[float]) -> None:
+    def run_segment(self, waypoint: Waypoint, rest: Sequence[Waypoint], angles: Sequence[float]) -> None:
+        """Plan and run the motion to a waypoint, move the fingers as it says, and call its end hook.
+
+        Args:
+            waypoint: The waypoint.
+            rest: The waypoints after it in its group.
+            angles: Grasp angles to try, best first [rad].
+        """
         self._succeeded = False
-        self._move(waypoint, rest, self._plan(waypoint, rest, angles))
+        self.move(waypoint, rest, self._plan(waypoint, rest, angles))
         if waypoint.gripper is not None and (waypoint.releases or not self.omit.grasps):
-            self._operate_gripper(waypoint)
+            self.operate_gripper(waypoint)
         waypoint.run_end_hook()
 
     def _plan(self, waypoint: Waypoint, rest: Sequence[Waypoint], angles: Sequence[float]) -> Plan:
@@ -177,14 +184,15 @@ class DemoPlayer:
         self.runtime.listeners.segment(waypoint, plan)
         self._ignores_collisions = waypoint.ignore_collisions
         if len(self.frames) == 1:
-            self._flag(self.frames[0])
+            self.flag(self.frames[0])
         return plan
 
-    def _move(self, waypoint: Waypoint, rest: Sequence[Waypoint], plan: Plan) -> None:
+    def move(self, waypoint: Waypoint, rest: Sequence[Waypoint], plan: Plan) -> None:
         """Move to a waypoint as planned; `rest` are those after it in its group."""
         follow(self.runtime, plan.trajectory, on_tick=self._arm_tick, compliant=waypoint.compliant)
 
-    def _operate_gripper(self, waypoint: Waypoint) -> None:
+    def operate_gripper(self, waypoint: Waypoint) -> None:
+        """Move the fingers as a waypoint says."""
         self._move_fingers(waypoint.gripper_amount, release=waypoint.releases)
 
     def _move_fingers(self, amount: float, *, release: bool) -> None:
@@ -237,12 +245,12 @@ class DemoPlayer:
         observation = self.runtime.get_observation()
         if self.frames:
             observation.misc["joint_position_action"] = np.append(self._target, self._amount)
-            self._flag(observation)
+            self.flag(observation)
         self.frames.append(observation)
         if self.on_frame is not None:
             self.on_frame(observation)
 
-    def _flag(self, observation: Observation) -> None:
+    def flag(self, observation: Observation) -> None:
         """Note on a frame how its segment was planned; the first frame belongs to the first segment."""
         if self.runtime.observer.config.record_ignore_collisions:
             observation.ignore_collisions = self._ignores_collisions

@@ -169,12 +169,13 @@ class _Ahead(DemoPlayer):
                 self._planner.grasp = None if waypoint.releases else waypoint
         return super().play()
 
-    def _run_segment(self, waypoint: Waypoint, rest: Sequence[Waypoint], angles: Sequence[float]) -> None:
+    def run_segment(self, waypoint: Waypoint, rest: Sequence[Waypoint], angles: Sequence[float]) -> None:
+        """Bring the fingers to where they should be first, and note what comes next afterwards."""
         if len(self.moments) == 1:
             self._finish_gripper_action()
         if waypoint.index < self.moments[-1].position:
             self._round += 1
-        super()._run_segment(waypoint, rest, angles)
+        super().run_segment(waypoint, rest, angles)
         self.moments[-1].position = waypoint.index + 1
 
     def _finish_gripper_action(self) -> None:

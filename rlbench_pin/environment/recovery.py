@@ -93,12 +93,14 @@ class DisturbedPlayer(DemoPlayer):
             raise DemoError(f"No moment was found for {' or '.join(self._order)}.", self.runtime.task)
         return frames
 
-    def _flag(self, observation: Observation) -> None:
-        super()._flag(observation)
+    def flag(self, observation: Observation) -> None:
+        """Note on a frame what goes on."""
+        super().flag(observation)
         observation.misc |= {PHASE: self._phase, INTERVENTION: self._phase == RECOVERY}
 
-    def _operate_gripper(self, waypoint: Waypoint) -> None:
-        super()._operate_gripper(waypoint)
+    def operate_gripper(self, waypoint: Waypoint) -> None:
+        """Move the fingers as a waypoint says, and remember the grasp."""
+        super().operate_gripper(waypoint)
         self._grasp = None if waypoint.releases else waypoint
         self._has_gripped = self._grips
 
@@ -124,10 +126,11 @@ class DisturbedPlayer(DemoPlayer):
                 return None  # something will be gripped later
         return None
 
-    def _move(self, waypoint: Waypoint, rest: Sequence[Waypoint], plan: Plan) -> None:
+    def move(self, waypoint: Waypoint, rest: Sequence[Waypoint], plan: Plan) -> None:
+        """Move to a waypoint as planned, or only a part of the way and then from where the disturbance leads to."""
         kind, self._has_gripped = self._due(waypoint), False
         if kind is None:
-            super()._move(waypoint, rest, plan)
+            super().move(waypoint, rest, plan)
             return
         runtime, gripped = self.runtime, self._grips
         self.happened = kind
@@ -193,9 +196,9 @@ class DisturbedPlayer(DemoPlayer):
         between = [w for w in waypoints if first <= w.index < waypoint.index]
         for again, following, angles in self._segments([*between, waypoint, *rest]):
             if again is waypoint:
-                super()._move(again, following, self._plan(again, following, angles))
+                super().move(again, following, self._plan(again, following, angles))
                 return
-            self._run_segment(again, following, angles)
+            self.run_segment(again, following, angles)
 
     def _continue(self, waypoint: Waypoint, rest: Sequence[Waypoint], plan: Plan, seconds: float, before: FloatArray) -> None:
         """Plan again to a waypoint from where the arm is.
@@ -210,7 +213,7 @@ class DisturbedPlayer(DemoPlayer):
         angles = [self._planner.angle]
         if waypoint.path == "plan":
             try:
-                super()._move(waypoint, rest, self._plan(waypoint, rest, angles))
+                super().move(waypoint, rest, self._plan(waypoint, rest, angles))
                 return
             except PlanningError:
                 pass  # from where the arm was it was possible
@@ -224,4 +227,4 @@ class DisturbedPlayer(DemoPlayer):
             onward = planner.plan_curve(self.runtime.measured_start, poses, ignore_collisions=True, rng=rng)
         else:
             onward = self._plan(waypoint, rest, angles)
-        super()._move(waypoint, rest, onward)
+        super().move(waypoint, rest, onward)
