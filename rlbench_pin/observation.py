@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import InitVar, dataclass, field, fields
 from types import MappingProxyType
-from typing import Any, overload
+from typing import Any, Literal, get_args, overload
 
 import numpy as np
 
@@ -101,8 +101,12 @@ class Observation(OptionalFields):
 
 PHASE, INTERVENTION = "phase", "intervention"
 """Keys of `misc` in recovery demonstrations."""
+Disturbance = Literal["push", "slip", "stop"]
+"""`push`: the gripper is moved aside; `slip`: the fingers let go of what they hold; `stop`: the arm stops on its way."""
+DISTURBANCES: tuple[Disturbance, ...] = get_args(Disturbance)
+"""Phases in which the demonstration is disturbed."""
 TASK, RECOVERY = "task", "recovery"
-"""Phases beside the names of disturbances."""
+"""The other phases."""
 FIELDS: tuple[str, ...] = tuple(f.name for f in fields(Observation) if f.name != "misc")
 """The declared fields of observations, images first, without `misc`."""
 

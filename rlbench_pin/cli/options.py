@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, get_type_hin
 import tyro
 
 from rlbench_pin.errors import TaskEnvironmentError
-from rlbench_pin.observation import CAMERAS, PRODUCTS
+from rlbench_pin.observation import CAMERAS, PRODUCTS, Disturbance
 
 if TYPE_CHECKING:
     from rlbench_pin.processes import Engine
@@ -33,8 +33,7 @@ AnyTasks = Annotated[tuple[str, ...], tyro.conf.arg(metavar="[TASK...]", help_be
 SomeTasks = Annotated[tuple[str, ...], tyro.conf.arg(metavar="TASK...", help_behavior_hint="(required)")]
 """Tasks as required arguments; the command reports missing ones."""
 Disturbances = Annotated[
-    tuple[Literal["push", "slip", "stop"], ...],
-    tyro.conf.arg(metavar="{push,slip,stop}...", help_behavior_hint="(default: none)"),
+    tuple[Disturbance, ...], tyro.conf.arg(metavar="{push,slip,stop}...", help_behavior_hint="(default: none)")
 ]
 """Disturbances of recovery demonstrations."""
 RobotName = Annotated[str, tyro.conf.arg(metavar="ARM")]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from rlbench_pin.errors import DatasetError, DemoError
-from rlbench_pin.observation import PHASE, RECOVERY, TASK, Observation
+from rlbench_pin.observation import DISTURBANCES, PHASE, Observation
 from rlbench_pin.values import as_number, as_record, as_whole
 
 
@@ -21,8 +21,8 @@ def key_frames(demo: Sequence[Observation], *, max_speed: float = 0.1, frames_be
     * the arm has stopped there. Frame i is a stop when no joint is faster than `max_speed`, `gripper_open` is the same in the
       frames i - 2 to i + 1, it is none of the last two frames, and none of the `frames_between_stops` frames before is a stop.
 
-    Where the last two key frames follow each other directly, the earlier of them is left out. Frames in which a disturbance
-    happens are none: nobody wants to learn them.
+    Where the last two key frames follow each other directly, the earlier of them is left out. Frames of a
+    disturbance are no key frames: agents should not learn to reach them.
 
     As in those programs, the frames before the first are the last ones (frame -1 is the last frame), and the first frame can be
     a stop that keeps those after it from being one, although it is never a key frame.
@@ -45,7 +45,7 @@ def key_frames(demo: Sequence[Observation], *, max_speed: float = 0.1, frames_be
     stops = _stops(resting, opening, frames_between_stops)
     last = len(demo) - 1
     found = [i for i in range(1, len(demo)) if opening[i] != opening[i - 1] or i == last or i in stops]
-    found = [i for i in found if demo[i].misc.get(PHASE, TASK) in (TASK, RECOVERY)]
+    found = [i for i in found if demo[i].misc.get(PHASE) not in DISTURBANCES]
     if len(found) > 1 and found[-2] == last - 1:
         del found[-2]
     return found

@@ -284,17 +284,16 @@ class LiveDemoFailed(DemoError, RuntimeError):
 
 
 def play_demo(
-    runtime: Runtime,
     origin: EpisodeOrigin,
     player: DemoPlayer,
 ) -> DemoOutcome:
     """Play the demonstration of the episode that has just started, with or without success.
 
     Args:
-        runtime: The runtime, at the start of the episode.
         origin: Where the episode came from.
         player: Plays it.
     """
+    runtime = player.runtime
     state, began = runtime.world.arrays(exact=False), runtime.world.time
     cause, waypoint = try_play(player)
     demo = None

@@ -35,14 +35,14 @@ from rlbench_pin.values import as_record
 SAME = 2e-3
 """A state is one that was foreseen when joints, fingers and objects differ by less than this [rad, m]."""
 MOST_TRIES = 8
-"""Waypoints from which the rest of a demonstration is tried."""
+"""Waypoints from which the remainder of a demonstration is tried."""
 
 
 def expert_action(task_environment: TaskEnvironment, action_mode: ActionMode | None = None) -> FloatArray:
     """Return the action of the planner in the present state of an episode.
 
-    The rest of a demonstration is planned from the measured state and simulated ahead, until one is found that reaches the goal.
-    Its first action is returned, and the world is as before. As long as the episode goes as foreseen, nothing is planned anew.
+    The remainder of a demonstration is planned from the measured state and simulated ahead, until one reaches the goal. Its first
+    action is returned, and the world is as before. As long as the episode goes as foreseen, nothing is planned anew.
 
     Args:
         task_environment: The running task, in any state of an episode.
@@ -55,7 +55,7 @@ def expert_action(task_environment: TaskEnvironment, action_mode: ActionMode | N
         next key frame, and a last number says whether collisions are ignored.
 
     Raises:
-        DemoError: No rest of a demonstration reaches the goal from here.
+        DemoError: No remainder of a demonstration reaches the goal from here.
         InvalidArgument: The action mode is none of those.
         NotReset: Before the first reset.
     """
@@ -83,7 +83,7 @@ class Moment:
 
 @dataclass
 class Foresight:
-    """The foreseen rest of an episode."""
+    """The foreseen remainder of an episode."""
 
     episode: EpisodeOrigin | None = None
     """The episode that it belongs to."""
@@ -101,15 +101,22 @@ class Foresight:
         if self.episode is not episode:
             self.episode, self.moments, self.time = episode, [], 0.0
         state = _state(runtime)
-        time = runtime.world.time
-        away = [float(np.abs(moment.state - state).max()) for moment in self.moments]
-        known = 1 if len(away) > 1 and time > self.time and away[1] < SAME else int(np.argmin(away)) if away else 0
-        if known + 1 < len(away) and away[known] < SAME:
-            del self.moments[:known]
-        else:
+        known = self._present(runtime, state)
+        if known is None:
             self.moments = self._found(runtime, state)
-        self.time = time
+        else:
+            del self.moments[:known]
+        self.time = runtime.world.time
         return [moment.observation for moment in self.moments]
+
+    def _present(self, runtime: Runtime, state: FloatArray) -> int | None:
+        """Return the place of the foreseen moment that is now; None where there is none, or it is the last."""
+        if len(self.moments) < 2:
+            return None
+        away = np.array([np.abs(moment.state - state).max() for moment in self.moments])
+        went_on = runtime.world.time > self.time and away[1] < SAME
+        nearest = 1 if went_on else int(away.argmin())
+        return nearest if away[nearest] < SAME and nearest + 1 < len(away) else None
 
     def _found(self, runtime: Runtime, state: FloatArray) -> list[Moment]:
         causes = []
@@ -124,7 +131,7 @@ class Foresight:
             if not cause:
                 return player.moments
             causes.append(f"from waypoint {position}: {cause}")
-        raise DemoError(f"No rest of a demonstration reaches the goal from here ({'; '.join(causes)}).", runtime.task)
+        raise DemoError(f"No remainder of a demonstration reaches the goal from here ({'; '.join(causes)}).", runtime.task)
 
     def _likeliest(self, runtime: Runtime, state: FloatArray) -> tuple[int, int]:
         """Return the round, and the place in the list of the waypoint to go on with."""
@@ -150,7 +157,7 @@ def _opening_before(waypoints: Sequence[Waypoint], position: int) -> float:
 
 
 class _Ahead(DemoPlayer):
-    """Plays the rest of a demonstration from a waypoint on, and keeps its moments."""
+    """Plays the remainder of a demonstration from a waypoint on, and keeps its moments."""
 
     def __init__(self, runtime: Runtime, round_: int, position: int, *, goes_back: bool) -> None:
         super().__init__(runtime)

@@ -1,25 +1,21 @@
-"""Recovery demonstrations: something goes wrong at a random moment, and the planner continues from the measured state."""
+"""Recovery demonstrations: a disturbance at a random moment, and the planner continues from the measured state."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Literal, get_args
 
 import numpy as np
 
 from rlbench_pin.environment.demos import DemoPlayer
 from rlbench_pin.environment.runtime import Runtime, follow
 from rlbench_pin.errors import DemoError, InvalidArgument, PlanningError
-from rlbench_pin.observation import INTERVENTION, PHASE, RECOVERY, TASK, Observation
+from rlbench_pin.observation import DISTURBANCES, INTERVENTION, PHASE, RECOVERY, TASK, Disturbance, Observation
 from rlbench_pin.planning.kinematics import descend
 from rlbench_pin.planning.plan import Plan
 from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray, pose_to_se3
 from rlbench_pin.tasks import Waypoint
 from rlbench_pin.values import as_names
 
-Disturbance = Literal["push", "slip", "stop"]
-"""`push`: the gripper is moved aside; `slip`: the fingers let go of what they hold; `stop`: the arm stops on its way."""
-DISTURBANCES: tuple[Disturbance, ...] = get_args(Disturbance)
 PUSH = 0.03
 """Distance by which a push moves the gripper [m]."""
 _PUSH_TICKS, _STOP_TICKS = 6, 4
@@ -156,7 +152,7 @@ class DisturbedPlayer(DemoPlayer):
         self._phase = TASK
 
     def _push(self) -> None:
-        """Move the tip aside, whatever is in its way, as far as the motors are able to."""
+        """Move the tip aside as far as the motors are able to, obstacles or not."""
         robot, direction = self.runtime.robot, self._rng.normal(size=3)
         target = robot.tip_pose()
         step = PUSH * direction / np.linalg.norm(direction)

@@ -187,17 +187,18 @@ class Runtime:
         """
         own = np.array(self.description.base_pose)
         wanted = own if base is None else base
-        if not np.array_equal(wanted, self._base):
-            self._base = wanted
-            if np.array_equal(wanted, own):
-                self.model, self.planner = self._built
-            else:
-                self.model = RobotModel(self.description, wanted)
-                self.planner = MotionPlanner(self.model, self.planner.config)
-                self.planner.listeners = self._built[1].listeners
-            self.observer.use_model(self.model)
-            self._kept.clear()
-        self.robot.place_base(self._base)
+        if np.array_equal(wanted, self._base):
+            return
+        self._base = wanted
+        if np.array_equal(wanted, own):
+            self.model, self.planner = self._built
+        else:
+            self.model = RobotModel(self.description, wanted)
+            self.planner = MotionPlanner(self.model, self.planner.config)
+            self.planner.listeners = self._built[1].listeners
+        self.observer.use_model(self.model)
+        self._kept.clear()
+        self.robot.place_base(wanted)
 
     def begin(self, variation: int, planning: np.random.Generator, noise: np.random.Generator) -> None:
         """Take over what an episode is given.
@@ -558,14 +559,12 @@ def success_is_stable(runtime: Runtime) -> bool:
 
     Afterwards everything is as it was (measured torques from the next tick on); observers and callbacks notice nothing.
     """
-    before, task = runtime.save(), runtime.task
-    reached = bool(task.success()[0])
-    if reached:
-        runtime.hold()
-        runtime.gripper.hold()
-        for _ in range(round(_STABLE_SECONDS / runtime.world.control_dt)):
-            runtime.world.step()
-            task.step()
-        reached = bool(task.success()[0])
-    runtime.restore(before)
+    with runtime.ahead():
+        reached = bool(runtime.task.success()[0])
+        if reached:
+            runtime.hold()
+            runtime.gripper.hold()
+            for _ in range(round(_STABLE_SECONDS / runtime.world.control_dt)):
+                runtime.step()
+            reached = bool(runtime.task.success()[0])
     return reached

@@ -17,12 +17,12 @@ from rlbench_pin.environment.episode import MAX_DEMOS, EnvironmentState, Episode
 from rlbench_pin.environment.factors import FactorRandomizer, FactorSetting, FactorsLike
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.randomization.randomizer import WorldChanges
-from rlbench_pin.environment.recovery import Disturbance, DisturbedPlayer, as_disturbances
+from rlbench_pin.environment.recovery import DisturbedPlayer, as_disturbances
 from rlbench_pin.environment.reset import start_episode
 from rlbench_pin.environment.runtime import RefusedOpening, Runtime, success_is_stable
 from rlbench_pin.environment.stored import StoredSelection, read_stored_demos
 from rlbench_pin.errors import InvalidArgument, NotReset, TaskEnvironmentError, UsedByTwoThreads
-from rlbench_pin.observation import Demo, Observation
+from rlbench_pin.observation import Demo, Disturbance, Observation
 from rlbench_pin.sim import World
 from rlbench_pin.tasks import Task
 from rlbench_pin.values import LARGEST_SEED, as_flag, as_function, as_record, as_whole, names_arguments
@@ -346,11 +346,11 @@ class TaskEnvironment:
         gripper = self._obs_config.record_gripper_closing
         with self._alone("try_demo"):
             options: dict[str, Any] = {"record": record, "record_gripper": gripper, "on_frame": on_frame}
-            if not kinds:
-                return demos.play_demo(self._runtime, episode, DemoPlayer(self._runtime, **options))
-            rng = EpisodeRandom.from_seed(episode.seed, episode.attempt).disturbance
-            player = DisturbedPlayer(self._runtime, kinds, rng, **options)
-            return demos.play_demo(self._runtime, episode, player)
+            player = DemoPlayer(self._runtime, **options)
+            if kinds:
+                rng = EpisodeRandom.from_seed(episode.seed, episode.attempt).disturbance
+                player = DisturbedPlayer(self._runtime, kinds, rng, **options)
+            return demos.play_demo(episode, player)
 
     def reset_to_demo(self, demo: Demo) -> tuple[list[str], Observation]:
         """Start as a demonstration did: its seed sets up the task, its snapshot the very state. Its factors are chosen as well.

@@ -19,9 +19,9 @@ from rlbench_pin.environment.episode import drawn_variations
 from rlbench_pin.environment.factors import FactorSetting
 from rlbench_pin.environment.observations.config import ObservationConfig, RenderMode
 from rlbench_pin.environment.presets import low_dim_config, make_environment
-from rlbench_pin.environment.recovery import Disturbance, as_disturbances
+from rlbench_pin.environment.recovery import as_disturbances
 from rlbench_pin.errors import EpisodeFileError, InvalidArgument, InvalidCamera, RlbenchPinError, TaskEnvironmentError
-from rlbench_pin.observation import CAMERAS, PRODUCTS
+from rlbench_pin.observation import CAMERAS, PRODUCTS, Disturbance
 from rlbench_pin.robot.description import DEFAULT_ROBOT, robot_description
 from rlbench_pin.sim import RENDERERS, RendererName
 from rlbench_pin.tasks import Task, find_task, task_digest

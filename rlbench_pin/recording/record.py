@@ -139,8 +139,7 @@ class Recorder:
         for robot in item.paired:
             task = self._load(item, robot)
             task.set_factors(item.factors)
-            seed, variation = item.seed, item.variation
-            outcome = task.try_demo(seed=seed, variation=variation, attempt=attempt, record=False, disturb=item.disturb)
+            outcome = task.try_demo(seed=item.seed, variation=item.variation, attempt=attempt, record=False, disturb=item.disturb)
             if not outcome.success:
                 failures.append(f"{robot}: {outcome.cause}")
                 return False

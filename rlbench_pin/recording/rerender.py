@@ -14,8 +14,9 @@ from rlbench_pin.datasets.layout import check_inside, checked_task_name, chosen_
 from rlbench_pin.datasets.manifest import is_whole, parse_json, short
 from rlbench_pin.datasets.storage import hold, remove_leftovers, write_whole
 from rlbench_pin.environment.factors import FactorSetting
-from rlbench_pin.environment.recovery import Disturbance, as_disturbances
+from rlbench_pin.environment.recovery import as_disturbances
 from rlbench_pin.errors import DatasetConflict, DatasetError, EpisodeFileError
+from rlbench_pin.observation import Disturbance
 from rlbench_pin.processes import Engine
 from rlbench_pin.recording.config import RECORDING, ImageConfig, WorkItem, read_recording
 from rlbench_pin.recording.record import OnProgress, RecordReport, check_work, run_items
@@ -48,6 +49,11 @@ class EpisodeSeed:
     disturb: tuple[Disturbance, ...] = ()
     """Disturbances of which one happens."""
 
+    def __post_init__(self) -> None:
+        """Raise InvalidArgument for factors or disturbances that do not exist."""
+        FactorSetting.of(self.factors)
+        object.__setattr__(self, "disturb", as_disturbances(self.disturb))
+
     def check(self) -> None:
         """Raise DatasetError or ValueError unless the task name and the numbers are valid, because paths are made of them."""
         checked_task_name(self.task)
@@ -55,8 +61,6 @@ class EpisodeSeed:
             if not is_whole(value := getattr(self, name)):
                 raise ValueError(f"{name}={short(value)} of '{self.task}' is not a number from 0 on")
         robot_description(self.robot)
-        FactorSetting.of(self.factors)
-        object.__setattr__(self, "disturb", as_disturbances(self.disturb))
 
 
 def seeds_of(root: Path, tasks: Sequence[str] = ()) -> list[EpisodeSeed]:
@@ -77,8 +81,13 @@ def seeds_of(root: Path, tasks: Sequence[str] = ()) -> list[EpisodeSeed]:
 def write_seeds(path: Path, seeds: Sequence[EpisodeSeed]) -> Path:
     """Write a list of seeds: about forty bytes an episode instead of megabytes."""
     seeds = [as_record(seed, EpisodeSeed, "an entry of seeds") for seed in as_several(seeds, "seeds")]
-    content = {"format": SEEDS_FORMAT, "version": VERSION, "episodes": [asdict(seed) for seed in seeds]}
+    content = {"format": SEEDS_FORMAT, "version": VERSION, "episodes": [_written(seed) for seed in seeds]}
     return write_whole(as_path(path, "path"), (json.dumps(content, indent=1) + "\n").encode())
+
+
+def _written(seed: EpisodeSeed) -> dict[str, Any]:
+    """Return a seed as a table; factors and disturbances only where there are some."""
+    return {key: value for key, value in asdict(seed).items() if value not in ("", ())}
 
 
 def read_seeds(path: Path) -> list[EpisodeSeed]:

@@ -123,7 +123,7 @@ def test_wrong_use_is_refused(lift: TaskEnvironment) -> None:
 
 @pytest.mark.simulation
 def test_a_hopeless_state_is_told(lift: TaskEnvironment) -> None:
-    """Where the object is out of reach, the error says from which waypoints the rest was tried."""
+    """Where the object is out of reach, the error names the waypoints that were tried."""
     lift.reset(seed=3)
     target = lift.world.body("target_block") if "target_block" in lift.world.bodies else next(iter(lift.world.bodies.values()))
     target.set_pose(np.array([2.0, 2.0, 0.1, 0.0, 0.0, 0.0, 1.0]))

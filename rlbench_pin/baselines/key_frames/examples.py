@@ -129,7 +129,7 @@ def switch_cameras(config: ObservationConfig, on: bool) -> None:
     """Ask for colours and points of the four cameras, or for no image at all."""
     config.set_all_high_dim(False)
     for name in CAMERAS:
-        camera = config.cameras()[name]
+        camera = config.camera(name)
         camera.rgb = camera.point_cloud = on
 
 

@@ -18,7 +18,7 @@ from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.errors import BoundaryError, TaskEnvironmentError
 from rlbench_pin.observation import CAMERAS
 from rlbench_pin.sim import Light, Lighting, World
-from rlbench_pin.spatial import FloatArray, compose, pose_at, pose_to_se3
+from rlbench_pin.spatial import compose, pose_at, pose_to_se3
 from rlbench_pin.tasks.placement import footprint
 from rlbench_pin.tasks.task import Wording
 
@@ -86,20 +86,6 @@ def draw_factors(runtime: Runtime, settings: ObservationConfig, setting: FactorS
             draw = Draw(runtime, settings, factor_rng(name, seed, attempt), catalogue[name].numbers(level))
             sample = FUNCTIONS[name](draw, sample)
     return sample
-
-
-def draw_base(runtime: Runtime, setting: FactorSetting, seed: int, attempt: int) -> FloatArray | None:
-    """Return the pose of the arm's base in an episode (7,), or None where it stays; the episode is laid out for it."""
-    level = dict(setting.levels).get(BASE)
-    if level is None:
-        return None
-    numbers = factor_catalogue()[BASE].numbers(level)
-    return _base_pose(Draw(runtime, ObservationConfig(), factor_rng(BASE, seed, attempt), numbers))
-
-
-def _base_pose(draw: Draw) -> FloatArray:
-    x, y, turn = draw.either_side("shift"), draw.either_side("shift"), draw.either_side("angle")
-    return compose(draw.runtime.description.base_pose, pose_at((x, y, 0.0), yaw=turn))
 
 
 def factor_rng(name: str, seed: int, attempt: int) -> np.random.Generator:
@@ -289,7 +275,8 @@ def _start_configuration(draw: Draw, sample: Sample) -> Sample:
 
 
 def _arm_base(draw: Draw, sample: Sample) -> Sample:
-    return replace(sample, base=_base_pose(draw))
+    x, y, turn = draw.either_side("shift"), draw.either_side("shift"), draw.either_side("angle")
+    return replace(sample, base=compose(draw.runtime.description.base_pose, pose_at((x, y, 0.0), yaw=turn)))
 
 
 def _action_latency(draw: Draw, sample: Sample) -> Sample:

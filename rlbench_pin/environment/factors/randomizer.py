@@ -7,7 +7,7 @@ import numpy as np
 from rlbench_pin.environment.episode import EpisodeRandom
 from rlbench_pin.environment.factors.catalogue import FactorSetting
 from rlbench_pin.environment.factors.distractors import add_distractors
-from rlbench_pin.environment.factors.draw import OTHER, PLACES, draw_base, draw_factors, other_instructions
+from rlbench_pin.environment.factors.draw import BASE, OTHER, PLACES, draw_factors, other_instructions
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.randomization.randomizer import WorldChanges
 from rlbench_pin.environment.runtime import Runtime
@@ -44,14 +44,14 @@ class FactorRandomizer(WorldChanges):
     def prepare_episode(self, variation: int, seed: int, attempt: int) -> None:
         """Bring the world back to how it was built, and find the words of another variation where they are wanted."""
         self.remove()
-        self._runtime.place_arm(draw_base(self._runtime, self.setting, seed, attempt))
+        base = FactorSetting(tuple((name, level) for name, level in self.setting.levels if name == BASE))
+        self._runtime.place_arm(draw_factors(self._runtime, self._config, base, seed, attempt).base)
         if OTHER in dict(self.setting.levels):
             self._other = other_instructions(self._runtime, variation, seed, attempt)
 
     def begin_episode(self, variation: int, random: EpisodeRandom, seed: int, attempt: int) -> None:
         """Change the world, the arm and the instructions at the start of an episode."""
         sample = draw_factors(self._runtime, self._config, self.setting, seed, attempt)
-        self._runtime.place_arm(sample.base)
         if sample.distractors:
             add_distractors(self._runtime, sample.distractors, sample.distractor_seed)
         if sample.start is not None:

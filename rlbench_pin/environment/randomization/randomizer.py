@@ -52,8 +52,9 @@ class WorldChanges:
 
     def apply(self, sample: RandomizationSample | None) -> None:
         """Apply a sample to the world; None restores the world as it was built."""
-        self.remove()
+        self._clear()
         self.current = sample
+        self._runtime.place_arm(None if sample is None else sample.base)
         if sample is None:
             return
         self._runtime.observer.appearance = Appearance(
@@ -64,7 +65,6 @@ class WorldChanges:
         for name, (mass, friction, damping) in sample.dynamics.items():
             if name in world.bodies or name in world.room:
                 world.dynamics_overrides.scale(world.body(name).model, mass=mass, friction=friction, damping=damping)
-        self._runtime.place_arm(sample.base)
         world.dynamics_overrides.scale_gains(sample.gains)
         world.delay_commands(sample.latency, sample.loss, sample.loss_seed)
 
@@ -85,11 +85,15 @@ class WorldChanges:
 
     def remove(self) -> None:
         """Bring back the world as it was built; the present sample is remembered."""
+        self._clear()
+        self._runtime.place_arm()
+
+    def _clear(self) -> None:
+        """Undo all changes but the place of the arm."""
         world = self._runtime.world
         world.texture_overrides.clear()
         world.dynamics_overrides.clear()
         world.delay_commands()
-        self._runtime.place_arm()
         self._runtime.observer.appearance = Appearance()
 
 

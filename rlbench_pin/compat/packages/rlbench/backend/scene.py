@@ -367,7 +367,7 @@ class Scene:
             record_gripper=self._obs_config.record_gripper_closing,
             on_frame=lambda frame: self._keep_frame(frame, frames, record, callable_each_step),
         )
-        outcome = demos.play_demo(self._runtime, self._origin, player)
+        outcome = demos.play_demo(self._origin, player)
         if outcome.demo is None:
             raise DemoError(f"Task '{task.get_name()}' was not demonstrated: {outcome.cause}", task)
         self.remember_start(outcome.demo)
