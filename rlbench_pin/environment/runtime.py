@@ -15,6 +15,7 @@ from rlbench_pin.control.compliant import CompliantFollowing
 from rlbench_pin.control.following import TrajectoryTracker
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.observations.observe import CameraPlaces, Cameras, Observer
+from rlbench_pin.environment.sizes import resized
 from rlbench_pin.errors import InvalidActionError, NoShapedReward
 from rlbench_pin.observation import Observation
 from rlbench_pin.planning.kinematics import JOINT_LIMIT_TOLERANCE
@@ -133,6 +134,8 @@ class RuntimeState:
     noise: Mapping[str, Any]
     planning: int
     """Seed of the generators of plans."""
+    build: int = 0
+    """How often the world had been built again, see `Runtime.resize`."""
 
 
 class Runtime:
@@ -146,6 +149,8 @@ class Runtime:
         task: The task that is running.
         model: Analytic model of the arm.
         planner: Motion planner over `model`.
+        sizes: Factor of the size of each body that has another than in the scene file; see `resize`.
+        build: How often the world was built again.
         listeners: Called for ticks, observations and segments; see `listening`.
         before_tick: Functions that `step` calls before each control tick, in order.
         after_tick: Functions that `step` calls after each control tick, in order: listeners, the step of the task, randomization,
@@ -163,22 +168,53 @@ class Runtime:
         attach_grasped_objects: bool = True,
         camera_places: CameraPlaces | None = None,
     ) -> None:
-        self.world, self.task, self.description, self.model, self.planner = world, task, robot, model, planner
-        self.robot, self.gripper = world.robot, world.gripper
-        self.observer = Observer(world, model, config, camera_places)
-        if not attach_grasped_objects:
-            self.gripper.rely_on_friction()
+        self.description, self.model, self.planner = robot, model, planner
+        self._config, self._camera_places, self._attaches = config, camera_places, attach_grasped_objects
+        self.sizes: Mapping[str, float] = {}
+        self.build = 0
+        self._use_world(world, task)
         self.variation = 0
         self._planning_seed = 0
         self.instructions: tuple[str, ...] = ()
         self.noise_rng = np.random.default_rng(0)
         self.listeners = Listeners()
         self.before_tick: list[TickFunction] = []
-        self.after_tick: list[TickFunction] = [lambda: task.step()]
+        self.after_tick: list[TickFunction] = [lambda: self.task.step()]
         self._callbacks: list[TickFunction] = []
         self._result: ActionResult | None = None
         self._kept: dict[object, Any] = {}
         self._base, self._built = np.array(robot.base_pose), (model, planner)
+
+    def _use_world(self, world: World, task: Task) -> None:
+        self.world, self.task, self.robot, self.gripper = world, task, world.robot, world.gripper
+        self.observer = Observer(world, self.model, self._config, self._camera_places)
+        if not self._attaches:
+            self.gripper.rely_on_friction()
+
+    def resize(self, sizes: Mapping[str, float]) -> None:
+        """Build world and task again with bodies of other sizes; nothing happens when they have these already.
+
+        `world`, `task`, `robot`, `gripper` and `observer` are new then, and the arm stands where its description says.
+
+        Args:
+            sizes: Factor of the size of each body; what is not named has that of the scene file.
+        """
+        if sizes == self.sizes:
+            return
+        scene = resized(task_scene(type(self.task)), sizes)
+        world = World(scene, self.description, renderer="egl" if self.world.client.hardware else "cpu")
+        try:
+            task = type(self.task)(world)
+            task.init_task()
+            world.end_building()
+        except BaseException:
+            world.close()
+            raise
+        self.place_arm()
+        self.world.close()
+        self._kept.clear()
+        self.sizes, self.build = dict(sizes), self.build + 1
+        self._use_world(world, task)
 
     def place_arm(self, base: FloatArray | None = None) -> None:
         """Put the base of the arm at a pose (7,) in the world; None puts it where its description says.
@@ -392,7 +428,7 @@ class Runtime:
     def save(self, *, portable: bool = False) -> RuntimeState:
         """Return the present state; only a `portable` one can be pickled."""
         world, task, noise = self.world.save(portable), self.task.state(), self.noise_rng.bit_generator.state
-        return RuntimeState(world, task, self.variation, self.instructions, noise, self._planning_seed)
+        return RuntimeState(world, task, self.variation, self.instructions, noise, self._planning_seed, self.build)
 
     def restore(self, state: RuntimeState) -> None:
         """Go back to `state`, exactly."""

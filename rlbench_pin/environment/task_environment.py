@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from copy import deepcopy
 from threading import RLock
 from typing import Any
 
@@ -164,6 +165,7 @@ class TaskEnvironment:
         changes = FactorRandomizer(self._runtime, self._obs_config, setting) if setting else None
         if self._changes is not None:
             self._changes.remove()
+            self._runtime.resize({})
         self._changes = changes
 
     def get_task_descriptions(self) -> list[str]:
@@ -259,9 +261,12 @@ class TaskEnvironment:
             return EnvironmentState(self._runtime.save(portable=True), episode, randomization)
 
     def set_state(self, state: EnvironmentState) -> Observation:
-        """Go back to a moment from `get_state` and observe it."""
+        """Go back to a moment from `get_state` and observe it. Its factors are chosen as well."""
         if not isinstance(state, EnvironmentState):
             raise InvalidArgument("state", state, "has to be a moment from `get_state()`")
+        self.set_factors(state.episode.factors)
+        if state.runtime.build != self._runtime.build:  # a copy does not depend on its world, which is gone
+            state = deepcopy(state)
         if (variation := state.unpickled_variation(self.get_name())) is not None:  # begun again, a task has the same objects
             self._start(state.episode.seed, state.episode.attempt, variation)
         with self._alone("set_state"):

@@ -43,7 +43,6 @@ from .protocols import ProtocolError as ProtocolError
 from .protocols import ProtocolFileError as ProtocolFileError
 from .protocols import ProtocolTask as ProtocolTask
 from .protocols import ProtocolTasksMissing as ProtocolTasksMissing
-from .protocols import ProtocolUnavailable as ProtocolUnavailable
 from .protocols import Split as Split
 from .protocols import load_protocol as load_protocol
 from .protocols import protocol_names as protocol_names

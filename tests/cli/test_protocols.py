@@ -31,7 +31,7 @@ def test_the_list(capsys: pytest.CaptureFixture[str]) -> None:
     ("words", "said"),
     [
         (("evaluate", "noop", "--protocol", "peract8"), "Did you mean 'peract18'?"),
-        (("evaluate", "noop", "--protocol", "colosseum"), "--factors all --level colosseum"),
+        (("evaluate", "noop", "--protocol", "colosseum", "--factors", "mass:1"), "`--factors mass:1` contradicts"),
         (("evaluate", "noop", "--protocol", "peract18", "--max-steps", "50"), "`--max-steps 50` contradicts"),
         (("evaluate", "noop", "--protocol", "peract18", "--tasks", "close_jar"), "`--tasks close_jar` contradicts"),
         (("evaluate", "noop", "--protocol", "peract18", "--tell-task"), "which has `--no-tell-task`"),

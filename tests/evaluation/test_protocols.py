@@ -19,6 +19,7 @@ from rlbench_pin.environment import (
     make_environment,
 )
 from rlbench_pin.environment.episode import EVALUATION_SEEDS
+from rlbench_pin.environment.factors import factor_catalogue
 from rlbench_pin.errors import InvalidValue, UnknownName
 from rlbench_pin.evaluation import (
     EvaluationConfig,
@@ -27,7 +28,6 @@ from rlbench_pin.evaluation import (
     ProtocolConflict,
     ProtocolFileError,
     ProtocolTasksMissing,
-    ProtocolUnavailable,
     evaluation_seed,
     load_protocol,
     plan_episodes,
@@ -50,7 +50,7 @@ def variations(protocol: Protocol) -> int:
 
 def test_the_published_protocols_are_complete() -> None:
     """Tasks, variations and episodes as published; tasks of sets as in the sets."""
-    assert protocol_names() == ("agnostos", "fs10", "fs25", "fs50", "fs95", "gembench", "peract18")
+    assert protocol_names() == ("agnostos", "colosseum", "fs10", "fs25", "fs50", "fs95", "gembench", "peract18")
     peract = load_protocol("peract18")
     assert (len(peract.task_names), variations(peract), peract.episodes) == (18, 249, 450)
     assert set(peract.task_names) == set(task_set("PERACT18").tasks)
@@ -59,6 +59,10 @@ def test_the_published_protocols_are_complete() -> None:
     gembench = load_protocol("gembench")
     assert {part: variations(gembench.of_part(part)) for part in gembench.parts} == LEVELS
     assert (len(gembench.task_names), gembench.episodes) == (44, 9200)
+    colosseum = load_protocol("colosseum")
+    ranges = {f"{name}:colosseum" for name, factor in factor_catalogue().items() if factor.colosseum is not None}
+    assert (len(colosseum.task_names), len(colosseum.factors), set(colosseum.factors)) == (20, 15, ranges)
+    assert {name for factor in factor_catalogue().values() for name in factor.by_task} <= set(colosseum.task_names)
     agnostos = load_protocol("agnostos")
     for name in ("agnostos", "fs10", "fs25", "fs50", "fs95"):
         protocol, contents = load_protocol(name), task_set("AGNOSTOS41" if name == "agnostos" else f"{name.upper()}_V1")
@@ -93,7 +97,6 @@ def test_variations_of_protocols_exist() -> None:
         ("peract8", UnknownName, "Did you mean 'peract18'?"),
         ("gembench:L5", UnknownName, "Known: L1, L2, L3, L4"),
         ("peract18:L1", UnknownName, "part of the protocol 'peract18'"),
-        ("colosseum", ProtocolUnavailable, "by ranges that are no factors here yet"),
         ("none/such.toml", ProtocolFileError, "there is no such file"),
         (18, InvalidValue, "has to be a text"),
     ],
@@ -163,6 +166,20 @@ def test_the_hash_is_of_the_content(tmp_path: Path) -> None:
     assert Protocol.from_record(easy.record()) == easy
     with pytest.raises(InvalidValue, match="contradicts its content"):
         Protocol.from_record({**easy.record(), "version": 2})
+
+
+def test_a_protocol_with_factors(tmp_path: Path) -> None:
+    """Its episodes are also played with each setting, and no other setting is accepted; without, any is."""
+    settings = ("friction:1", "combined:2")
+    path = small_file(tmp_path, ('episodes_of = "task"', f'episodes_of = "task"\nfactors = {list(settings)}'))
+    config = EvaluationConfig.of_protocol("noop", load_protocol(path))
+    assert config.factors == settings
+    assert {item.factors for item in plan_episodes(config)} == {"", *settings}
+    assert Protocol.from_record(load_protocol(path).record()) == load_protocol(path)
+    with pytest.raises(ProtocolConflict, match="--factors"):
+        replace(config, factors=("mass:1",))
+    plain = EvaluationConfig.of_protocol("noop", load_protocol(small_file(tmp_path)))
+    assert replace(plain, factors=("mass:1",)).factors == ("mass:1",)
 
 
 @pytest.mark.parametrize(

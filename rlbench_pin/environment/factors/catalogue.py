@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
 from typing import Literal
@@ -23,6 +23,8 @@ COLOSSEUM: Literal["colosseum"] = "colosseum"
 JOINED, LEVEL = "+", ":"
 ALL = "all"
 """All factors, on a command line."""
+COMBINED = "combined"
+"""The factor that stands for many others at once."""
 _REASONS = {
     "manipulated": "its scene marks no object as manipulated",
     "receiving": "its scene marks no object as receiving",
@@ -49,6 +51,8 @@ class Factor:
     """Numbers with the ranges of COLOSSEUM (arXiv 2402.08191); None where it has no such factor."""
     needs: str = ""
     """Need of a task, such as `receiving` objects."""
+    by_task: Mapping[str, Numbers] = field(default_factory=dict)
+    """Numbers with the ranges of COLOSSEUM for tasks that have others there, by name of the task."""
 
     def numbers(self, level: Level) -> Numbers:
         """Return the numbers of a level.
@@ -64,6 +68,20 @@ class Factor:
             )
         return self.levels[level - 1]
 
+    def numbers_for(self, level: Level, task: Task) -> Numbers:
+        """Return the numbers of a level for one task, which may have ranges of its own.
+
+        Raises:
+            InvalidArgument: The factor has no such level.
+        """
+        numbers = self.numbers(level)
+        if level == COLOSSEUM:
+            numbers = self.by_task.get(task.get_name(), numbers)
+        limits = [excluded.within for excluded in task.world.spec.excluded_factor if excluded.name == self.name]
+        for low, high in (limit for limit in limits if limit is not None):
+            numbers = {key: _limited(value, low, high) for key, value in numbers.items()}
+        return numbers
+
     @property
     def level_names(self) -> tuple[str, ...]:
         """Levels as they are written behind the name."""
@@ -73,9 +91,16 @@ class Factor:
     def why_not(self, task: Task) -> str:
         """Return why this factor cannot change a task; empty when it can."""
         for excluded in task.world.spec.excluded_factor:
-            if excluded.name == self.name:
+            if excluded.name == self.name and excluded.within is None:
                 return excluded.reason
         return "" if _has(task, self.needs) else _REASONS[self.needs]
+
+
+def _limited(value: float | tuple[float, float], low: float, high: float) -> float | tuple[float, float]:
+    """Return a number, or the ends of a range, within limits."""
+    if isinstance(value, tuple):
+        return min(max(value[0], low), high), min(max(value[1], low), high)
+    return min(max(value, low), high)
 
 
 def _has(task: Task, need: str) -> bool:
@@ -99,9 +124,10 @@ def factor_catalogue() -> Mapping[str, Factor]:
     return {entry["name"]: _factor(**entry) for entry in tomllib.loads(text)["factor"]}
 
 
-def _factor(levels: list[dict], colosseum: dict | None = None, **entry: str) -> Factor:
+def _factor(levels: list[dict], colosseum: dict | None = None, by_task: Mapping[str, dict] | None = None, **entry: str) -> Factor:
     preset = None if colosseum is None else _numbers(colosseum)
-    return Factor(levels=tuple(_numbers(level) for level in levels), colosseum=preset, **entry)  # type: ignore[arg-type]
+    tasks = {task: _numbers(numbers) for task, numbers in (by_task or {}).items()}
+    return Factor(levels=tuple(map(_numbers, levels)), colosseum=preset, by_task=tasks, **entry)  # type: ignore[arg-type]
 
 
 def _numbers(level: Mapping[str, float | list[float]]) -> Numbers:
@@ -152,6 +178,17 @@ class FactorSetting:
 
     def __bool__(self) -> bool:
         return bool(self.levels)
+
+    def for_task(self, task: Task) -> FactorSetting:
+        """Return the setting with the factors that `combined` stands for in a task."""
+        chosen = dict(self.levels)
+        level = chosen.pop(COMBINED, 0)
+        if level:
+            others = (f for f in factor_catalogue().values() if f.group != "language" and f.needs != "placement")
+            for factor in (f for f in others if f.name != COMBINED and not f.why_not(task)):
+                if level != COLOSSEUM or factor.colosseum is not None:
+                    chosen.setdefault(factor.name, level if level == COLOSSEUM else min(int(level), len(factor.levels)))
+        return FactorSetting.of(chosen)
 
     def why_not(self, task: Task) -> str:
         """Return why a task cannot take one of the factors, with its name; empty when it can take all."""

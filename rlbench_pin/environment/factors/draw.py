@@ -17,16 +17,21 @@ from rlbench_pin.environment.reset import MAX_RESET_ATTEMPTS, Accept, lay_out
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.errors import BoundaryError, TaskEnvironmentError
 from rlbench_pin.observation import CAMERAS
+from rlbench_pin.scene.spec import WORLD
 from rlbench_pin.sim import Light, Lighting, World
-from rlbench_pin.spatial import compose, pose_at, pose_to_se3
+from rlbench_pin.spatial import IDENTITY, compose, pose_at, pose_to_se3
 from rlbench_pin.tasks.placement import footprint
 from rlbench_pin.tasks.task import Wording
 
 REPEATS = (4.0, 8.0)
 """How often patterns on objects repeat along a metre."""
 LARGEST_SEED = 2**31
-OTHER, BASE = "instruction_other", "arm_base"
+OTHER = "instruction_other"
+"""The factor whose sentences are drawn by `other_instructions`."""
+FIRST = ("arm_base", "object_size", "receiver_size")
 """The factors that act before the episode is laid out."""
+SIZE_STEP = 0.02
+"""Sizes are multiples of it, so that the shapes of few sizes are kept in memory."""
 
 
 @dataclass(frozen=True)
@@ -76,14 +81,15 @@ def draw_factors(runtime: Runtime, settings: ObservationConfig, setting: FactorS
     Args:
         runtime: The running task, at the start of the episode.
         settings: Lights and cameras without factors.
-        setting: The factors and their levels; `instruction_other` is left to `other_instructions`.
+        setting: The factors and their levels, without `combined`; `instruction_other` is left to `other_instructions`.
         seed: Seed of the episode.
         attempt: Which try of the seed.
     """
     sample, catalogue = Sample(), factor_catalogue()
     for name, level in setting.levels:
         if name != OTHER:
-            draw = Draw(runtime, settings, factor_rng(name, seed, attempt), catalogue[name].numbers(level))
+            numbers = catalogue[name].numbers_for(level, runtime.task)
+            draw = Draw(runtime, settings, factor_rng(name, seed, attempt), numbers)
             sample = FUNCTIONS[name](draw, sample)
     return sample
 
@@ -191,6 +197,15 @@ def _camera_fov(draw: Draw, sample: Sample) -> Sample:
     return replace(sample, fields_of_view={name: 1.0 + draw.either_side("share") for name in _cameras(draw)})
 
 
+def _table_height(draw: Draw, sample: Sample) -> Sample:
+    shift, poses = draw.either_side("shift"), dict(sample.cameras)
+    for name, camera in ((name, draw.runtime.cameras[name]) for name in _cameras(draw)):
+        if camera.parent == WORLD:
+            lowered = pose_to_se3(camera.pose).rotation.T @ np.array([0.0, 0.0, -shift])
+            poses[name] = compose(pose_at(lowered), poses.get(name, IDENTITY))
+    return replace(sample, cameras=poses)
+
+
 def _cameras(draw: Draw) -> tuple[str, ...]:
     return (*CAMERAS, *draw.settings.extra_cameras)
 
@@ -229,6 +244,15 @@ def _joint_noise(draw: Draw, sample: Sample) -> Sample:
 def _distractors(draw: Draw, sample: Sample) -> Sample:
     seed = draw.seed()
     return replace(sample, distractors=round(draw.number("count")), distractor_seed=seed)
+
+
+def _sized(role: str) -> DrawFunction:
+    def draw(draw: Draw, sample: Sample) -> Sample:
+        factor = round(SIZE_STEP * round(draw.number("factor") / SIZE_STEP), 2)
+        named = [body.name for body in draw.runtime.world.spec.body if body.role == role]
+        return replace(sample, sizes={**sample.sizes, **dict.fromkeys(named, factor)})
+
+    return draw
 
 
 def _unchanged(draw: Draw, sample: Sample) -> Sample:
@@ -346,6 +370,7 @@ FUNCTIONS: Mapping[str, DrawFunction] = {
     "shadow": _shadow,
     "camera_pose": _camera_pose,
     "camera_fov": _camera_fov,
+    "table_height": _table_height,
     "image_blur": _image_blur,
     "image_jpeg": _image_jpeg,
     "image_exposure": _image_exposure,
@@ -353,13 +378,15 @@ FUNCTIONS: Mapping[str, DrawFunction] = {
     "depth_noise": _depth_noise,
     "joint_noise": _joint_noise,
     "distractors": _distractors,
+    "object_size": _sized("manipulated"),
+    "receiver_size": _sized("receiving"),
     **dict.fromkeys(PLACES, _unchanged),
     "mass": _scaled(0),
     "friction": _scaled(1),
     "damping": _scaled(2),
     "arm_gains": _arm_gains,
     "start_configuration": _start_configuration,
-    BASE: _arm_base,
+    "arm_base": _arm_base,
     "action_latency": _action_latency,
     "action_loss": _action_loss,
     "instruction_specific": _worded("specific"),

@@ -7,7 +7,7 @@ import numpy as np
 from rlbench_pin.environment.episode import EpisodeRandom
 from rlbench_pin.environment.factors.catalogue import FactorSetting
 from rlbench_pin.environment.factors.distractors import add_distractors
-from rlbench_pin.environment.factors.draw import BASE, OTHER, PLACES, draw_factors, other_instructions
+from rlbench_pin.environment.factors.draw import FIRST, OTHER, PLACES, draw_factors, other_instructions
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.randomization.randomizer import WorldChanges
 from rlbench_pin.environment.runtime import Runtime
@@ -37,21 +37,27 @@ class FactorRandomizer(WorldChanges):
         self._config, self.setting = config, setting
         if reason := setting.why_not(runtime.task):
             raise FactorNotApplicable(runtime.task.get_name(), str(setting), reason)
+        self._factors = setting.for_task(runtime.task)
         self._other: tuple[str, ...] | None = None
         chosen = dict(setting.levels)
         self.accept = next((accept for name, accept in PLACES.items() if name in chosen), None)
 
     def prepare_episode(self, variation: int, seed: int, attempt: int) -> None:
-        """Bring the world back to how it was built, and find the words of another variation where they are wanted."""
+        """Bring the world back to how it was built, with the sizes and the place of the arm of this episode.
+
+        The words of another variation are found here, too, where they are wanted.
+        """
         self.remove()
-        base = FactorSetting(tuple((name, level) for name, level in self.setting.levels if name == BASE))
-        self._runtime.place_arm(draw_factors(self._runtime, self._config, base, seed, attempt).base)
+        first = FactorSetting(tuple((name, level) for name, level in self._factors.levels if name in FIRST))
+        sample = draw_factors(self._runtime, self._config, first, seed, attempt)
+        self._runtime.resize(sample.sizes)
+        self._runtime.place_arm(sample.base)
         if OTHER in dict(self.setting.levels):
             self._other = other_instructions(self._runtime, variation, seed, attempt)
 
     def begin_episode(self, variation: int, random: EpisodeRandom, seed: int, attempt: int) -> None:
         """Change the world, the arm and the instructions at the start of an episode."""
-        sample = draw_factors(self._runtime, self._config, self.setting, seed, attempt)
+        sample = draw_factors(self._runtime, self._config, self._factors, seed, attempt)
         if sample.distractors:
             add_distractors(self._runtime, sample.distractors, sample.distractor_seed)
         if sample.start is not None:

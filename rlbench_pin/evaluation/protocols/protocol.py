@@ -44,11 +44,6 @@ LARGEST_SEED = 2**48
 MOST_EPISODES = 100_000
 """Episodes of a split at most, for one task or variation and one seed."""
 _FOLDER = Path(__file__).parent
-_UNAVAILABLE = {
-    "colosseum": "it changes the size and the mass of objects by ranges that are no factors here yet; "
-    "`rlbench-pin evaluate POLICY --factors all --level colosseum` plays its other factors",
-}
-"""Name of a protocol that is not written -> why."""
 
 
 class ProtocolError(EvaluationError):
@@ -61,14 +56,6 @@ class ProtocolFileError(ProtocolError):
     def __init__(self, path: Path | str, problem: str) -> None:
         self.path, self.problem = Path(path), problem
         super().__init__(f"'{path}' is not a protocol that can be used: {problem}. docs/protocols.md describes every key.")
-
-
-class ProtocolUnavailable(ProtocolError, TaskEnvironmentError):
-    """A published protocol is not written yet."""
-
-    def __init__(self, name: str, cause: str) -> None:
-        self.name, self.cause = name, cause
-        super().__init__(f"The protocol '{name}' is not available: {cause}. `{PROTOCOLS_COMMAND}` lists those that are.")
 
 
 class ProtocolTasksMissing(ProtocolError, TaskEnvironmentError):
@@ -208,6 +195,8 @@ class Protocol:
     """Name of the arm."""
     tell_task: bool = False
     """Whether policies get the name of the task in addition to the instruction."""
+    factors: tuple[str, ...] = ()
+    """Settings of factors, such as `friction:colosseum`, with which the test episodes are repeated."""
     initial_states: Mapping[str, str] = field(default_factory=dict)
     """Task -> SHA-256 of the initial states of its test episodes, as `scripts/write_protocol_states.py` computes it."""
     part: str = ""
@@ -231,6 +220,7 @@ class Protocol:
             "source": as_text(self.source, "source"),
             "robot": _name(self.robot, "robot"),
             "tell_task": as_flag(self.tell_task, "tell_task"),
+            "factors": tuple(as_names(self.factors, "factors")),
             "initial_states": {k: as_text(v, "initial_states") for k, v in _table(self.initial_states, "initial_states").items()},
             "part": as_text(self.part, "part"),
         }
@@ -341,6 +331,9 @@ class Protocol:
         """Return the whole protocol as plain data, as its file has it."""
         plain = {name: getattr(self, name) for name in _KEYS if name not in ("tasks", "splits")}
         plain["cameras"], plain["image_size"] = list(self.cameras), list(self.image_size)
+        plain["factors"] = list(self.factors)
+        if not self.factors:  # protocols without factors keep their SHA-256
+            del plain["factors"]
         plain["initial_states"] = dict(self.initial_states)
         plain["splits"] = {name: {**vars(split), "seeds": list(split.seeds)} for name, split in self.splits.items()}
         plain["tasks"] = [{**vars(task), "variations": _short_variations(task.variations)} for task in self.tasks]
@@ -442,13 +435,10 @@ def load_protocol(name: str) -> Protocol:
 
     Raises:
         UnknownName: No protocol is called so, or it has no such part; proposes the nearest name.
-        ProtocolUnavailable: It is published, but not written yet.
         ProtocolFileError: The file is missing, or is not a protocol.
     """
     text = as_text(name, "protocol")
     whole, part = (text, "") if text.endswith(".toml") or ":" not in text else text.rsplit(":", 1)
-    if whole in _UNAVAILABLE:
-        raise ProtocolUnavailable(whole, _UNAVAILABLE[whole])
     if whole.endswith(".toml") or "/" in whole:
         return _read(Path(whole)).of_part(part)
     if whole not in protocol_names():

@@ -50,7 +50,7 @@ class ProtocolSummary:
 
 
 def summarise_protocol(results: Results) -> ProtocolSummary:
-    """Return the rows and means of the published table of a protocol.
+    """Return the rows and means of the published table of a protocol, of the episodes without factors.
 
     Args:
         results: Results of an evaluation by a protocol.
@@ -63,7 +63,7 @@ def summarise_protocol(results: Results) -> ProtocolSummary:
         raise InvalidValue("results", results.policy, "were made without a protocol", "Use `evaluate --protocol NAME`.")
     test = protocol.split("test")
     found: dict[tuple[str, int], list[EpisodeRecord]] = {}
-    for episode in results.episodes:
+    for episode in results.of_factors("").episodes:
         found.setdefault((episode.task, episode.variation), []).append(episode)
     rows: list[tuple[str, str, list[EpisodeRecord]]] = []
     for task in protocol.selected:

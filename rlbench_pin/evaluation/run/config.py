@@ -190,6 +190,7 @@ def protocol_settings(protocol: Protocol) -> dict[str, Any]:
         "variations": ALL_VARIATIONS,
         "robot": protocol.robot,
         "tell_task": protocol.tell_task,
+        **({"factors": protocol.factors} if protocol.factors else {}),
     }
 
 

@@ -18,6 +18,7 @@ from rlbench_pin.environment import (
     VisualRandomizationConfig,
 )
 from rlbench_pin.environment.factors import FactorNotApplicable, FactorSetting, expand_settings, factor_catalogue
+from rlbench_pin.environment.factors.catalogue import COMBINED
 from rlbench_pin.environment.factors.draw import FUNCTIONS, OTHER
 from rlbench_pin.environment.presets import image_config
 from rlbench_pin.environment.replay import replay_succeeds
@@ -70,7 +71,7 @@ def content(observation: Observation) -> dict[str, bytes | None]:
 
 def test_each_factor_has_a_function_and_growing_levels() -> None:
     """The catalogue and the functions have the same names; a higher level reaches farther."""
-    assert {*FUNCTIONS, OTHER} == set(factor_catalogue())
+    assert {*FUNCTIONS, OTHER, COMBINED} == set(factor_catalogue())
     for factor in factor_catalogue().values():
         assert 1 <= len(factor.levels) <= 3 and factor.changes.endswith(".")
         for numbers, more in zip(factor.levels, factor.levels[1:]):
@@ -207,6 +208,41 @@ def test_the_arm_stands_elsewhere(drawer: TaskEnvironment) -> None:
     drawer.reset_to_demo(demo)
     assert replay_succeeds(drawer, demo)
     np.testing.assert_allclose(drawer.set_state(state).gripper_pose, demo[-1].gripper_pose, atol=1e-6)
+
+
+@pytest.mark.simulation
+def test_objects_have_another_size(drawer: TaskEnvironment) -> None:
+    """With all that is attached to them; demonstrations succeed and replay, and states can be restored."""
+    start(drawer, "")
+    plain = drawer.world
+
+    def measures() -> tuple[np.ndarray, float, float]:
+        """Return size of the chest, distance of its handle from it, and the most that a drawer opens."""
+        world = drawer.world
+        chest, handle = world.body("chest"), world.frame("waypoint1")
+        away = float(np.linalg.norm(handle.pose[:3] - chest.position))
+        return chest.aabb_size(), away, world.joint("chest/drawer_bottom").upper
+
+    before = measures()
+    demo = start(drawer, "object_size:3") and drawer.try_demo(seed=3, variation=0).demo
+    assert demo is not None and drawer.world is not plain
+    state, last = drawer.get_state(), drawer.get_observation()
+    start(drawer, "object_size:3")
+    (size,) = set(drawer.runtime.sizes.values())
+    assert 0.8 <= size <= 1.2 and size != 1.0
+    for old, new in zip(before, measures()):
+        np.testing.assert_allclose(new, size * np.asarray(old), rtol=0.01)
+    start(drawer, "object_size:3", seed=4)
+    assert drawer.runtime.sizes != {"chest": size}
+    assert content(without_forces(drawer.set_state(state))) == content(without_forces(last))
+    drawer.reset_to_demo(demo)
+    assert replay_succeeds(drawer, demo)
+    start(drawer, "")
+    for old, new in zip(before, measures()):
+        np.testing.assert_array_equal(new, old)
+    plain_state, first = drawer.get_state(), drawer.get_observation()
+    start(drawer, "object_size:1", seed=6)
+    assert content(without_forces(drawer.set_state(plain_state))) == content(without_forces(first))
 
 
 @pytest.mark.simulation
@@ -353,6 +389,11 @@ def test_a_demonstration_carries_its_factors_and_can_be_replayed(drawer: TaskEnv
         _, seen = task.reset_to_demo(outcome.demo)
         assert str(task.factors) == outcome.demo.factors
         assert content(without_misc(seen)) == content(without_misc(outcome.demo[0]))
+
+
+def without_forces(observation: Observation) -> Observation:
+    """Return an observation without the forces of the last tick, which a restored state does not have."""
+    return replace(observation, joint_forces=None)
 
 
 def without_misc(observation: Observation) -> Observation:

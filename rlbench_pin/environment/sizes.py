@@ -1,0 +1,78 @@
+"""Objects of other sizes: the scene with scaled bodies, and with everything that is attached to them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rlbench_pin.robot.geometry import bounds, solid_geometry
+from rlbench_pin.scene.reader import resolve_asset
+from rlbench_pin.scene.spec import BodySpec, JointSpec, PosedSpec, RegionSpec, SceneSpec, SensorSpec, WaypointSpec
+from rlbench_pin.spatial import pose_to_se3
+from rlbench_pin.urdf import read_urdf
+
+
+def resized(scene: SceneSpec, sizes: Mapping[str, float]) -> SceneSpec:
+    """Return a scene in which bodies have another size.
+
+    Frames, regions, sensors and waypoints that are attached to such a body keep their place on it, and regions and sensors have
+    its scale. A body that stands on something stays on it.
+
+    Args:
+        scene: The scene.
+        sizes: Factor of the size of each body, by name.
+    """
+    parents = {posed.name: posed.parent.partition("/")[0] for posed in scene.posed()}
+
+    def size_of(name: str) -> float:
+        """Return the scale of the frame of a body, or of the body that a frame is attached to."""
+        while name in parents and name not in sizes:
+            name = parents[name]
+        return sizes.get(name, 1.0)
+
+    def changed(posed: PosedSpec) -> PosedSpec:
+        factor = size_of(parents[posed.name])
+        update: dict[str, Any] = {"pose": _scaled(posed.pose, factor)}
+        if isinstance(posed, BodySpec):
+            own = sizes.get(posed.name, 1.0)
+            x, y, z, *turn = update["pose"]
+            update |= {"scale": posed.scale * own, "pose": (x, y, z + (1.0 - own) * _lowest(scene, posed), *turn)}
+        elif isinstance(posed, RegionSpec | SensorSpec):
+            update["size"] = tuple(factor * length for length in posed.size)
+        elif isinstance(posed, WaypointSpec):
+            update["points"] = tuple(_scaled(point, factor) for point in posed.points)
+        return posed.model_copy(update=update)
+
+    posed = {
+        kind: tuple(changed(one) for one in getattr(scene, kind)) for kind in ("body", "frame", "region", "sensor", "waypoint")
+    }
+    return scene.model_copy(update={"joint": _scaled_joints(scene, sizes), **posed})
+
+
+def _scaled_joints(scene: SceneSpec, sizes: Mapping[str, float]) -> tuple[JointSpec, ...]:
+    """Return the joints with the start and the rest position of the sliders of scaled bodies, whose limits PyBullet scales."""
+    sliders = {
+        f"{body.name}/{joint.name}": sizes[body.name]
+        for body in scene.body
+        if body.name in sizes
+        for joint in read_urdf(resolve_asset(scene, body.asset)).joints
+        if joint.kind == "prismatic"
+    }
+    joints = []
+    for joint in scene.joint:
+        factor = sliders.get(joint.name, 1.0)
+        spring = None if joint.spring is None else joint.spring.model_copy(update={"rest": factor * joint.spring.rest})
+        joints.append(joint.model_copy(update={"position": factor * joint.position, "spring": spring}))
+    return tuple(joints)
+
+
+def _scaled(pose: tuple[float, ...], factor: float) -> tuple[float, ...]:
+    x, y, z, *turn = pose
+    return (factor * x, factor * y, factor * z, *turn)
+
+
+def _lowest(scene: SceneSpec, body: BodySpec) -> float:
+    """Return how far the base link of a body reaches below its origin, as it stands on its parent (negative) [m]."""
+    parts = next(iter(solid_geometry(resolve_asset(scene, body.asset), body.scale).values()), ())
+    turned = pose_to_se3((0.0, 0.0, 0.0, *body.pose[3:]))
+    return float(bounds((shape, turned * placement) for shape, placement in parts)[0, 2])
