@@ -15,7 +15,7 @@ from .rows import rows
 ROOT = Path(__file__).resolve().parents[2]
 RESULTS = ROOT / "docs" / "results" / "baselines"
 PAGE, REPORT = ROOT / "docs" / "baselines.md", ROOT / "docs" / "results" / "baselines.md"
-HEAD = ("Baseline", "Tasks", "Episodes", "Success", "95 %", "Held", "Actions refused", "Faults", "Commit")
+HEAD = ("Baseline", "Tasks", "Episodes", "Success", "95 %", "Stable success", "Actions refused", "Faults", "Commit")
 
 
 def kept() -> dict[str, Results]:
@@ -32,7 +32,7 @@ def summary_of(results: Results) -> Summary:
 def pages() -> dict[Path, str]:
     """Return page -> its text with the tables as they should be."""
     found = kept()
-    scale = f"\n{scale_table(found)}\n\nEvery task stands in [results/baselines.md](results/baselines.md).\n"
+    scale = f"\n{scale_table(found)}\n\nEvery task is in [results/baselines.md](results/baselines.md).\n"
     return {PAGE: replace_part(PAGE.read_text(encoding="utf-8"), "scale", scale), REPORT: report(found)}
 
 
@@ -60,7 +60,7 @@ def report(found: dict[str, Results]) -> str:
     parts = [
         "# Baselines, task by task",
         "",
-        "Written by `make baselines`. [../baselines.md](../baselines.md) says what each of them is.",
+        "Written by `make baselines`. [../baselines.md](../baselines.md) describes each of them.",
     ]
     for name, results in found.items():
         parts += ["", f"## {name}", "", f"`{results.policy}`, commit `{results.commit[:12]}`.", "", _tasks(results)]
