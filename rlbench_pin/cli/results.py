@@ -47,7 +47,7 @@ class ShowResults:
 
     def run(self) -> int:
         """Print the tables, and draw the plot."""
-        from rlbench_pin.evaluation.results.comparison import check_same_protocol
+        from rlbench_pin.evaluation.results.comparison import check_comparable
         from rlbench_pin.evaluation.results.plots import check_plot, draw_results
         from rlbench_pin.evaluation.results.protocol_table import protocol_table, summarise_protocol
         from rlbench_pin.evaluation.results.records import read_results
@@ -65,9 +65,9 @@ class ShowResults:
             check_file(self.plot)
         results = [read_results(path) for path in self.files]
         labels = self.labels(results)
+        check_comparable(results, labels)
         if any(r.factors for r in results):
             return self.show_profiles(results, labels)
-        check_same_protocol(results, labels)
         followed = [replace(summarise_protocol(r), policy=label) for r, label in zip(results, labels) if r.protocol]
         summaries = [replace(summarise(r, np.random.default_rng(0)), policy=label) for r, label in zip(results, labels)]
         comparisons = self.comparisons(results, labels) if self.compare else []

@@ -50,7 +50,7 @@ from .protocols import protocol_names as protocol_names
 from .results.comparison import Comparison as Comparison
 from .results.comparison import Pairs as Pairs
 from .results.comparison import TaskComparison as TaskComparison
-from .results.comparison import check_same_protocol as check_same_protocol
+from .results.comparison import check_comparable as check_comparable
 from .results.comparison import compare as compare
 from .results.plots import draw_results as draw_results
 from .results.protocol_table import ProtocolRow as ProtocolRow

@@ -205,8 +205,8 @@ def protocol_samples() -> dict[str, object]:
         "load_mapping.name": "libero",
         "summarise_protocol.results": results,
         "protocol_table.summary": evaluation.summarise_protocol(results),
-        "check_same_protocol.results": [results, results],
-        "check_same_protocol.labels": ["one", "two"],
+        "check_comparable.results": [results, results],
+        "check_comparable.labels": ["one", "two"],
     }
 
 

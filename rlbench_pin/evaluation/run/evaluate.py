@@ -28,6 +28,7 @@ from rlbench_pin.evaluation.run.provenance import checkout_commit, policy_digest
 from rlbench_pin.evaluation.run.runner import EpisodeRunner, not_played
 from rlbench_pin.processes import Engine, GivenUp, Journal, JournalInUse, ProcessEngine, WorkerDeath, exclusive, run_jobs
 from rlbench_pin.processes.jobs import MAX_DEATHS, first_line
+from rlbench_pin.tasks import find_task, task_scene
 from rlbench_pin.values import as_flag, as_function, as_path, as_record
 
 _JOURNAL_FORMAT = 2
@@ -164,6 +165,7 @@ def journal_path(out: Path) -> Path:
 def empty_results(config: EvaluationConfig, settings: PolicySettings, items: Sequence[EpisodeItem]) -> Results:
     """Return the results of an evaluation without its episodes."""
     names = tuple(dict.fromkeys(item.name for item in items))
+    found_by = {item.name: item.task for item in items}
     limits = ("episodes", "seed", "max_steps", "max_seconds", "variations", "time_limit", "robot", "tell_task")
     return Results(
         policy=config.policy,
@@ -179,6 +181,7 @@ def empty_results(config: EvaluationConfig, settings: PolicySettings, items: Seq
         protocol=config.protocol,
         factors=config.factors,
         trained_on=config.trained_on,
+        task_versions={name: task_scene(find_task(task)).version for name, task in found_by.items()},
     )
 
 
