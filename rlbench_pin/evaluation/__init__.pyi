@@ -88,6 +88,10 @@ from .run.evaluate import EvaluationProgress as EvaluationProgress
 from .run.evaluate import EvaluationStopped as EvaluationStopped
 from .run.evaluate import evaluate as evaluate
 from .run.runner import EpisodeRunner as EpisodeRunner
+from .run.verify import EpisodeDifference as EpisodeDifference
+from .run.verify import Verification as Verification
+from .run.verify import VerificationRefused as VerificationRefused
+from .run.verify import verify_results as verify_results
 from .sets import TaskSet as TaskSet
 from .sets import gembench_tasks as gembench_tasks
 from .sets import public_tasks as public_tasks

@@ -78,7 +78,9 @@ def test_merging_refuses_what_does_not_go_together(tmp_path: Path) -> None:
     later = make_demo(frames=2, seed=8)
     later.task_version = 2
     DatasetWriter(tmp_path / "later").add(later)
-    with pytest.raises(DatasetConflict, match=r"'reach_target' has different versions: version 1 in .*one', version 2 in .*later'"):
+    with pytest.raises(
+        DatasetConflict, match=r"'reach_target' has different versions: version 1 in .*one', version 2 in .*later'"
+    ):
         merge_datasets([one, tmp_path / "later"], tmp_path / "out")
     plain = make_demo(frames=2, seed=9)
     for observation in plain:

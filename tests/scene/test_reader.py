@@ -129,7 +129,11 @@ MISTAKES = {
         "[[history]], key 'version'",
         "version 4 stands where version 3 belongs. Number the entries 2, 3, ... in their order.",
     ),
-    "history out of order": (f"format = 2\n{HISTORY.format(3)}{HISTORY.format(2)}", "[[history]], key 'version'", "version 2 belongs"),
+    "history out of order": (
+        f"format = 2\n{HISTORY.format(3)}{HISTORY.format(2)}",
+        "[[history]], key 'version'",
+        "version 2 belongs",
+    ),
     "history without a change": ("format = 2\n[[history]]\nversion = 2", "[[history]]", "'change' is missing"),
     "yaw bounds": ("format = 1\n[placement]\nyaw = [1, 0]", "[placement], key 'yaw'", "above the upper bound"),
 }

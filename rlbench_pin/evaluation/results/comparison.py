@@ -132,7 +132,7 @@ def compare(
     tasks = tuple(TaskComparison(task, pairs, p) for (task, pairs), p in zip(counted.items(), corrected))
     together = Pairs(*(sum(column) for column in zip(*map(astuple, counted.values()))))
     difference = _mean_difference(tuple(counted.values()), rng)
-    return Comparison(one.policy, other.policy, measure, tasks, together, difference, (*limits, *_remarks(one, other)))
+    return Comparison(one.policy, other.policy, measure, tasks, together, difference, (*limits, *provenance_remarks(one, other)))
 
 
 def check_comparable(results: Sequence[Results], labels: Sequence[str]) -> None:
@@ -215,8 +215,8 @@ def _limit_differences(one: Results, other: Results) -> list[str]:
     return [f"{name} is {a!r} in the first and {b!r} in the second" for name, a, b in pairs if a != b]
 
 
-def _remarks(one: Results, other: Results) -> list[str]:
-    """Say what else differs: versions and commits, with which the same seed may be another episode."""
+def provenance_remarks(one: Results, other: Results) -> list[str]:
+    """Return sentences about what else differs: versions and commits, with which the same seed may be another episode."""
     names = sorted({*one.versions, *other.versions})
     versions = [f"{name} {one.versions.get(name)} and {other.versions.get(name)}" for name in names]
     found = [text for name, text in zip(names, versions) if one.versions.get(name) != other.versions.get(name)]
