@@ -545,7 +545,7 @@ class ResultsFileError(EvaluationError):
 
 
 class IncompatibleResults(EvaluationError):
-    """Two results files do not hold the same episodes, so that they cannot be compared one by one.
+    """Two results files cannot be compared: they have other episodes, limits, protocols or versions of a task.
 
     Attributes:
         differences: What differs, one text each.

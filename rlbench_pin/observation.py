@@ -128,6 +128,7 @@ class Demo(Sequence[Observation]):
         robot: Name of the arm, or absolute path of its TOML file; empty in a demonstration of other programs.
         joint_names: Names of its joints, in the order of joint positions.
         factors: Factors of generalisation and their levels, such as `light_color:2`; empty without.
+        task_version: Version of the task, from 1.
     """
 
     random_seed: int | RandomState | None = (
@@ -143,6 +144,7 @@ class Demo(Sequence[Observation]):
     robot: str = ""
     joint_names: tuple[str, ...] = ()
     factors: str = ""
+    task_version: int = 1
 
     def __init__(
         self,
@@ -158,6 +160,7 @@ class Demo(Sequence[Observation]):
         robot: str = "",
         joint_names: Sequence[str] = (),
         factors: str = "",
+        task_version: int = 1,
     ) -> None:
         self._observations = list(as_several(observations, "Demo.observations"))  # type: ignore[arg-type]
         self.random_seed = random_seed
@@ -171,12 +174,13 @@ class Demo(Sequence[Observation]):
         self.robot = as_text(robot, "Demo.robot")
         self.joint_names = as_names(as_several(joint_names, "Demo.joint_names"), "Demo.joint_names")
         self.factors = as_text(factors, "Demo.factors")
+        self.task_version = as_whole(task_version, "Demo.task_version", least=1)
 
     def with_observations(self, observations: Sequence[Observation]) -> Demo:
         """Return the same demonstration as it was observed another time."""
         names = (
             "random_seed", "num_reset_attempts", "variation_number", "instructions", "state", "versions", "attempt",
-            "task_name", "robot", "joint_names", "factors",
+            "task_name", "robot", "joint_names", "factors", "task_version",
         )  # fmt: skip
         return Demo(observations, **{name: getattr(self, name) for name in names})
 

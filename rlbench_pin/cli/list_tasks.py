@@ -19,7 +19,7 @@ ALL = "all"
 
 @dataclass(frozen=True)
 class ListTasks:
-    """List the tasks, each with one line of description.
+    """List the tasks, each with its version and one line of description.
 
     Those of other packages come last, with the name of the package. `rlbench-pin list cup --tier 3` lists the tasks of tier 3
     that have to do with cups.
@@ -42,7 +42,7 @@ class ListTasks:
 
     def run(self) -> int:
         """Print one line per task, per set, or per protocol."""
-        from rlbench_pin.tasks import task_origin
+        from rlbench_pin.tasks import task_class, task_origin, task_scene
 
         if self.sets:
             return self.print_sets()
@@ -54,13 +54,14 @@ class ListTasks:
         }
         if not titles and (self.words or self.tier or self.set or self.family):
             print("No task fits. Leave out a word or a filter.", file=sys.stderr)
+        versions = {name: task_scene(task_class(name)).version for name in titles}
         if self.json:
-            print(json.dumps(titles, indent=1))
+            print(json.dumps({name: {"title": title, "version": versions[name]} for name, title in titles.items()}, indent=1))
             return 0
         width = max(map(len, titles), default=0)
         for name, title in titles.items():
             origin = task_origin(name)
-            print(f"{name:<{width}}  {title}" + (f"  [{origin}]" if origin else ""))
+            print(f"{name:<{width}}  v{versions[name]}  {title}" + (f"  [{origin}]" if origin else ""))
         return 0
 
     def _wanted(self) -> tuple[str, ...]:

@@ -1,17 +1,20 @@
-"""`rlbench-pin results FILE...`: tables, comparisons and an image of results files."""
+"""`rlbench-pin results FILE...`: tables, comparisons and an image of results files; `results verify` plays episodes again."""
 
 from __future__ import annotations
 
 import json
+import re
 from collections import Counter
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import asdict, dataclass, replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import tyro
 
-from rlbench_pin.cli.options import MaybePath, SomeFiles, check_file
+from rlbench_pin.cli.options import MaybePath, SomeFiles, check_at_least, check_file, make_engine
 from rlbench_pin.errors import TaskEnvironmentError
 
 if TYPE_CHECKING:
@@ -19,6 +22,13 @@ if TYPE_CHECKING:
     from rlbench_pin.evaluation.results.protocol_table import ProtocolSummary
     from rlbench_pin.evaluation.results.records import Results
     from rlbench_pin.evaluation.results.statistics import PValues, Summary
+    from rlbench_pin.evaluation.run.verify import EpisodeDifference
+
+
+Share = Annotated[str, tyro.conf.arg(metavar="PERCENT%")]
+"""A share of episodes."""
+ResultsFile = tyro.conf.Positional[Annotated[Path, tyro.conf.arg(metavar="FILE")]]
+PolicyName = Annotated[str, tyro.conf.arg(metavar="POLICY", help_behavior_hint="(default: that of the file)")]
 
 
 @dataclass(frozen=True)
@@ -47,7 +57,7 @@ class ShowResults:
 
     def run(self) -> int:
         """Print the tables, and draw the plot."""
-        from rlbench_pin.evaluation.results.comparison import check_same_protocol
+        from rlbench_pin.evaluation.results.comparison import check_comparable
         from rlbench_pin.evaluation.results.plots import check_plot, draw_results
         from rlbench_pin.evaluation.results.protocol_table import protocol_table, summarise_protocol
         from rlbench_pin.evaluation.results.records import read_results
@@ -65,9 +75,9 @@ class ShowResults:
             check_file(self.plot)
         results = [read_results(path) for path in self.files]
         labels = self.labels(results)
+        check_comparable(results, labels)
         if any(r.factors for r in results):
             return self.show_profiles(results, labels)
-        check_same_protocol(results, labels)
         followed = [replace(summarise_protocol(r), policy=label) for r, label in zip(results, labels) if r.protocol]
         summaries = [replace(summarise(r, np.random.default_rng(0)), policy=label) for r, label in zip(results, labels)]
         comparisons = self.comparisons(results, labels) if self.compare else []
@@ -163,3 +173,64 @@ def _comparison(comparison: Comparison) -> dict[str, Any]:
 
 def _tested(p: PValues) -> dict[str, float]:
     return {"p_exact": p.exact, "p_mid": p.mid}
+
+
+@dataclass(frozen=True)
+class VerifyResults:
+    """Play a random sample of the episodes of a results file again, and compare them byte by byte with the file.
+
+    Success, steps, time, contacts, refused actions and faults are compared. Exit code 1: an episode differs.
+    """
+
+    file: ResultsFile
+    """Results file, as `rlbench-pin evaluate` writes it."""
+    sample: Share = "5%"
+    """Share of the episodes that are played, drawn at random; at least one."""
+    policy: PolicyName = ""
+    """Policy to play with, as for `evaluate`. Needed unless the file names `noop`, `random` or `expert`: no file can run code."""
+    workers: int = 1
+    """Worker processes, each with a policy of its own; with 0 this process does the work."""
+
+    def run(self) -> int:
+        """Print the episodes that differ; 1 when there are any."""
+        from rlbench_pin.cli.progress import EvaluationBar
+        from rlbench_pin.evaluation.results.records import read_results
+        from rlbench_pin.evaluation.run.verify import verify_results
+
+        check_at_least(self, workers=0)
+        share = self.share()
+        results = read_results(self.file)
+        engine = make_engine("processes", self.workers)
+        with closing(EvaluationBar("verify")) as bar:
+            found = verify_results(
+                results, share, np.random.default_rng(), policy=self.policy, engine=engine, on_progress=bar
+            )  # fmt: skip
+        for difference in found.differences:
+            print(_difference(difference))
+        count = len(found.differences)
+        outcome = f"{count or 'none'} of them differ{'s' * (count == 1)} from the file"
+        print(f"{self.file}: {found.played} of {found.episodes} episodes played again, {outcome}.")
+        for remark in found.remarks if count else ():
+            print(remark)
+        return 1 if count else 0
+
+    def share(self) -> float:
+        """Return the sample as a share, 0 to 1."""
+        match = re.fullmatch(r"(\d+(?:\.\d+)?)\s*%", self.sample.strip())
+        if match is None or not 0.0 < float(match[1]) <= 100.0:
+            raise TaskEnvironmentError(
+                f"--sample {self.sample} is not a share. Use a percentage above 0 and up to 100, such as 5%."
+            )
+        return float(match[1]) / 100.0
+
+
+def _difference(difference: EpisodeDifference) -> str:
+    """Return one line: the episode, and each field that differs with its value in the file and now."""
+    from rlbench_pin.evaluation.results.tables import printable
+
+    before, now = difference.recorded, difference.played
+    fields = [f"{name} {getattr(before, name)} in the file, {getattr(now, name)} now" for name in difference.fields]
+    with_factors = f" with {before.factors}" if before.factors else ""
+    return printable(
+        f"{before.task}, variation {before.variation}, seed {before.seed}{with_factors}: {'; '.join(fields)}", most=1000
+    )

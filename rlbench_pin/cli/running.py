@@ -28,7 +28,7 @@ from rlbench_pin.cli.new import New
 from rlbench_pin.cli.problems import Problems
 from rlbench_pin.cli.record import Record, spelled_out
 from rlbench_pin.cli.replay import Replay
-from rlbench_pin.cli.results import ShowResults
+from rlbench_pin.cli.results import ShowResults, VerifyResults
 from rlbench_pin.cli.serve import Serve
 from rlbench_pin.cli.train import Train
 from rlbench_pin.cli.video import Video
@@ -54,6 +54,7 @@ COMMANDS: dict[str, type] = {
     "challenge": Challenge,
     "serve": Serve,
     "results": ShowResults,
+    "results verify": VerifyResults,
     "train": Train,
     "problems": Problems,
 }
@@ -88,6 +89,8 @@ def parse(words: Sequence[str]) -> Command:
     if list(words) == ["--version"]:
         print(f"rlbench-pin {__version__}")
         raise SystemExit(DONE)
+    if " ".join(words[:2]) in COMMANDS:
+        words = [" ".join(words[:2]), *words[2:]]
     asked = words[0] if words else ""
     if asked and not asked.startswith("-") and asked not in COMMANDS:
         raise UnknownName("command", asked, tuple(COMMANDS), "rlbench-pin --help")

@@ -34,6 +34,8 @@ class Head:
 
     frames: int
     task: str
+    task_version: int
+    """1 where it is not recorded."""
     variation: int
     attempt: int
     instructions: tuple[str, ...]
@@ -76,6 +78,7 @@ def read_head(attributes: dict[str, Any]) -> Head:
     return Head(
         frames=_whole(attributes, "frames", 1, MAX_FRAMES),
         task=task,
+        task_version=_whole(attributes, "task_version", 1) if "task_version" in attributes else 1,
         variation=_whole(attributes, "variation", 0, _MAX_VARIATIONS),
         attempt=_whole(attributes, "attempt"),
         instructions=tuple(instructions),
@@ -178,6 +181,12 @@ class Episode:
         """Snake-case task name."""
         with self._named():
             return self._head.task
+
+    @property
+    def task_version(self) -> int:
+        """Version of the task; 1 in files that do not record it."""
+        with self._named():
+            return self._head.task_version
 
     @property
     def variation(self) -> int:
@@ -283,6 +292,7 @@ class Episode:
                 robot=head.robot,
                 joint_names=head.joint_names,
                 factors=head.factors,
+                task_version=head.task_version,
             )
 
     def _read_state(self) -> dict[str, np.ndarray] | None:

@@ -98,6 +98,8 @@ class EpisodeEntry:
     """Why each earlier attempt of the seed failed."""
     robot: str = ONLY_ARM
     """Name of the arm."""
+    task_version: int = 1
+    """Version of the task; 1 in manifests that do not record it."""
 
     def check(self, manifest: Path) -> None:
         """Raise EpisodeFileError when the entry points anywhere but to its own place in the folder of the task."""
@@ -128,6 +130,7 @@ _FIELDS: dict[str, Callable[[object], bool]] = {
     "versions": is_text_map,
     "failures": is_texts,
     "robot": lambda value: isinstance(value, str),
+    "task_version": lambda value: is_whole(value, 1),
 }
 """Check of each field of an entry."""
 

@@ -35,8 +35,8 @@ def merge_datasets(roots: Sequence[Path], out: Path, on_episode: Callable[[Move]
     which deletes what was left of a file.
 
     Raises:
-        DatasetConflict: The same seed shows something else, or images differ in kind or size, or the result is being written
-            to. Nothing was written.
+        DatasetConflict: The same seed shows something else, images differ in kind or size, a task has another version, or the
+            result is being written to. Nothing was written.
         EpisodeFileError: A file is missing or not what its manifest says.
         StorageError: The disk cannot be written to. Every episode stored before is whole; merging again completes the rest.
     """
@@ -85,6 +85,7 @@ def _plan_task(roots: Sequence[Path], out: Path, task: str) -> list[Move]:
     images: tuple[dict[str, tuple[int, ...]], Path] | None = None
     stored = [root for root in (out, *roots) if has_manifest(root, task)]
     check_alike([root for root in stored if read_manifest(root, task)], task)
+    _check_versions(stored, task)
     for root in stored:
         entries = read_manifest(root, task)
         for entry in entries:
@@ -100,6 +101,13 @@ def _plan_task(roots: Sequence[Path], out: Path, task: str) -> list[Move]:
         if entries:
             images = _same_images(images, manifest_path(root, task).parent / entries[0].file)
     return moves
+
+
+def _check_versions(roots: Sequence[Path], task: str) -> None:
+    found = {entry.task_version: root for root in roots for entry in read_manifest(root, task)}
+    if len(found) > 1:
+        listed = ", ".join(f"version {version} in '{root}'" for version, root in sorted(found.items()))
+        raise DatasetConflict(f"The task '{task}' has different versions: {listed}. Record the older episodes again.")
 
 
 def _is_known(known: dict[tuple[int, int | None], tuple[EpisodeEntry, Path]], entry: EpisodeEntry, source: Path) -> bool:

@@ -57,6 +57,7 @@ def _check_demo(demo: Demo) -> None:
     as_record(demo, Demo, "demo")
     if demo.seed is not None:
         as_seed(demo.seed, "Demo.random_seed")
+    as_whole(demo.task_version, "Demo.task_version", least=1, most=LARGEST_SEED)
     for name in ("variation_number", "attempt"):
         as_whole(getattr(demo, name), f"Demo.{name}", least=0, most=LARGEST_SEED)
     if demo.num_reset_attempts is not None:
@@ -85,6 +86,7 @@ def _write_head(file: h5py.File, demo: Demo) -> None:
     file.attrs["version"] = VERSION
     file.attrs["frames"] = len(demo)
     file.attrs["task"] = demo.task_name
+    file.attrs["task_version"] = demo.task_version
     file.attrs["variation"] = demo.variation_number
     file.attrs["attempt"] = demo.attempt
     if demo.robot:
@@ -201,6 +203,7 @@ def episode_entry(demo: Demo, data: bytes, number: int, failures: Sequence[str] 
         versions=dict(demo.versions),
         failures=list(failures),
         robot=demo.robot or ONLY_ARM,
+        task_version=demo.task_version,
     )
 
 

@@ -311,6 +311,7 @@ def play_demo(
             robot=runtime.model.description.reference,
             joint_names=runtime.model.description.arm_joints,
             factors=origin.factors,
+            task_version=runtime.world.spec.version,
         )
     duration = runtime.world.time - began
     return DemoOutcome(not cause, cause, waypoint, demo, player.planning_time, duration, tuple(player.segments))

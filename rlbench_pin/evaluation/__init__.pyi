@@ -49,7 +49,7 @@ from .protocols import protocol_names as protocol_names
 from .results.comparison import Comparison as Comparison
 from .results.comparison import Pairs as Pairs
 from .results.comparison import TaskComparison as TaskComparison
-from .results.comparison import check_same_protocol as check_same_protocol
+from .results.comparison import check_comparable as check_comparable
 from .results.comparison import compare as compare
 from .results.plots import draw_results as draw_results
 from .results.protocol_table import ProtocolRow as ProtocolRow
@@ -87,6 +87,10 @@ from .run.evaluate import EvaluationProgress as EvaluationProgress
 from .run.evaluate import EvaluationStopped as EvaluationStopped
 from .run.evaluate import evaluate as evaluate
 from .run.runner import EpisodeRunner as EpisodeRunner
+from .run.verify import EpisodeDifference as EpisodeDifference
+from .run.verify import Verification as Verification
+from .run.verify import VerificationRefused as VerificationRefused
+from .run.verify import verify_results as verify_results
 from .sets import TaskSet as TaskSet
 from .sets import gembench_tasks as gembench_tasks
 from .sets import public_tasks as public_tasks

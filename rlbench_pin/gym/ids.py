@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import gymnasium
 
-from rlbench_pin.values import as_choice, as_text
+from rlbench_pin.values import as_choice, as_text, as_whole
 
 MODES = ("state", "vision")
 """Observations of an environment: numbers, or images as well."""
@@ -22,17 +23,30 @@ _LIBRARY = Path(__file__).parents[1] / "tasks" / "library"
 _ENTRY_POINT = "rlbench_pin.gym.environment:GymnasiumEnv"
 
 
-def gym_id(task: str, mode: str) -> str:
-    """Return the id of a task: `rlbench_pin/reach_target-state-v0`."""
-    return f"rlbench_pin/{as_text(task, 'task')}-{as_choice(mode, 'mode', MODES)}-v0"
+_CHANGE = re.compile(r"^\[\[history\]\]", re.MULTILINE)
+"""Heading of an entry of `history`; every entry raises the version of the task by one."""
+
+
+def gym_id(task: str, mode: str, version: int = 1, namespace: str = "rlbench_pin") -> str:
+    """Return the id of a task: `rlbench_pin/reach_target-state-v0`. Ids count from 0: version 1 of a task has `-v0`.
+
+    Args:
+        task: Name of the task.
+        mode: `state` or `vision`.
+        version: Version of the task, from 1.
+        namespace: Text before the slash.
+    """
+    name, number = as_text(task, "task"), as_whole(version, "version", least=1) - 1
+    return f"{as_text(namespace, 'namespace')}/{name}-{as_choice(mode, 'mode', MODES)}-v{number}"
 
 
 def register_ids() -> None:
     """Register every task of the library with gymnasium, and `ANY_TASK`; ids that are there already are left alone."""
     register(ANY_TASK, {"task": ""})
     for file in sorted(_LIBRARY.glob("*.toml")):
+        version = 1 + len(_CHANGE.findall(file.read_text(encoding="utf-8")))
         for mode in MODES:
-            register(gym_id(file.stem, mode), {"task": file.stem, "observation_mode": mode})
+            register(gym_id(file.stem, mode, version), {"task": file.stem, "observation_mode": mode})
 
 
 def register(name: str, settings: Mapping[str, Any]) -> None:

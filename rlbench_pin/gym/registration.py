@@ -8,7 +8,7 @@ from os import PathLike
 import gymnasium
 
 from rlbench_pin.errors import InvalidArgument, TaskEnvironmentError
-from rlbench_pin.gym.ids import MODES, register
+from rlbench_pin.gym.ids import MODES, gym_id, register
 from rlbench_pin.tasks import (
     Task,
     checked_class,
@@ -17,12 +17,15 @@ from rlbench_pin.tasks import (
     task_names,
     task_origin,
     task_reference,
+    task_scene,
     usable_task_names,
 )
 
 
 def register_task(task: type[Task] | str | PathLike[str], namespace: str = "rlbench_pin") -> tuple[str, ...]:
     """Register a task with gymnasium, and return its ids: `<namespace>/<task>-state-v0` and `<namespace>/<task>-vision-v0`.
+
+    Version 2 of the task has `-v1` in its place, and so on.
 
     Args:
         task: A class, the name of a task, or a task file.
@@ -38,7 +41,7 @@ def register_task(task: type[Task] | str | PathLike[str], namespace: str = "rlbe
     chosen = find_task(task) if isinstance(task, str | PathLike) else checked_class(task)
     by_name = is_task_file(chosen) or (chosen.get_name() in task_names() and find_task(chosen.get_name()) is chosen)
     found_by = task_reference(chosen) if by_name else chosen  # a text, where there is one: every process understands it
-    ids = tuple(f"{namespace}/{chosen.get_name()}-{mode}-v0" for mode in MODES)
+    ids = tuple(gym_id(chosen.get_name(), mode, task_scene(chosen).version, namespace) for mode in MODES)
     for name, mode in zip(ids, MODES, strict=True):
         settings = {"task": found_by, "observation_mode": mode}
         taken = gymnasium.registry.get(name)

@@ -71,6 +71,7 @@ def check_scene(spec: SceneSpec) -> None:
     _check_bounds(spec)
     for table in ("excluded_factor", "deviation"):
         _check_described_once(spec, table)
+    _check_history(spec)
 
 
 def table_of(item: PosedSpec) -> str:
@@ -210,6 +211,13 @@ def _check_described_once(spec: SceneSpec, table: str) -> None:
             raise SceneFileError(spec.file, f"[[{table}]] '{name}'", "it is described twice.")
 
 
+def _check_history(spec: SceneSpec) -> None:
+    for expected, entry in enumerate(spec.history, start=2):
+        if entry.version != expected:
+            problem = f"version {entry.version} stands where version {expected} belongs."
+            raise SceneFileError(spec.file, "[[history]], key 'version'", problem, "Number the entries 2, 3, ... in their order.")
+
+
 Entry = dict[str, Any]
 ARRAY_TABLES = ("body", "frame", "region", "sensor")
 """Tables whose entries may be arrays."""
@@ -305,6 +313,8 @@ def _turned(entry: Entry) -> Entry:
 
 
 Raw = dict[str, Any]
+_OWN = ("deviation", "history")
+"""Tables that a scene does not take from its base."""
 
 
 def read_scene(path: Path | str) -> SceneSpec:
@@ -392,7 +402,7 @@ def _check_format(path: Path, raw: Raw) -> None:
 
 
 def _with_base(path: Path, raw: Raw) -> Raw:
-    """Return the tables of a scene over those of its base; deviations are its own."""
+    """Return the tables of a scene over those of its base; deviations and history are its own."""
     known, name = {file.stem for file in path.parent.glob("*.toml")} - {path.stem}, str(raw["base"])
     if name not in known:
         raise SceneFileError(path, "key 'base'", f"there is no scene '{name}' beside it.", _guess(name, known))
@@ -404,14 +414,14 @@ def _with_base(path: Path, raw: Raw) -> Raw:
     if base["format"] == FORMAT:
         base = _written_out(file, base)
     own = {table: _merged(table, base.get(table), content) for table, content in raw.items()}
-    return {**base, "deviation": [], **own}
+    return {**base, **{table: [] for table in _OWN}, **own}
 
 
 def _merged(table: str, base: Any, own: Any) -> Any:
     """Return one table over that of the base: the keys of `[placement]`, or entries by name; other content as it is."""
     if isinstance(base, dict) and isinstance(own, dict):
         return {**base, **own}
-    if table == "deviation" or not all(isinstance(part, list) and all(isinstance(e, dict) for e in part) for part in (base, own)):
+    if table in _OWN or not all(isinstance(part, list) and all(isinstance(e, dict) for e in part) for part in (base, own)):
         return own
     named = {str(entry.get("name")): entry for entry in own}
     kept = [named.pop(str(entry.get("name")), entry) for entry in base]

@@ -409,6 +409,17 @@ class DeviationSpec(Spec):
     """The specification asks for it; otherwise it proposes a value that a scene may choose."""
 
 
+class HistorySpec(Spec):
+    """A change of the task after which results cannot be compared with earlier ones: of its start states, dynamics or success."""
+
+    version: Annotated[int, Strict(), Kind("whole number")] = Field(ge=2, le=MAX_ELEMENTS)
+    """Version of the task since this change: 2, 3, ... without gaps. Version 1 has no entry."""
+    change: Words
+    """What changed, as one sentence."""
+    release: Words | None = None
+    """Release of the package that had the change first, such as `0.2.0`."""
+
+
 class SceneSpec(Spec):
     """A whole scene file."""
 
@@ -426,8 +437,14 @@ class SceneSpec(Spec):
     instructions: InstructionsSpec = InstructionsSpec()
     excluded_factor: tuple[ExcludedFactorSpec, ...] = Field(default=(), max_length=MAX_ELEMENTS)
     deviation: tuple[DeviationSpec, ...] = Field(default=(), max_length=MAX_ELEMENTS)
+    history: tuple[HistorySpec, ...] = Field(default=(), max_length=MAX_ELEMENTS)
     file: str = Field(default="", exclude=True)
     """File that the scene was read from; not part of the file."""
+
+    @property
+    def version(self) -> int:
+        """Version of the task, from 1: that of the last entry of `history`."""
+        return self.history[-1].version if self.history else 1
 
     def posed(self) -> tuple[PosedSpec, ...]:
         """Return everything that has a name and a place."""

@@ -23,6 +23,7 @@ from rlbench_pin.scene.spec import (
     DeviationSpec,
     ExcludedFactorSpec,
     FrameSpec,
+    HistorySpec,
     InstructionsSpec,
     JointSpec,
     PlacementSpec,
@@ -81,6 +82,7 @@ def write_scene(spec: SceneSpec, path: Path | str) -> None:
     _write_instructions(document, spec.instructions)
     for table, model in TABLES.items():
         _write_table(document, table, model, getattr(spec, table))
+    _write_table(document, "history", HistorySpec, spec.history, identity="version")
     _replace(path, _HEADING.sub(r"\1\n\n\2", tomlkit.dumps(document)))
 
 
@@ -135,9 +137,11 @@ def _write_instructions(document: tomlkit.TOMLDocument, instructions: Instructio
     _update(document["instructions"], instructions)
 
 
-def _write_table(document: tomlkit.TOMLDocument, key: str, model: type[Spec], specs: Iterable[Any]) -> None:
-    """Make the array of tables `[[key]]` say `specs`, in their order."""
-    wanted = {spec.name: spec for spec in specs}
+def _write_table(
+    document: tomlkit.TOMLDocument, key: str, model: type[Spec], specs: Iterable[Any], identity: str = "name"
+) -> None:
+    """Make the array of tables `[[key]]` say `specs`, in their order; entries are matched by the key `identity`."""
+    wanted = {getattr(spec, identity): spec for spec in specs}
     present = document.get(key)
     if not isinstance(present, AoT):
         if not wanted:
@@ -146,9 +150,9 @@ def _write_table(document: tomlkit.TOMLDocument, key: str, model: type[Spec], sp
         document.add(key, present)
     kept = _keep_arrays(present, model, wanted)
     for index in reversed(range(len(present))):
-        if present[index].get("name") not in wanted:
+        if present[index].get(identity) not in wanted:
             del present[index]
-    known = {entry["name"]: entry for entry in present}
+    known = {entry[identity]: entry for entry in present}
     for name, spec in wanted.items():
         if name in kept:
             continue

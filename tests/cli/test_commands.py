@@ -22,13 +22,15 @@ def test_list_names_every_task(capsys: Capture) -> None:
     assert exit_code("list") == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines] == list(task_names())
-    assert all(len(line.split()) > 2 for line in lines)
+    assert all(len(line.split()) > 3 and line.split()[1] == "v1" for line in lines)
 
 
 def test_list_for_programs(capsys: Capture) -> None:
-    """`--json` prints one object."""
+    """`--json` prints one object, with title and version of each task."""
     assert exit_code("list", "--json") == 0
-    assert list(json.loads(capsys.readouterr().out)) == list(task_names())
+    content = json.loads(capsys.readouterr().out)
+    assert list(content) == list(task_names())
+    assert content["open_drawer"] == {"title": "Pull out one drawer of a chest.", "version": 1}
 
 
 @pytest.mark.parametrize("arguments", [(), ("fly",), ("demo",), ("demo", "reach_target", "--episodes", "many")])

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
+import json
+import shutil
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 
-from rlbench_pin.datasets import DatasetWriter, Episode, read_demo, write_demo
+from rlbench_pin.datasets import DatasetWriter, Episode, read_demo, read_manifest, write_demo
 from rlbench_pin.datasets.series import read_series, write_series
 from rlbench_pin.datasets.verify import verify_task
 from rlbench_pin.datasets.writer import encode_demo
@@ -40,6 +42,27 @@ def test_the_head_comes_back(episode: Path) -> None:
     demo, again = make_demo(), read_demo(episode)
     for name in ("random_seed", "num_reset_attempts", "variation_number", "instructions", "versions", "attempt", "task_name"):
         assert getattr(again, name) == getattr(demo, name)
+
+
+def test_the_version_of_the_task_comes_back(tmp_path: Path) -> None:
+    """From the file and from its manifest; an episode and an entry that do not record it are of version 1."""
+    demo = make_demo()
+    demo.task_version = 3
+    path = DatasetWriter(tmp_path).add(demo)
+    entry = read_manifest(tmp_path, "reach_target")[0]
+    assert entry.task_version == read_demo(path).task_version == demo.with_observations(list(demo)).task_version == 3
+    with Episode(path) as stored:
+        assert stored.task_version == 3
+    with h5py.File(path, "a") as file:
+        del file.attrs["task_version"]
+    older = tmp_path / "older.h5"
+    shutil.move(path, older)
+    assert read_demo(older).task_version == 1
+    manifest = tmp_path / "reach_target" / "manifest.json"
+    content = json.loads(manifest.read_text())
+    del content["episodes"][0]["task_version"]
+    manifest.write_text(json.dumps(content))
+    assert read_manifest(tmp_path, "reach_target")[0].task_version == 1
 
 
 def test_a_demo_without_extras_comes_back(tmp_path: Path) -> None:

@@ -75,6 +75,13 @@ def test_merging_refuses_what_does_not_go_together(tmp_path: Path) -> None:
     one, two = fill(tmp_path / "one", range(3)), fill(tmp_path / "two", range(2, 5), frames=3)
     with pytest.raises(DatasetConflict, match=r"episode0\.h5.*seed 2, but differ"):
         merge_datasets([one, two], tmp_path / "out")
+    later = make_demo(frames=2, seed=8)
+    later.task_version = 2
+    DatasetWriter(tmp_path / "later").add(later)
+    with pytest.raises(
+        DatasetConflict, match=r"'reach_target' has different versions: version 1 in .*one', version 2 in .*later'"
+    ):
+        merge_datasets([one, tmp_path / "later"], tmp_path / "out")
     plain = make_demo(frames=2, seed=9)
     for observation in plain:
         observation.front_mask = None

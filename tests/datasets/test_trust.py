@@ -234,6 +234,7 @@ SENSELESS = (
     {"random_seed": "1"}, {"random_seed": -1}, {"random_seed": 2**70}, {"random_seed": True}, {"num_bytes": -3},
     {"sha256": "abc"}, {"sha256": "Z" * 64}, {"instructions": "text"}, {"instructions": [1]}, {"instructions": None},
     {"versions": []}, {"versions": {"numpy": 2}}, {"failures": {"a": 1}}, {"failures": [["deep"]]}, {"file": None},
+    {"task_version": 0}, {"task_version": "1"},
 )  # fmt: skip
 
 
@@ -483,6 +484,7 @@ NESTED = "[" * 100_000 + "]" * 100_000
         {"task": np.arange(3)}, {"instructions": "[1, 2]"}, {"instructions": "{}"}, {"instructions": "not json"},
         {"instructions": NESTED}, {"versions": "[]"}, {"versions": '{"a": 1}'}, {"random_seed": -5}, {"random_seed": 0.5},
         {"num_reset_attempts": "many"}, {"random_state": "7"}, {"version": "1"}, {"version": [1, 1]}, {"descriptions": 3},
+        {"task_version": 0}, {"task_version": 1.5},
     ],
     ids=lambda a: f"{next(iter(a))}={str(next(iter(a.values())))[:12]}",
 )  # fmt: skip

@@ -31,7 +31,8 @@ SKIPPED = frozenset({
     "CheckProgress", "Failure", "Item", "Reach", "TaskReport", "TaskState", "DemoOutcome", "EnvironmentState",
     "SegmentReport", "ActionSpec", "EpisodeItem", "EpisodeOutcome", "EvaluationProgress", "PolicyContext", "PolicyMapping",
     "Reference", "TaskSet", "Comparison", "Pairs", "TaskComparison", "PValues", "Summary",
-    "TaskSummary", "Estimate", "Table", "ProtocolRow", "ProtocolSummary",  # records that doors return, or policies are given
+    "TaskSummary", "Estimate", "Table", "ProtocolRow", "ProtocolSummary", "EpisodeDifference",
+    "Verification",  # records that doors return, or policies are given
     "Follower", "TrackingProblem", "Waypoint", "Task",  # what the package makes itself; users read them
     "ChallengeProgress", "Demonstration", "LearningCurve", "ShotsResult", "MetaSplit", "TrainingTask",  # likewise
     "KeyFramePolicy",  # a base class
@@ -59,6 +60,7 @@ PLAYED = frozenset(
         "expert_action",
         "replay_demo",
         "verify",
+        "verify_results",
         "folder_demos",
         "read_folder",
         "read_recording",
@@ -205,8 +207,10 @@ def protocol_samples() -> dict[str, object]:
         "load_mapping.name": "libero",
         "summarise_protocol.results": results,
         "protocol_table.summary": evaluation.summarise_protocol(results),
-        "check_same_protocol.results": [results, results],
-        "check_same_protocol.labels": ["one", "two"],
+        "verify_results.results": results,
+        "verify_results.share": 1.0,
+        "check_comparable.results": [results, results],
+        "check_comparable.labels": ["one", "two"],
     }
 
 
@@ -245,6 +249,8 @@ def more_samples(library: Path, new: Fresh, first: Path) -> dict[str, object]:
         "TaskEnvironment.set_variation.v": 0,
         "TaskEnvironment.set_factors.factors": "friction:1",
         "SceneSpec.format": 2,
+        "HistorySpec.version": 2,
+        "HistorySpec.change": "It is.",
         "SensorSpec.shape": "box",
         "Tray.half": np.array([0.1, 0.1]),
         **{f"{record}.size": (0.1, 0.1, 0.1) for record in ("SensorSpec", "RegionSpec")},

@@ -33,6 +33,7 @@ BASES = (
     ("check", TASK, "--episodes", "0", "--contract-seeds", "0", "--placements", "1", "--out", "FILE"),
     ("problems", "export", TASK, "--out", "FILE"),
     ("evaluate", "--tasks", "nothing"), ("doctor", "x"), ("serve", "missing.py:make"),
+    ("results", "verify", "DATA"), ("results", "verify", "missing.json", "--sample", "1%"),
     ("conventions", "missing.py:make"), ("challenge", "splits"),
     ("challenge", "run", "missing.py:make"), ("nothing",), (),
 )  # fmt: skip

@@ -12,7 +12,7 @@ from gymnasium.utils.env_checker import check_env
 
 import rlbench_pin.gym
 from rlbench_pin.gym.ids import ANY_TASK, MAX_EPISODE_STEPS, MODES, gym_id
-from rlbench_pin.tasks import library_names
+from rlbench_pin.tasks import library_names, task_class, task_scene
 
 IDS = [gym_id(task, mode) for task in library_names() for mode in MODES]
 FEW = ("reach_target", "open_drawer", "stack_blocks")
@@ -24,6 +24,14 @@ def test_every_task_has_both_ids() -> None:
     ours = {i for i in gymnasium.registry if i.startswith("rlbench_pin/")}
     assert ours == {*IDS, ANY_TASK}
     assert {gymnasium.registry[i].max_episode_steps for i in IDS} == {MAX_EPISODE_STEPS}
+
+
+def test_an_id_has_the_version_of_its_task() -> None:
+    """Ids count from 0, so that version 1 has `-v0`; the ids that are registered have the versions of the scene files."""
+    assert gym_id("open_drawer", "state", 3, "mine") == "mine/open_drawer-state-v2"
+    assert {gym_id(n, m, task_scene(task_class(n)).version) for n in library_names() for m in MODES} == {
+        i for i in gymnasium.registry if i.startswith("rlbench_pin/") and i != ANY_TASK
+    }
 
 
 @pytest.mark.simulation

@@ -57,6 +57,11 @@ def test_a_registered_task_has_ids_of_its_own(mine: Path) -> None:
         New("touch_it", mine.parent / "other").run()
         with pytest.raises(TaskEnvironmentError, match="another task already"):
             register_task(mine.parent / "other" / "touch_it.py", "tests")
+        scene = mine.with_suffix(".toml")
+        scene.write_text(scene.read_text() + '\n[[history]]\nversion = 2\nchange = "The ball is smaller."\n')
+        later = register_task(mine, "tests")
+        assert later == ("tests/touch_it-state-v1", "tests/touch_it-vision-v1")
+        ids += later
     finally:
         for name in ids:
             gymnasium.registry.pop(name, None)

@@ -18,6 +18,7 @@ from rlbench_pin.tasks import LIBRARY
 
 CUBE = 'asset = "objects/cube/cube.urdf"'
 CHEST = '[[body]]\nname = "chest"\nasset = "objects/chest/chest.urdf"\n'
+HISTORY = '[[history]]\nversion = {}\nchange = "The handle is found at a new place."\n'
 DEVIATION = '[[deviation]]\nname = "yaw"\nspecified = "0"\nhere = "1"\nreason = "because"\n'
 
 MISTAKES = {
@@ -122,6 +123,18 @@ MISTAKES = {
     "empty deviation": (f"format = 2\n{DEVIATION}".replace("because", ""), "[[deviation]] 'yaw', key 'reason'", "1 character"),
     "misspelt deviation": (f"format = 2\n{DEVIATION}why = 1", "key 'why'", "Known keys: binding, here, name, reason, specified"),
     "deviation twice": (f"format = 2\n{DEVIATION}{DEVIATION}", "[[deviation]] 'yaw'", "twice"),
+    "history that begins with 1": (f"format = 2\n{HISTORY.format(1)}", "[[history]]", "greater than or equal to 2"),
+    "history with a gap": (
+        f"format = 2\n{HISTORY.format(2)}{HISTORY.format(4)}",
+        "[[history]], key 'version'",
+        "version 4 stands where version 3 belongs. Number the entries 2, 3, ... in their order.",
+    ),
+    "history out of order": (
+        f"format = 2\n{HISTORY.format(3)}{HISTORY.format(2)}",
+        "[[history]], key 'version'",
+        "version 2 belongs",
+    ),
+    "history without a change": ("format = 2\n[[history]]\nversion = 2", "[[history]]", "'change' is missing"),
     "yaw bounds": ("format = 1\n[placement]\nyaw = [1, 0]", "[placement], key 'yaw'", "above the upper bound"),
 }
 
@@ -421,6 +434,20 @@ def test_a_scene_replaces_tables_of_its_base_by_name(tmp_path: Path) -> None:
     assert scene.frame[0] == base.frame[0] and scene.frame[1].name == "below"
     assert scene.placement.yaw == (-0.2, 0.2) and scene.placement.pose == base.placement.pose
     assert len(base.deviation) == 1 and scene.deviation == ()
+
+
+def test_the_version_follows_from_the_history(tmp_path: Path) -> None:
+    """Version 1 without entries, else that of the last entry; a scene with a base has a history of its own."""
+    first = tmp_path / "first.toml"
+    first.write_text(BASE)
+    assert read_scene(first).version == 1
+    first.write_text(BASE + HISTORY.format(2) + HISTORY.format(3) + 'release = "0.2.0"\n')
+    scene = read_scene(first)
+    assert scene.version == 3 and scene.history[1].release == "0.2.0" and scene.history[0].release is None
+    (tmp_path / "second.toml").write_text('format = 2\nbase = "first"\n')
+    assert read_scene(tmp_path / "second.toml").version == 1
+    (tmp_path / "second.toml").write_text('format = 2\nbase = "first"\n' + HISTORY.format(2))
+    assert read_scene(tmp_path / "second.toml").version == 2
 
 
 def test_a_base_has_no_base_of_its_own(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from rlbench_pin.errors import SceneFileError, StorageError
 from rlbench_pin.scene.reader import read_scene
-from rlbench_pin.scene.spec import ArcSpec, FrameSpec, SceneSpec, WaypointSpec
+from rlbench_pin.scene.spec import ArcSpec, FrameSpec, HistorySpec, SceneSpec, WaypointSpec
 from rlbench_pin.scene.writer import write_scene
 from rlbench_pin.tasks import LIBRARY
 
@@ -69,6 +69,20 @@ def test_a_scene_with_a_base_is_not_changed(tmp_path: Path) -> None:
     assert file.read_text() == (LIBRARY / file.name).read_text()
     write_scene(changed, new)
     assert alike(read_scene(new).model_dump(), changed.model_dump())
+
+
+def test_a_history_is_written(tmp_path: Path) -> None:
+    """A new entry goes to the end, and the file keeps its other bytes; a history without changes is left alone."""
+    file = tmp_path / "open_drawer.toml"
+    shutil.copy(LIBRARY / file.name, file)
+    entries = tuple(HistorySpec(version=v, change="The drawer is heavier.") for v in (2, 3))
+    write_scene(read_scene(file).model_copy(update={"history": entries[:1]}), file)
+    before = file.read_text()
+    assert before.startswith((LIBRARY / file.name).read_text().rstrip("\n")) and read_scene(file).version == 2
+    write_scene(read_scene(file), file)
+    assert file.read_text() == before
+    write_scene(read_scene(file).model_copy(update={"history": entries}), file)
+    assert file.read_text().startswith(before) and read_scene(file).history == entries
 
 
 def test_only_what_changed_is_rewritten(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass
+from itertools import combinations
 from typing import Literal
 
 import numpy as np
@@ -23,6 +24,7 @@ _SHOWN = 3
 _Episodes = dict[tuple[str, int, int], EpisodeRecord]
 _ADVICE = "Evaluate both with the same `--tasks`, `--episodes` and `--seed`; `--common` compares the episodes that both have."
 _LIMITS_ADVICE = "Evaluate both with the same limits; `--any-limits` compares them nevertheless."
+_VERSIONS_ADVICE = "Evaluate the one with the older version again with this release; docs/versions.md says what a version is."
 
 
 @dataclass(frozen=True)
@@ -110,7 +112,8 @@ def compare(
         any_limits: Compare although episodes ended at different limits.
 
     Raises:
-        IncompatibleResults: They do not have the same episodes, or other limits, or follow unlike protocols; says what differs.
+        IncompatibleResults: They do not have the same episodes, or other limits, or other versions of a task, or follow unlike
+            protocols; says what differs.
     """
     one, other = (as_record(results, Results, "results") for results in (first, second))
     as_record(rng, np.random.Generator, "rng")
@@ -118,7 +121,7 @@ def compare(
     common, any_limits = as_flag(common, "common"), as_flag(any_limits, "any_limits")
     if one.factors or other.factors:
         raise InvalidValue("results", (one.policy, other.policy), "have factors", "Compare `results.of_factors(SETTING)`.")
-    check_same_protocol((one, other), (one.policy, other.policy))
+    check_comparable((one, other), (one.policy, other.policy))
     before, after = _by_key(one), _by_key(other)
     _check_episodes(one, other, before, after, common)
     limits = _limit_differences(one, other)
@@ -129,11 +132,11 @@ def compare(
     tasks = tuple(TaskComparison(task, pairs, p) for (task, pairs), p in zip(counted.items(), corrected))
     together = Pairs(*(sum(column) for column in zip(*map(astuple, counted.values()))))
     difference = _mean_difference(tuple(counted.values()), rng)
-    return Comparison(one.policy, other.policy, measure, tasks, together, difference, (*limits, *_remarks(one, other)))
+    return Comparison(one.policy, other.policy, measure, tasks, together, difference, (*limits, *provenance_remarks(one, other)))
 
 
-def check_same_protocol(results: Sequence[Results], labels: Sequence[str]) -> None:
-    """Raise IncompatibleResults unless all results follow one protocol, with the same content, or none.
+def check_comparable(results: Sequence[Results], labels: Sequence[str]) -> None:
+    """Raise IncompatibleResults unless all results follow one protocol or none, and their common tasks have the same versions.
 
     Args:
         results: The results.
@@ -149,6 +152,15 @@ def check_same_protocol(results: Sequence[Results], labels: Sequence[str]) -> No
             difference = f"protocol {_shown(before)} against {_shown(now)}"
             advice = "Show them one by one, or evaluate both by the same protocol."
             raise IncompatibleResults(labels[0], label, (difference,), advice)
+    for (one, first), (other, second) in combinations(zip(found, labels), 2):
+        if differences := _version_differences(one, other):
+            raise IncompatibleResults(first, second, differences, _VERSIONS_ADVICE)
+
+
+def _version_differences(one: Results, other: Results) -> list[str]:
+    """Say which tasks of both have unlike versions."""
+    versions = [(task, one.version_of(task), other.version_of(task)) for task in one.tasks if task in other.tasks]
+    return [f"task '{task}' has version {a} in the first and {b} in the second" for task, a, b in versions if a != b]
 
 
 def _shown(protocol: Protocol | None) -> str:
@@ -203,8 +215,8 @@ def _limit_differences(one: Results, other: Results) -> list[str]:
     return [f"{name} is {a!r} in the first and {b!r} in the second" for name, a, b in pairs if a != b]
 
 
-def _remarks(one: Results, other: Results) -> list[str]:
-    """Say what else differs: versions and commits, with which the same seed may be another episode."""
+def provenance_remarks(one: Results, other: Results) -> list[str]:
+    """Return sentences about what else differs: versions and commits, with which the same seed may be another episode."""
     names = sorted({*one.versions, *other.versions})
     versions = [f"{name} {one.versions.get(name)} and {other.versions.get(name)}" for name in names]
     found = [text for name, text in zip(names, versions) if one.versions.get(name) != other.versions.get(name)]

@@ -29,8 +29,9 @@ from rlbench_pin.values import (
     one_of,
 )
 
-FORMAT = 4
-"""Number of the format of results files. Format 1 has no seed key and no deaths of workers, 2 no protocol, 3 no factors."""
+FORMAT = 5
+"""Number of the format of results files. Format 1 has no seed key and no deaths of workers, 2 no protocol, 3 no factors,
+4 no versions of tasks."""
 End = Literal["success", "failed", "steps", "seconds", "fault"]
 """How an episode ended: with success, by the task as failed, at the limit of steps or of seconds, or by a fault of the policy."""
 ENDS: tuple[str, ...] = get_args(End)
@@ -141,6 +142,8 @@ class Results:
     """Settings of factors that were played beside the episodes without factors, in order."""
     trained_on: str = ""
     """Factors that the training data contained, as the user states it."""
+    task_versions: Mapping[str, int] = field(default_factory=dict)
+    """Task -> its version; empty in files of formats 1 to 4, where each is version 1."""
 
     def __post_init__(self) -> None:
         """Check every value, and keep it as plain Python has it."""
@@ -162,11 +165,17 @@ class Results:
             "policy_seed_key": _text(self.policy_seed_key, "Results.policy_seed_key"),
             "factors": tuple(_name(setting, "Results.factors") for setting in as_names(self.factors, "Results.factors")),
             "trained_on": _text(self.trained_on, "Results.trained_on"),
+            "task_versions": {
+                name: as_whole(version, f"Results.task_versions[{name!r}]", least=1, most=LARGEST_COUNT)
+                for name, version in sorted(_table(self.task_versions, "Results.task_versions").items())
+            },
         }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
         if self.protocol is not None:
             as_record(self.protocol, Protocol, "Results.protocol")
+        if self.task_versions and set(self.task_versions) != set(self.tasks):
+            raise InvalidValue("Results.task_versions", sorted(self.task_versions), "have to be those of its tasks")
         self._check_episodes()
 
     def _check_episodes(self) -> None:
@@ -195,6 +204,7 @@ class Results:
         format = 2 if self.policy_seed_key or any(episode.worker_deaths for episode in self.episodes) else 1
         format = format if self.protocol is None else 3
         format = 4 if self.factors else format
+        format = 5 if self.task_versions else format
         head = {name: getattr(self, name) for name in HEAD[format]}
         if "protocol" in head:
             head["protocol"] = None if self.protocol is None else self.protocol.record()
@@ -211,7 +221,13 @@ class Results:
         episodes = tuple(replace(episode, factors="") for episode in self.episodes if episode.factors == setting)
         played = {episode.task for episode in episodes}
         tasks = tuple(task for task in self.tasks if task in played)
-        return replace(self, tasks=tasks, episodes=episodes, factors=())
+        versions = {task: version for task, version in self.task_versions.items() if task in played}
+        return replace(self, tasks=tasks, episodes=episodes, factors=(), task_versions=versions)
+
+    def version_of(self, task: str) -> int:
+        """Return the version of one task; 1 where the file does not record it."""
+        as_choice(task, "task of these results", self.tasks)
+        return self.task_versions.get(task, 1)
 
     def of_task(self, task: str) -> tuple[EpisodeRecord, ...]:
         """Return the episodes of one task, in order."""
@@ -225,6 +241,7 @@ HEAD: Mapping[int, tuple[str, ...]] = {
     2: (*_HEAD, "policy_seed_key"),
     3: (*_HEAD, "policy_seed_key", "protocol"),
     4: (*_HEAD, "policy_seed_key", "protocol", "factors", "trained_on"),
+    5: (*_HEAD, "policy_seed_key", "protocol", "factors", "trained_on", "task_versions"),
 }
 """Format -> fields of a results file beside format, episodes and checksum."""
 _EPISODE = tuple(field.name for field in fields(EpisodeRecord))
@@ -233,6 +250,7 @@ EPISODE: Mapping[int, tuple[str, ...]] = {
     2: tuple(name for name in _EPISODE if name != "factors"),
     3: tuple(name for name in _EPISODE if name != "factors"),
     4: _EPISODE,
+    5: _EPISODE,
 }
 """Format -> fields of an episode."""
 

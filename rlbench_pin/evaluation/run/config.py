@@ -30,6 +30,8 @@ LARGEST_START = 2**48
 """Largest seed of an evaluation."""
 LONGEST_KEY = 64
 """Bytes of a key of the seeds of policies at most."""
+LIMITS = ("episodes", "seed", "max_steps", "max_seconds", "variations", "time_limit", "robot", "tell_task")
+"""Settings that results files record as `limits`."""
 SECONDS = 120.0
 """Length of an episode at most, unless said otherwise [s]: the longest demonstrations of all tasks take 42 s."""
 

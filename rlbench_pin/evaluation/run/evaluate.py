@@ -22,12 +22,13 @@ from rlbench_pin.evaluation.policies.references import IN_PROCESS
 from rlbench_pin.evaluation.policies.settings import PolicySettings
 from rlbench_pin.evaluation.protocols.plan import check_policy
 from rlbench_pin.evaluation.results.records import WORKER_DIED, EpisodeRecord, Results, read_results, write_results
-from rlbench_pin.evaluation.run.config import EXPERT, EpisodeItem, EvaluationConfig, plan_episodes
+from rlbench_pin.evaluation.run.config import EXPERT, LIMITS, EpisodeItem, EvaluationConfig, plan_episodes
 from rlbench_pin.evaluation.run.episode import EpisodeOutcome
 from rlbench_pin.evaluation.run.provenance import checkout_commit, policy_digests, times_path, write_times
 from rlbench_pin.evaluation.run.runner import EpisodeRunner, not_played
 from rlbench_pin.processes import Engine, GivenUp, Journal, JournalInUse, ProcessEngine, WorkerDeath, exclusive, run_jobs
 from rlbench_pin.processes.jobs import MAX_DEATHS, first_line
+from rlbench_pin.tasks import find_task, task_scene
 from rlbench_pin.values import as_flag, as_function, as_path, as_record
 
 _JOURNAL_FORMAT = 2
@@ -139,7 +140,7 @@ def evaluate(
             outcomes[outcome.item] = replace(outcome, record=record)
             journal.add(outcomes[outcome.item])
 
-        for event in run_jobs(todo, worker, store=keep, lost=_lost, engine=engine, stop=stop, max_deaths=max_deaths):
+        for event in run_jobs(todo, worker, store=keep, lost=lost_outcome, engine=engine, stop=stop, max_deaths=max_deaths):
             if isinstance(event, WorkerDeath):
                 deaths[event.item] += 1
                 progress = replace(progress, deaths=progress.deaths + 1)
@@ -164,14 +165,14 @@ def journal_path(out: Path) -> Path:
 def empty_results(config: EvaluationConfig, settings: PolicySettings, items: Sequence[EpisodeItem]) -> Results:
     """Return the results of an evaluation without its episodes."""
     names = tuple(dict.fromkeys(item.name for item in items))
-    limits = ("episodes", "seed", "max_steps", "max_seconds", "variations", "time_limit", "robot", "tell_task")
+    found_by = {item.name: item.task for item in items}
     return Results(
         policy=config.policy,
         settings=settings.plain(),
         task_set=config.task_set or " ".join(names),
         tasks=names,
         seeds=config.seeds(),
-        limits={name: getattr(config, name) for name in limits},
+        limits={name: getattr(config, name) for name in LIMITS},
         versions=library_versions(),
         commit=checkout_commit(),
         episodes=(),
@@ -179,6 +180,7 @@ def empty_results(config: EvaluationConfig, settings: PolicySettings, items: Seq
         protocol=config.protocol,
         factors=config.factors,
         trained_on=config.trained_on,
+        task_versions={name: task_scene(find_task(task)).version for name, task in found_by.items()},
     )
 
 
@@ -220,7 +222,7 @@ def _finished(out: Path, empty: Results) -> Results:
     return results
 
 
-def _lost(given_up: GivenUp[EpisodeItem]) -> EpisodeOutcome:
+def lost_outcome(given_up: GivenUp[EpisodeItem]) -> EpisodeOutcome:
     """Return the outcome of an episode with which too many workers died."""
     return EpisodeOutcome(given_up.item, not_played(given_up.item, WORKER_DIED, given_up.cause))
 

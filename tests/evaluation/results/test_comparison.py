@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rlbench_pin.errors import IncompatibleResults, InvalidValue, UnknownName
-from rlbench_pin.evaluation.results.comparison import Pairs, compare
+from rlbench_pin.evaluation.results.comparison import Pairs, check_comparable, compare
 from rlbench_pin.evaluation.results.records import Results
 from tests.evaluation.results.made import results
 
@@ -72,6 +72,21 @@ def test_incompatible_results_are_refused(other: Results, says: str) -> None:
     with pytest.raises(IncompatibleResults, match=says) as raised:
         compare(BASE, other, rng())
     assert raised.value.differences and "valuate both" in str(raised.value) or "no episode in common" in str(raised.value)
+
+
+def test_unlike_versions_of_a_task_are_refused() -> None:
+    """With the task, both versions and the next step; also where only common episodes are compared, or several are shown."""
+    second = replace(BASE, policy="random", task_versions={"reach_target": 2, "open_drawer": 1})
+    for common in (False, True):
+        with pytest.raises(IncompatibleResults) as raised:
+            compare(BASE, second, rng(), common=common)
+        assert raised.value.differences == ("task 'reach_target' has version 1 in the first and 2 in the second",)
+        assert "'noop' and 'random'" in str(raised.value) and "Evaluate the one with the older version again" in str(raised.value)
+    with pytest.raises(IncompatibleResults, match="'b' and 'c'"):
+        check_comparable((results({"open_box": "1"}), BASE, second), ("a", "b", "c"))
+    ones = replace(BASE, task_versions={"reach_target": 1, "open_drawer": 1})
+    check_comparable((BASE, ones), ("a", "b"))
+    assert compare(BASE, ones, rng()).pairs.of == 8
 
 
 def test_what_both_have_can_be_compared() -> None:

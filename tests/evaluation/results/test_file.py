@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rlbench_pin.errors import InvalidValue, ResultsFileError
+from rlbench_pin.errors import InvalidValue, ResultsFileError, UnknownName
 from rlbench_pin.evaluation.results.records import EpisodeRecord, Results, read_results, results_text, write_results
 from tests.evaluation.results.made import episode, results
 
@@ -22,6 +22,27 @@ def test_what_is_written_is_read(tmp_path: Path) -> None:
     assert read_results(path) == made
     assert read_results(str(path)).sha256 == made.sha256
     assert sum(line.startswith('{"task"') for line in path.read_text().splitlines()) == 8
+
+
+def test_versions_of_tasks_are_written(tmp_path: Path) -> None:
+    """In format 5, the task order aside; a file without them is read as one of versions 1, and written as before."""
+    plain = results({"reach_target": "10", "open_drawer": "11"})
+    made = replace(plain, task_versions={"reach_target": 2, "open_drawer": 1})
+    path = write_results(tmp_path / "a.json", made)
+    content = json.loads(path.read_text())
+    assert (content["format"], content["task_versions"]) == (5, {"open_drawer": 1, "reach_target": 2})
+    assert read_results(path) == made and read_results(path).version_of("reach_target") == 2
+    assert results_text(made) == results_text(replace(plain, task_versions={"open_drawer": 1, "reach_target": 2}))
+    old = read_results(write_results(tmp_path / "b.json", plain))
+    assert old.content()["format"] == 1 and old.task_versions == {} and old.version_of("reach_target") == 1
+    with pytest.raises(UnknownName, match="open_drawer"):
+        old.version_of("open_drawr")
+    for wrong in ({"reach_target": 1}, {"reach_target": 0, "open_drawer": 1}, {"reach_target": True, "open_drawer": 1}, [1]):
+        with pytest.raises(InvalidValue, match="task_versions"):
+            replace(plain, task_versions=wrong)  # type: ignore[arg-type]
+    path.write_text(path.read_text().replace('"reach_target": 2', '"reach_target": 3'))
+    with pytest.raises(ResultsFileError, match="it was altered"):
+        read_results(path)
 
 
 def test_equal_content_is_equal_to_the_byte() -> None:
@@ -43,7 +64,8 @@ def test_equal_content_is_equal_to_the_byte() -> None:
 @pytest.mark.parametrize(
     ("before", "after", "says"),
     [
-        ('"format": 1', '"format": 5', "format 5, this package reads formats 1 to 4"),
+        ('"format": 1', '"format": 6', "format 6, this package reads formats 1 to 5"),
+        ('"format": 1', '"format": 5', "lacks .*task_versions"),
         ('"format": 1', '"format": 2', "lacks policy_seed_key"),
         ('"format": 1', '"format": true', "format True"),
         ('"steps": 10', '"steps": 11', "it was altered"),
@@ -139,8 +161,9 @@ def test_the_checksum_covers_everything() -> None:
         replace(made, policy="random"), replace(made, commit="1"),
         replace(made, limits={"max_steps": 1}), replace(made, task_set="x"),
         replace(made, seeds=(*made.seeds, 7)), replace(made, episodes=made.episodes[:1]),
+        replace(made, task_versions={"reach_target": 1}), replace(made, task_versions={"reach_target": 2}),
     ]  # fmt: skip
-    assert len({made.sha256, *(other.sha256 for other in others)}) == 7
+    assert len({made.sha256, *(other.sha256 for other in others)}) == 9
     assert json.loads(results_text(made))["sha256"] == made.sha256
 
 

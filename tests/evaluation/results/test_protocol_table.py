@@ -94,6 +94,9 @@ def test_unlike_protocols_do_not_mix(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert "against small version" in capsys.readouterr().err
     assert exit_code("results", paths[0], paths[2]) == 1
     assert "against none" in capsys.readouterr().err
+    later = replace(first, task_versions=dict.fromkeys(first.tasks, 2))
+    assert exit_code("results", paths[0], str(write_results(tmp_path / "later.json", later))) == 1
+    assert "has version 1 in the first and 2 in the second" in capsys.readouterr().err
     part = str(write_results(tmp_path / "part.json", made(one.of_part("easy"), "1111")))
     assert exit_code("results", paths[0], part) == 0
     assert "mean over tasks of easy" in capsys.readouterr().out
