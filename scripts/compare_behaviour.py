@@ -18,7 +18,8 @@ Each section runs once in each checkout, in a process of its own, with the inter
 `--renamed` names a JSON file with the intended changes: `{"keys": {"old": "new"}, "names": {"package.Old": "package.New"}}`.
 The exit code is 0 when nothing differs. Times are printed and never change the exit code.
 
-`--record` writes the hashes of one seed of each task to a JSON file. Two such files are compared instead of two checkouts.
+`--record` writes the hashes of one seed of each task to a JSON file; a stopped run goes on.
+Two such files are compared instead of two checkouts.
 `--out` writes the hashes of OLD and, for each interpreter compared with it, what differs. This file may be OLD for a third one.
 """
 
@@ -177,13 +178,20 @@ def probe(section: str, options: dict[str, Any]) -> object:
 
 
 def record(out: Path, tasks: list[str]) -> None:
-    """Write the hashes of tasks and cameras that this interpreter gives to a JSON file."""
+    """Write the hashes of tasks and cameras that this interpreter gives to a JSON file; tasks that it has are kept."""
     from rlbench_pin.environment import library_versions  # of the checkout
 
-    options = {"tasks": tasks, "seeds": 1}
-    hashes = {section: probe(section, options) for section in RECORDED}
     run = {"python": platform.python_version(), "machine": platform.machine(), "versions": library_versions(), "differences": []}
-    write_record(out, [run], hashes)
+    hashes: dict[str, Any] = {section: {} for section in RECORDED}
+    if out.exists():
+        hashes = json.loads(out.read_text(encoding="utf-8"))
+        if hashes.pop("runs") != [run]:
+            raise SystemExit(f"{out} was recorded with another interpreter or other versions. Delete it, or name another file.")
+    for name in tasks:
+        if f"{name} 0 reset" not in hashes["tasks"]:
+            for section in RECORDED:
+                hashes[section] |= probe(section, {"tasks": [name], "seeds": 1})
+            write_record(out, [run], hashes)
 
 
 def write_record(out: Path, runs: list[dict[str, Any]], hashes: Mapping[str, object]) -> None:

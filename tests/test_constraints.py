@@ -8,6 +8,7 @@ from importlib import metadata
 from pathlib import Path
 
 import pytest
+import yaml
 from packaging.requirements import Requirement
 from packaging.specifiers import SpecifierSet
 from packaging.utils import canonicalize_name
@@ -52,3 +53,9 @@ def test_make_and_continuous_integration_install_with_the_pins() -> None:
     """The one recipe that installs takes the constraints, and `.ci/run` goes through it."""
     assert "-c constraints.txt -e" in (ROOT / "Makefile").read_text(encoding="utf-8")
     assert "make test" in (ROOT / ".ci" / "run").read_text(encoding="utf-8")
+
+
+def test_the_hooks_of_pre_commit_have_the_pinned_linter() -> None:
+    """`make lint` and the hooks run one version of ruff."""
+    hooks = yaml.safe_load((ROOT / ".pre-commit-config.yaml").read_text(encoding="utf-8"))["repos"]
+    assert [hook["rev"] for hook in hooks] == [f"v{VERSIONS['ruff']}"]
