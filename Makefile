@@ -1,6 +1,7 @@
-# Every target sets up .venv by itself when it is missing; nothing but Python 3.11 with its venv module is needed.
+# Every target sets up .venv by itself when it is missing; nothing but Python 3.11, 3.12 or 3.13 with its venv module is needed.
+# Another Python than the default: `make clean`, then `make test PYTHON=python3.13`.
 SHELL := /bin/bash
-PYTHON ?= $(shell command -v python3.11 || command -v python3)
+PYTHON ?= $(shell command -v python3.11 || command -v python3.12 || command -v python3.13 || command -v python3)
 BIN := .venv/bin
 STAMP := .venv/.installed
 TESTS ?= tests
@@ -59,10 +60,13 @@ test-browser: $(STAMP)
 		|| { echo "What failed is tried once more: a browser without a graphics card may be late."; \
 		$(BIN)/pytest -m "browser and not slow" --last-failed tests/builder/browser; }
 
+# One Python installs one of the two distributions of PyBullet; their lines are kept, and renewed by hand.
 lock:
 	rm -rf .venv-lock && $(PYTHON) -m venv .venv-lock
 	.venv-lock/bin/python -m pip install --quiet --disable-pip-version-check -e '.[dev,bench]'
-	.venv-lock/bin/python -m pip freeze --exclude-editable > constraints.txt
+	.venv-lock/bin/python -m pip freeze --exclude-editable | grep -v '^pybullet' > .venv-lock/constraints.txt
+	grep '^pybullet' constraints.txt >> .venv-lock/constraints.txt
+	mv .venv-lock/constraints.txt constraints.txt
 	rm -rf .venv-lock
 
 # 100 demonstrations of each task in all its variations, 100 on seeds that nobody has looked at, key frames of 20, friction only of 20, and the whole contract. A stopped sweep goes on: finished trials are kept in out/sweep, and the table

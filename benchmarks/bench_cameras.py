@@ -101,7 +101,7 @@ class NaiveCamera:
         _, _, rgb, depth, mask = pybullet.getCameraImage(
             width, height, look, lens, renderer=pybullet.ER_TINY_RENDERER, physicsClientId=self._client
         )
-        return np.array(rgb)[..., :3], np.array(depth), np.array(mask)
+        return np.reshape(rgb, (height, width, 4))[..., :3], np.array(depth), np.array(mask)
 
     def close(self) -> None:
         """Free the server."""

@@ -1,8 +1,10 @@
-"""Compare two checkouts of this repository: a refactoring must not change what the package computes.
+"""Compare two checkouts of this repository, or two interpreters: neither must change what the package computes.
 
     python scripts/compare_behaviour.py OLD NEW                        # everything, hours on two cores
     python scripts/compare_behaviour.py OLD NEW --tasks open_drawer --sections tasks cameras
     python scripts/compare_behaviour.py OLD NEW --renamed renamed.json
+    python3.13 scripts/compare_behaviour.py --record new.json          # tasks and cameras, with this interpreter
+    python scripts/compare_behaviour.py old.json new.json --out docs/results/interpreters.json
 
 Each section runs once in each checkout, in a process of its own, with the interpreter of `CHECKOUT/.venv` where there is one:
 
@@ -15,6 +17,10 @@ Each section runs once in each checkout, in a process of its own, with the inter
 
 `--renamed` names a JSON file with the intended changes: `{"keys": {"old": "new"}, "names": {"package.Old": "package.New"}}`.
 The exit code is 0 when nothing differs. Times are printed and never change the exit code.
+
+`--record` writes the hashes of one seed of each task to a JSON file; a stopped run goes on.
+Two such files are compared instead of two checkouts.
+`--out` writes the hashes of OLD and, for each interpreter compared with it, what differs. This file may be OLD for a third one.
 """
 
 from __future__ import annotations
@@ -23,6 +29,7 @@ import argparse
 import hashlib
 import json
 import os
+import platform
 import re
 import subprocess
 import sys
@@ -35,6 +42,7 @@ from typing import Any
 
 import numpy as np
 
+RECORDED = ("tasks", "cameras")
 SECTIONS = ("tasks", "cameras", "record", "evaluate", "names", "times")
 CAMERA_TASKS = ("reach_target", "open_drawer", "stack_blocks", "take_lid_off_saucepan", "press_switch", "close_jar")
 EVALUATED = (
@@ -169,6 +177,28 @@ def probe(section: str, options: dict[str, Any]) -> object:
     return probe_times(options["repeats"])
 
 
+def record(out: Path, tasks: list[str]) -> None:
+    """Write the hashes of tasks and cameras that this interpreter gives to a JSON file; tasks that it has are kept."""
+    from rlbench_pin.environment import library_versions  # of the checkout
+
+    run = {"python": platform.python_version(), "machine": platform.machine(), "versions": library_versions(), "differences": []}
+    hashes: dict[str, Any] = {section: {} for section in RECORDED}
+    if out.exists():
+        hashes = json.loads(out.read_text(encoding="utf-8"))
+        if hashes.pop("runs") != [run]:
+            raise SystemExit(f"{out} was recorded with another interpreter or other versions. Delete it, or name another file.")
+    for name in tasks:
+        if f"{name} 0 reset" not in hashes["tasks"]:
+            for section in RECORDED:
+                hashes[section] |= probe(section, {"tasks": [name], "seeds": 1})
+            write_record(out, [run], hashes)
+
+
+def write_record(out: Path, runs: list[dict[str, Any]], hashes: Mapping[str, object]) -> None:
+    """Write a JSON file of hashes and the interpreters that were compared by them."""
+    out.write_text(json.dumps({"runs": runs, **hashes}, indent=1) + "\n", encoding="utf-8")
+
+
 # What compares ------------------------------------------------------------------------------------------------------------------
 
 
@@ -287,14 +317,31 @@ def compare(section: str, old: Path, new: Path, options: dict[str, Any], renamed
     return len(found)
 
 
+def compare_records(old: Path, new: Path, shown: int, out: Path | None) -> int:
+    """Compare two files of `--record`, print the result and return the number of differences."""
+    before, after = (json.loads(path.read_text(encoding="utf-8")) for path in (old, new))
+    runs, (run,) = before.pop("runs"), after.pop("runs")
+    found = run["differences"] = differences(before, after, {})
+    print(
+        f"Python {runs[0]['python']} and {run['python']}: {len(flat(after, {}))} values, {len(found)} differ",
+        *found[:shown],
+        sep="\n  ",
+    )
+    if out is not None:
+        write_record(out, [*runs, run], before)
+    return len(found)
+
+
 def main() -> int:
     """Parse the arguments and compare the sections one after the other."""
     if sys.argv[1:2] == ["--probe"]:
         print(json.dumps(probe(sys.argv[2], json.loads(sys.argv[3]))))
         return 0
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("old", type=Path, help="checkout before the change")
-    parser.add_argument("new", type=Path, help="checkout after the change")
+    parser.add_argument("old", type=Path, nargs="?", help="checkout before the change, or a file of `--record`")
+    parser.add_argument("new", type=Path, nargs="?", help="checkout after the change, or a file of `--record`")
+    parser.add_argument("--record", type=Path, metavar="FILE", help="write what this interpreter gives, and compare nothing")
+    parser.add_argument("--out", type=Path, help="JSON file for the comparison of two files")
     parser.add_argument("--sections", nargs="+", choices=SECTIONS, default=SECTIONS)
     parser.add_argument("--tasks", nargs="+", help="names of tasks; all of the old checkout when not given")
     parser.add_argument("--seeds", type=int, default=3, help="seeds of each task")
@@ -303,7 +350,16 @@ def main() -> int:
     parser.add_argument("--renamed", type=Path, help="JSON file with intended changes of keys and names")
     parser.add_argument("--shown", type=int, default=40, help="differences that are printed")
     args = parser.parse_args()
+    if args.record:
+        from rlbench_pin.tasks import library_names
+
+        record(args.record, args.tasks or list(library_names()))
+        return 0
+    if args.old is None or args.new is None:
+        parser.error("two checkouts, or two files of `--record`, are needed")
     old, new = args.old.resolve(), args.new.resolve()
+    if old.is_file() and new.is_file():
+        return int(compare_records(old, new, args.shown, args.out) > 0)
     library = (old / "rlbench_pin" / "tasks" / "library").glob("*.toml")
     options = {"tasks": args.tasks or sorted(path.stem for path in library)}
     options |= {name: getattr(args, name) for name in ("seeds", "rounds", "repeats", "shown")}

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import compare_behaviour
 import h5py
 import numpy as np
 import pytest
@@ -99,6 +100,28 @@ def test_export_demos(tmp_path: Path) -> None:
     assert f"{tmp_path / 'rlbench'} is there already" in again
     assert "wrote" not in again
     assert len(stored_demos(tmp_path / "dataset", TASK, -1, -1, random_selection=False)) == 2
+
+
+@pytest.mark.simulation
+def test_interpreters_are_compared_by_their_records(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Tasks that a record has are kept; the comparison names each hash that differs, for one interpreter after the other."""
+    first, second, out = (tmp_path / name for name in ("first.json", "second.json", "out.json"))
+    compare_behaviour.record(first, [TASK])
+    content = json.loads(first.read_text())
+    assert sorted(content["tasks"]) == [f"{TASK} 0 {part}" for part in ("demonstration", "end", "reset", "state")]
+    assert list(content["cameras"]) == list(content["tasks"])
+    content["tasks"][f"{TASK} 0 end"] = "other"
+    second.write_text(json.dumps(content))
+    compare_behaviour.record(second, [TASK])
+    assert json.loads(second.read_text()) == content
+    assert compare_behaviour.compare_records(first, second, 5, out) == 1
+    assert compare_behaviour.compare_records(out, first, 5, out) == 0
+    assert "8 values, 1 differ" in capsys.readouterr().out
+    assert [len(run["differences"]) for run in json.loads(out.read_text())["runs"]] == [0, 1, 0]
+    content["runs"][0]["python"] = "3.0.0"
+    second.write_text(json.dumps(content))
+    with pytest.raises(SystemExit, match="another interpreter"):
+        compare_behaviour.record(second, [TASK])
 
 
 OLD_SCENE = """format = 2

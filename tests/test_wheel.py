@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import io
-import subprocess
-import sys
 import zipfile
 from pathlib import Path
 
 import pytest
+from release import build
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "rlbench_pin"
@@ -28,22 +27,13 @@ def test_the_package_is_small() -> None:
     assert 100_000 < packed.tell() < MAX_BYTES
 
 
-@pytest.mark.slow
-def test_the_wheel_holds_the_whole_package(tmp_path: Path) -> None:
-    """Every scene, asset and module is in it, nothing of tests and scripts is, and it is small."""
+@pytest.mark.simulation
+def test_wheel_and_sdist_hold_the_whole_package(tmp_path: Path) -> None:
+    """Every scene, asset and module is in the wheel, nothing of tests and scripts is. Both are small, and twine accepts them."""
     pytest.importorskip("hatchling")
-    arguments = [
-        "wheel",
-        "--no-deps",
-        "--no-build-isolation",
-        "--disable-pip-version-check",
-        "-q",
-        "-w",
-        str(tmp_path),
-        str(ROOT),
-    ]
-    subprocess.run([sys.executable, "-m", "pip", *arguments], check=True, timeout=300)
-    (wheel,) = tmp_path.glob("*.whl")
+    pytest.importorskip("twine")
+    sdist, wheel = sorted(build(ROOT, tmp_path), key=lambda file: file.suffix)
+    assert sdist.name.endswith(".tar.gz") and sdist.stat().st_size < MAX_BYTES
     assert wheel.stat().st_size < MAX_BYTES
     with zipfile.ZipFile(wheel) as archive:
         names = {name for name in archive.namelist() if ".dist-info/" not in name}

@@ -20,7 +20,7 @@ _DARK, _FLAT = 8.0, 4.0
 
 @dataclass(frozen=True)
 class Doctor:
-    """Check this machine: take an image with each renderer, write a video, print the versions of the libraries."""
+    """Check this machine: one PyBullet, an image with each renderer, a video; print the versions of the libraries."""
 
     json: bool = False
     """Print JSON for programs."""
@@ -30,6 +30,7 @@ class Doctor:
         from rlbench_pin.environment.demos import library_versions
 
         findings = [
+            _tried("one pybullet", True, check_pybullet),
             _tried("renderer cpu", True, lambda: check_renderer("cpu")),
             _tried("renderer egl", False, lambda: check_renderer("egl")),
             _tried("videos", True, check_videos),
@@ -64,6 +65,23 @@ def _tried(what: str, needed: bool, attempt: Callable[[], str]) -> Finding:
         return Finding(what, True, needed, attempt())
     except (RlbenchPinError, OSError) as error:
         return Finding(what, False, needed, str(error))
+
+
+def check_pybullet() -> str:
+    """Return the installed distribution of the module `pybullet`.
+
+    Raises:
+        RlbenchPinError: Both distributions are installed. They overwrite each other's files.
+    """
+    from rlbench_pin.environment.demos import pybullet_distributions
+
+    found = pybullet_distributions()
+    if len(found) > 1:
+        raise RlbenchPinError(
+            f"Two distributions install the module `pybullet`: {' and '.join(found)}. They overwrite each other's files. "
+            "Run `pip uninstall --yes pybullet pybullet-arm64`, then install rlbench-pin again; it brings the right one."
+        )
+    return ", ".join(found) or "installed without metadata"
 
 
 def check_renderer(renderer: Literal["cpu", "egl"]) -> str:

@@ -393,7 +393,13 @@ def _same_arrays(a: Mapping[str, np.ndarray], b: Mapping[str, np.ndarray]) -> bo
 
 def library_versions() -> dict[str, str]:
     """Return name -> version of this package and the libraries that shape a demonstration; `unknown` without metadata."""
-    return {name: _version(name) for name in LIBRARIES}
+    return {name: _version(name) for name in LIBRARIES} | {"pybullet": ", ".join(pybullet_distributions()) or "unknown"}
+
+
+def pybullet_distributions() -> tuple[str, ...]:
+    """Return the versions of the installed distributions of `pybullet`; the fork is named, `3.2.8 (pybullet-arm64)`."""
+    found = {"": _version("pybullet"), " (pybullet-arm64)": _version("pybullet-arm64")}
+    return tuple(number + name for name, number in found.items() if number != "unknown")
 
 
 def _version(name: str) -> str:

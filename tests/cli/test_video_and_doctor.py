@@ -11,7 +11,7 @@ import pytest
 from rlbench_pin.checking.validate import demo_bytes
 from rlbench_pin.cli.doctor import check_image
 from rlbench_pin.cli.main import main
-from rlbench_pin.environment import low_dim_config, make_environment
+from rlbench_pin.environment import library_versions, low_dim_config, make_environment
 from rlbench_pin.errors import CameraError
 from rlbench_pin.recording.video import Clip, Orbit, grid_frames, grid_size, side_view
 
@@ -105,8 +105,23 @@ def test_doctor_tries_every_renderer(capsys):
     assert main(["doctor", "--json"]) == 0
     report = json.loads(capsys.readouterr().out)
     works = {finding["what"]: finding["works"] for finding in report["findings"]}
-    assert works["renderer cpu"] and works["videos"] and "renderer egl" in works
-    assert report["versions"]["pybullet"]
+    assert works["one pybullet"] and works["renderer cpu"] and works["videos"] and "renderer egl" in works
+    assert report["versions"]["pybullet"].startswith("3.2.")
+
+
+def test_doctor_refuses_two_pybullets(monkeypatch, capsys, tmp_path):
+    """Both distributions write the same module: the line names both, and the commands that leave one."""
+    for name, version in (("pybullet", "3.2.7"), ("pybullet_arm64", "3.2.8")):
+        folder = tmp_path / f"{name}-{version}.dist-info"
+        folder.mkdir()
+        (folder / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: {version}\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    assert library_versions()["pybullet"] == "3.2.7, 3.2.8 (pybullet-arm64)"
+    assert main(["doctor", "--json"]) == 1
+    finding = json.loads(capsys.readouterr().out)["findings"][0]
+    assert not finding["works"] and finding["needed"]
+    assert "3.2.7 and 3.2.8 (pybullet-arm64)" in finding["detail"]
+    assert "`pip uninstall --yes pybullet pybullet-arm64`, then install rlbench-pin again" in finding["detail"]
 
 
 @pytest.mark.parametrize("picture", [np.zeros((8, 8, 3)), np.full((8, 8, 3), 90.0)])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
@@ -264,7 +265,7 @@ class BulletRasterizer:
         """Colours, depth buffer and segments; OpenGL prints a line at every change of size."""
         key = lighting.key.intensity if sight.is_lit else 0.0
         with captured_output() if self._hardware else nullcontext():
-            return bullet.getCameraImage(
+            images = bullet.getCameraImage(
                 *view.size,
                 viewMatrix=view.gl_view,
                 projectionMatrix=projection_matrix(view, self._hardware),
@@ -278,6 +279,11 @@ class BulletRasterizer:
                 flags=bullet.ER_SEGMENTATION_MASK_OBJECT_AND_LINKINDEX,
                 physicsClientId=self._client.id,
             )[2:]
+        if bullet.isNumpyEnabled():
+            return images
+        # pybullet-arm64 gives tuples of numbers; a third of the time of np.array.
+        colors, depths, segments = images
+        return np.frombuffer(bytes(colors), np.uint8), np.array(array("f", depths)), np.array(array("i", segments))
 
 
 class BulletShooting:
