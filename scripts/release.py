@@ -24,6 +24,7 @@ GENERATORS: tuple[tuple[str, ...], ...] = (
     ("write_factor_results.py",),
     ("write_factors.py",),
     ("write_instructions.py",),
+    ("write_leaderboard.py",),
     ("write_protocol_results.py",),
     ("write_reference.py",),
     ("write_results_tables.py",),

@@ -31,7 +31,7 @@ HEAD = ("Policy", "Success", "95 %", "Episodes", "Commit", "File")
 START = f"""# Leaderboard
 
 A table for each [protocol](protocols.md), best policy first. *Success* is the mean over tasks, with its bootstrap interval
-([results files](results_files.md#tables-comparisons-pictures)). Rows of one table have the same episodes of the same protocol,
+([results files](results_files.md#compare-policies)). Rows of one table have the same episodes of the same protocol,
 and the same [versions of tasks](versions.md). {NO_CLAIM}
 
 `python scripts/write_leaderboard.py` writes this page from the results files.
