@@ -30,13 +30,9 @@ SILENT = ("docs/gymnasium.md",)
 """Pages whose programs print nothing to stderr."""
 FILES = {
     "docs/compatibility.md": {"program.py": "import rlbench\nprint(rlbench.__version__)\n"},
-    "docs/protocols.md": {"pair.toml": next(b.body for b in ALL if b.page == "docs/protocols.md" and b.language == "toml")},
-    "docs/policies.md": {
-        "my_policy.py": (ROOT / "examples" / "policies" / "my_policy.py").read_text(encoding="utf-8"),
-        "my_mapping.toml": next(b.body for b in ALL if b.page == "docs/policies.md" and b.language == "toml"),
-    },
+    "docs/policies.md": {"my_policy.py": (ROOT / "examples" / "policies" / "my_policy.py").read_text(encoding="utf-8")},
 }
-"""Files of the reader that a page takes for granted."""
+"""Files of the reader that a page takes for granted. A block whose first line names a new file is that file: written, not run."""
 
 
 def test_blocks_are_of_known_kinds() -> None:
@@ -88,7 +84,9 @@ def test_the_blocks_of_a_page_run(page: str, tmp_path: Path, shell: dict[str, st
     """In the order of the page, in a folder of their own."""
     work = tmp_path / "work"
     work.mkdir()
-    for name, text in FILES.get(page, {}).items():
+    written = {block.file: block.body for block in blocks(page) if block.runs_here and block.file}
+    for name, text in {**FILES.get(page, {}), **written}.items():
+        (work / name).parent.mkdir(parents=True, exist_ok=True)
         (work / name).write_text(text, encoding="utf-8")
     printed = ""
     for number, (language, text) in enumerate(_steps(page)):
@@ -106,7 +104,7 @@ def test_the_blocks_of_a_page_run(page: str, tmp_path: Path, shell: dict[str, st
 
 def _steps(page: str) -> list[tuple[str, str]]:
     """Return what runs, in order: (language, text)."""
-    found = [block for block in blocks(page) if block.runs_here]
+    found = [block for block in blocks(page) if block.runs_here and not block.file]
     programs = [block.body for block in found if block.language == "python"]
     steps, begun = [], False
     for block in found:
