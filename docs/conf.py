@@ -40,7 +40,6 @@ nitpick_ignore_regex = [
     (r"py:.*", r"(?!rlbench_pin\b).*"),  # classes of other libraries: the site links to no other site
     (r"py:.*", r"rlbench_pin\.(.*\.)?_\w+(\.\w+)*"),  # private names in annotations
 ]
-suppress_warnings = ["toc.empty_glob", "toc.glob"]
 show_warning_types = True
 
 myst_enable_extensions = ["colon_fence"]
@@ -66,6 +65,7 @@ html_theme = "furo"
 html_title = f"rlbench-pin {release}"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
+html_js_files = [("task_list.js", {"defer": "defer"})]
 html_copy_source = False
 html_show_copyright = False
 html_theme_options = {"navigation_with_keys": True}
@@ -82,7 +82,9 @@ def name_role(
     if not re.fullmatch(r"[A-Za-z_]\w*(\.\w+)*", target):
         return [nodes.literal(text, text)], []
     env = inliner.document.settings.env
-    link = pending_xref("", code, refdomain="py", reftype="obj", reftarget=target, refexplicit=False, refwarn=False, refdoc=env.docname)
+    link = pending_xref(
+        "", code, refdomain="py", reftype="obj", reftarget=target, refexplicit=False, refwarn=False, refdoc=env.docname
+    )
     link.update_basic_atts({"py:module": env.ref_context.get("py:module"), "py:class": env.ref_context.get("py:class")})
     link["py:module"], link["py:class"] = env.ref_context.get("py:module"), env.ref_context.get("py:class")
     return [link], []

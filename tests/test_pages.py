@@ -11,7 +11,7 @@ from rlbench_pin.environment import low_dim_config, make_environment
 from rlbench_pin.tasks import library_names
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGES = sorted([*(ROOT / "docs").glob("*.md"), *(ROOT / "docs" / "reference").glob("*.md")])
+PAGES = sorted(page for folder in (".", "reference", "tutorials", "how_to") for page in (ROOT / "docs" / folder).glob("*.md"))
 SUFFIXES = ("py", "md", "json", "toml", "jpg", "txt")
 
 

@@ -23,16 +23,23 @@ def api_pages() -> dict[str, str]:
     pages = {f"{FOLDER}/{module}.rst": page(module, names, homes) for module, names in public.items()}
     rows = [(f":doc:`{module}`", first_line(importlib.import_module(module))) for module in sorted(public)]
     text = "Every public name, from the docstrings. Programs import the names from the packages below."
-    toctree = "\n".join([".. toctree::", "   :hidden:", "", *(f"   {module}" for module in sorted(public))])
+    toctree = "\n".join([".. toctree::", "   :hidden:", "", *(f"   {short(module)} <{module}>" for module in sorted(public))])
     pages[f"{FOLDER}/index.rst"] = f"{title('Python reference')}\n{text}\n\n{toctree}\n\n{list_table(rows)}\n"
     return pages
+
+
+def short(module: str) -> str:
+    """Return the name of a package for the navigation."""
+    return module.removeprefix("rlbench_pin.")
 
 
 def names_and_homes(public: Mapping[str, list[str]]) -> dict[tuple[str, str], str]:
     """Return module and name -> the module whose page documents that object; the shortest one below the package itself."""
     objects = {(module, name): identity(module, name) for module, names in public.items() for name in names}
     homes: dict[object, str] = {}
-    for (module, _), item in sorted(objects.items(), key=lambda entry: (entry[0][0] == "rlbench_pin", entry[0][0].count("."), entry[0])):
+    for (module, _), item in sorted(
+        objects.items(), key=lambda entry: (entry[0][0] == "rlbench_pin", entry[0][0].count("."), entry[0])
+    ):
         homes.setdefault(item, module)
     return {key: homes[item] for key, item in objects.items()}
 
@@ -99,7 +106,9 @@ def entry(module: str, name: str, item: object) -> str:
 def public_bases(kind: type) -> list[str]:
     """Return the bases whose members are not repeated, where a class has bases of ours that are not public; else nothing."""
     hidden = [
-        b for b in kind.__mro__[1:] if b.__module__.startswith("rlbench_pin") and (b.__module__, b.__qualname__) not in identities()
+        b
+        for b in kind.__mro__[1:]
+        if b.__module__.startswith("rlbench_pin") and (b.__module__, b.__qualname__) not in identities()
     ]
     return [b.__name__ for b in kind.__mro__[1:] if b not in hidden] if hidden else []
 

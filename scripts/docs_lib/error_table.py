@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import ast
 import importlib
-import inspect
 import pkgutil
 import re
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 from docs_lib.public import OPTIONAL_LIBRARIES, PACKAGE, public_names
 from reference_lib.docs import doc_of, table
@@ -17,6 +17,7 @@ from sphinx.ext.autodoc.mock import mock
 import rlbench_pin
 from rlbench_pin.errors import MissingExtra, RlbenchPinError
 
+NO_NAMES = ("self", "str", "len", "join", "shown", "for", "in", "if", "else", "not", "sorted", "e", "f", "repr", "is", "none")
 MOST = 3
 """Messages that are shown of one type."""
 HEAD = """# Errors
@@ -33,7 +34,9 @@ def error_page() -> dict[str, str]:
     messages = all_messages()
     homes = {name: module for module, names in sorted(public_names().items(), reverse=True) for name in names}
     rows = [row(kind, messages, homes) for kind in sorted(error_types(), key=lambda kind: kind.__name__.lower())]
-    return {"errors.md": f"{HEAD}:::{{table}}\n:class: errors\n\n{table(('Error', 'Cause', 'Message', 'Next step'), rows)}\n:::\n"}
+    return {
+        "errors.md": f"{HEAD}:::{{table}}\n:class: errors\n\n{table(('Error', 'Cause', 'Message', 'Next step'), rows)}\n:::\n"
+    }
 
 
 def error_types() -> list[type[RlbenchPinError]]:
@@ -46,7 +49,11 @@ def error_types() -> list[type[RlbenchPinError]]:
                 except MissingExtra:
                     continue
     found = list(dict.fromkeys(derived(RlbenchPinError)))
-    return [kind for kind in found if kind.__module__.startswith("rlbench_pin.") and not kind.__module__.startswith("rlbench_pin.compat")]
+    return [
+        kind
+        for kind in found
+        if kind.__module__.startswith("rlbench_pin.") and not kind.__module__.startswith("rlbench_pin.compat")
+    ]
 
 
 def derived(kind: type[RlbenchPinError]) -> Iterator[type[RlbenchPinError]]:
@@ -56,59 +63,61 @@ def derived(kind: type[RlbenchPinError]) -> Iterator[type[RlbenchPinError]]:
         yield from derived(each)
 
 
-def row(kind: type[RlbenchPinError], messages: Mapping[str, list[str]], homes: Mapping[str, str]) -> tuple[str, ...]:
+def row(kind: type[RlbenchPinError], messages: Mapping[str, list[Message]], homes: Mapping[str, str]) -> tuple[str, ...]:
     """Return the row of a type."""
     name = kind.__name__
     shown = f"{{py:obj}}`~{homes[name]}.{name}`" if name in homes else f"`{name}`"
-    split = [parted(message) for message in messages_of(kind, messages)]
-    told = list(dict.fromkeys(problem for problem, _ in split))
-    advice = list(dict.fromkeys(step for _, step in split if step))
-    return shown, doc_of(kind).first, "<br>".join(told[:MOST]), "<br>".join(advice[:MOST]) or next_step(kind, messages)
+    found = messages.get(f"class {name}") or messages.get(name, [])
+    told = list(dict.fromkeys(message.problem for message in found))
+    steps = list(dict.fromkeys(message.step for message in found if message.step))
+    return shown, doc_of(kind).first, "<br>".join(told[:MOST]), "<br>".join(steps[:MOST]) or other_step(kind)
 
 
-def messages_of(kind: type[RlbenchPinError], messages: Mapping[str, list[str]]) -> list[str]:
-    """Return the messages of a type: the one that it makes itself, or those with which it is raised."""
-    return messages.get(f"class {kind.__name__}") or messages.get(kind.__name__, [])
-
-
-def next_step(kind: type[RlbenchPinError], messages: Mapping[str, list[str]]) -> str:
-    """Return the advice of the nearest base that has some."""
-    for base in kind.__mro__[1:]:
-        if issubclass(base, RlbenchPinError):
-            for _, step in map(parted, messages_of(base, messages)):
-                if step:
-                    return step
-    return ""
-
-
-def parted(message: str) -> tuple[str, str]:
-    """Return the sentence that says what is wrong, and what follows it."""
-    problem, _, step = message.partition(". ")
-    return (f"{problem}." if step else problem), step
+def other_step(kind: type[RlbenchPinError]) -> str:
+    """Return where the next step is said, for types whose messages are made where they are raised."""
+    derived_names = [f"`{each.__name__}`" for each in kind.__subclasses__()]
+    return f"See {', '.join(derived_names)}." if derived_names else "The message ends with it."
 
 
 # Messages in the source ---------------------------------------------------------------------------------------------------------
 
 
-def all_messages() -> dict[str, list[str]]:
+@dataclass(frozen=True)
+class Message:
+    """A text of an error."""
+
+    problem: str
+    step: str
+    """Sentences that say what to do; "" where they are made elsewhere."""
+
+
+def message_of(arguments: Sequence[ast.expr]) -> list[Message]:
+    """Return the message among the arguments of an error: its first text, and the next one, or its later sentences, as the step."""
+    texts = [text for text in map(text_of, arguments) if " " in text.strip()]
+    if not texts:
+        return []
+    problem, _, step = texts[0].partition(". ")
+    return [Message(f"{problem}." if step else problem, step or " ".join(texts[1:2]))]
+
+
+def all_messages() -> dict[str, list[Message]]:
     """Return type -> the messages with which it is raised; `class TYPE` -> the message that it makes itself."""
-    found: dict[str, list[str]] = defaultdict(list)
+    found: dict[str, list[Message]] = defaultdict(list)
     for file in sorted(PACKAGE.rglob("*.py")):
         tree = ast.parse(file.read_text(encoding="utf-8"))
         for node in ast.walk(tree):
             if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call) and isinstance(node.exc.func, ast.Name):
-                found[node.exc.func.id] += [text for text in map(text_of, node.exc.args) if " " in text.strip()][:1]
+                found[node.exc.func.id] += message_of(node.exc.args)
             elif isinstance(node, ast.ClassDef):
                 found[f"class {node.name}"] += own_message(node)
     return found
 
 
-def own_message(kind: ast.ClassDef) -> list[str]:
-    """Return the text that a class hands to `Exception`, if its first argument is one."""
+def own_message(kind: ast.ClassDef) -> list[Message]:
+    """Return the message that a class hands to its base."""
     for node in ast.walk(kind):
         if isinstance(node, ast.Call) and ast.unparse(node.func) == "super().__init__" and node.args:
-            text = text_of(node.args[0])
-            return [text] if " " in text.strip() else []
+            return message_of(node.args)
     return []
 
 
@@ -117,7 +126,8 @@ def text_of(node: ast.expr) -> str:
     if isinstance(node, ast.Constant) and isinstance(node.value, str):
         return escaped(node.value)
     if isinstance(node, ast.JoinedStr):
-        return "".join(text_of(part) if isinstance(part, ast.Constant) else value(part) for part in node.values)
+        parts = [text_of(part) if isinstance(part, ast.Constant) else value(part) for part in node.values]
+        return "".join(parts).replace("**", "* *")
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add):
         return text_of(node.left) + text_of(node.right)
     return ""
@@ -125,9 +135,9 @@ def text_of(node: ast.expr) -> str:
 
 def value(node: ast.expr) -> str:
     """Return the name of what is filled in."""
-    words = re.findall(r"[a-z_]\w*", ast.unparse(node.value)) if isinstance(node, ast.FormattedValue) else []
-    words = [word for word in words if word not in ("self", "str", "len", "join", "shown", "for", "in", "if", "else", "not", "sorted")]
-    return f"*{words[-1] if words else 'value'}*".replace("_", " ")
+    words = re.findall(r"\b[a-z]\w*", ast.unparse(node.value)) if isinstance(node, ast.FormattedValue) else []
+    name = next((word for word in reversed(words) if word not in NO_NAMES), "value")
+    return f"*{name.removeprefix('get_').replace('_', ' ').strip()}*"
 
 
 def escaped(text: str) -> str:

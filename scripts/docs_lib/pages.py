@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import fnmatch
 import os
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 
 from docs_lib.public import ROOT
@@ -26,7 +27,14 @@ def copied_pages(source: Path) -> dict[str, str]:
     """Return file -> text of all pages."""
     pages = {page.relative_to(DOCS).as_posix(): page for page in sorted(DOCS.rglob("*.md"))}
     pages |= {name: ROOT / page for page, name in ELSEWHERE.items()}
-    return {name: copied(page, source / name, source) for name, page in pages.items()}
+    texts = {name: copied(page, source / name, source) for name, page in pages.items()}
+    return {**texts, "index.md": without_empty(texts["index.md"], pages)}
+
+
+def without_empty(text: str, pages: Collection[str]) -> str:
+    """Drop the lines of a table of contents whose pattern fits no page: Sphinx would warn."""
+    lines = text.splitlines(keepends=True)
+    return "".join(line for line in lines if not re.fullmatch(r"[\w/]+\*\n", line) or fnmatch.filter(pages, f"{line.strip()}.md"))
 
 
 def copied(page: Path, target: Path, source: Path) -> str:
