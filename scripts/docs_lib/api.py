@@ -8,8 +8,9 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from types import ModuleType
 
-from docs_lib.public import OPTIONAL_LIBRARIES, assigned, public_names
 from sphinx.ext.autodoc.mock import mock
+
+from docs_lib.public import OPTIONAL_LIBRARIES, assigned, public_names
 
 FOLDER = "api"
 LONGEST_VALUE = 200

@@ -7,9 +7,9 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
-from docs_lib.public import ROOT
 from reference_lib.docs import table
 
+from docs_lib.public import ROOT
 from rlbench_pin.robot import SUPPORTED_ROBOTS
 from rlbench_pin.robot.description import RobotDescription
 

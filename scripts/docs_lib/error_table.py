@@ -10,11 +10,11 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from docs_lib.public import OPTIONAL_LIBRARIES, PACKAGE, public_names
 from reference_lib.docs import doc_of, table
 from sphinx.ext.autodoc.mock import mock
 
 import rlbench_pin
+from docs_lib.public import OPTIONAL_LIBRARIES, PACKAGE, public_names
 from rlbench_pin.errors import MissingExtra, RlbenchPinError
 
 NO_NAMES = ("self", "str", "len", "join", "shown", "for", "in", "if", "else", "not", "sorted", "e", "f", "repr", "is", "none")
@@ -22,8 +22,8 @@ MOST = 3
 """Messages that are shown of one type."""
 HEAD = """# Errors
 
-Every error that the package raises on purpose derives from `rlbench_pin.errors.RlbenchPinError`. Its message names the object, the
-value, what is possible and the next step; the same facts are attributes of the error. *Italic* words in the messages below
+Every error that the package raises on purpose derives from `rlbench_pin.errors.RlbenchPinError`. Its message names the object,
+the value, what is possible and the next step; the same facts are attributes of the error. *Italic* words in the messages below
 stand for values. A name with a link is public and can be imported.
 
 """
@@ -92,7 +92,7 @@ class Message:
 
 
 def message_of(arguments: Sequence[ast.expr]) -> list[Message]:
-    """Return the message among the arguments of an error: its first text, and the next one, or its later sentences, as the step."""
+    """Return the message among the arguments of an error: its first text, and its later sentences or the next text as the step."""
     texts = [text for text in map(text_of, arguments) if " " in text.strip()]
     if not texts:
         return []

@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from docs_lib.public import ROOT
 from reference_lib.docs import arguments_of, doc_of, table
 
+from docs_lib.public import ROOT
 from rlbench_pin.checking.page import interval
 from rlbench_pin.errors import BoundaryError
 from rlbench_pin.evaluation.sets import set_contents, task_families, task_tier
@@ -90,8 +90,8 @@ def page(name: str, conditions: Sequence[Sequence[str]], source: Path) -> str:
         f"# {name}",
         title,
         f"[![Start and result of {name}]({image})]({sheet})",
-        f"Left: the start with seed 0 and variation 0. Right: the result 1 s after success. The [contact sheet]({sheet}) shows the "
-        "events of the demonstration in all cameras.",
+        f"Left: the start with seed 0 and variation 0. Right: the result 1 s after success. The [contact sheet]({sheet}) shows "
+        "the events of the demonstration in all cameras.",
         table(("", ""), facts(name, scene)),
         "## Goal",
         f"```{{eval-rst}}\n.. autoclass:: rlbench_pin.tasks.{camel_case(name)}\n   :no-index-entry:\n```",
