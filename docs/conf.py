@@ -59,7 +59,7 @@ napoleon_numpy_docstring = False
 napoleon_use_ivar = True
 python_use_unqualified_type_names = True
 maximum_signature_line_length = 100
-toc_object_entries_show_parents = "hide"
+toc_object_entries = False  # thousands of names in the navigation of every page, which takes minutes
 
 html_theme = "furo"
 html_title = f"rlbench-pin {release}"

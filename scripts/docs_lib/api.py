@@ -123,8 +123,9 @@ def constant(module: str, name: str, item: object) -> Iterator[str]:
     else:
         yield f".. py:data:: {name}"
         yield f"   :type: {found.annotation or type(item).__name__}"
-        if len(found.value) <= LONGEST_VALUE:
-            yield f"   :value: {found.value}"
+        value = repr(item) if isinstance(item, tuple | str | int | float) else found.value
+        if len(value) <= LONGEST_VALUE:
+            yield f"   :value: {value}"
     yield f"\n   {found.doc}\n"
 
 

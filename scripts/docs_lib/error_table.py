@@ -92,7 +92,7 @@ class Message:
 
 
 def message_of(arguments: Sequence[ast.expr]) -> list[Message]:
-    """Return the message among the arguments of an error: its first text, and its later sentences or the next text as the step."""
+    """Return the message in the arguments of an error: the first text, and the later sentences or the next text as the step."""
     texts = [text for text in map(text_of, arguments) if " " in text.strip()]
     if not texts:
         return []

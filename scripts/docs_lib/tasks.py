@@ -52,13 +52,6 @@ or of the sentence, or choose a set, a number of variations or a tier. `rlbench-
 
 {table}
 :::
-
-:::{{toctree}}
-:hidden:
-:glob:
-
-*
-:::
 """
 
 
@@ -87,7 +80,7 @@ def page(name: str, conditions: Sequence[Sequence[str]], source: Path) -> str:
     image, sheet = (from_gallery(DOCS / "images" / folder / f"{name}.jpg", source) for folder in ("gallery", "sheets"))
     title = (inspect.getdoc(inspect.getmodule(kind)) or "").split("\n")[0]
     parts = [
-        f"# {name}",
+        f"---\norphan: true\n---\n\n# {name}",
         title,
         f"[![Start and result of {name}]({image})]({sheet})",
         f"Left: the start with seed 0 and variation 0. Right: the result 1 s after success. The [contact sheet]({sheet}) shows "
