@@ -10,13 +10,14 @@ JOBS ?= 2
 TASKS ?=
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: help setup demo lint check format test test-browser sweep baselines bench lock clean
+.PHONY: help setup demo lint check format test test-browser docs sweep baselines bench lock clean
 
 help:
 	@echo "make demo    a Panda takes the lid off a saucepan: an episode and a video in out/demo"
 	@echo "make check   format, lint, types and the quick tests: before every commit"
 	@echo "make test    all tests but the long ones: before a merge"
 	@echo "make test-browser  the task builder in a browser, which it installs where it may"
+	@echo "make docs    the documentation site, in out/docs; a warning is an error"
 	@echo "make lint    format, lint and types only"
 	@echo "make format  format, and fix what the linter can"
 	@echo "make sweep   100 demonstrations of each task and the long tests; writes docs/results and the table in README.md"
@@ -59,6 +60,10 @@ test-browser: $(STAMP)
 	$(BIN)/pytest -m "browser and not slow" -rs tests/builder/browser \
 		|| { echo "What failed is tried once more: a browser without a graphics card may be late."; \
 		$(BIN)/pytest -m "browser and not slow" --last-failed tests/builder/browser; }
+
+# Conditions of tasks are read from worlds, one process for each core; then Sphinx.
+docs: $(STAMP)
+	$(BIN)/python scripts/build_docs.py --jobs $(JOBS)
 
 # One Python installs one of the two distributions of PyBullet; their lines are kept, and renewed by hand.
 lock:

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from docs_lib.public import public_names
 
 import rlbench_pin
 from rlbench_pin.errors import MissingExtra
@@ -24,35 +25,8 @@ HEAVY = ("pybullet", "pinocchio", "coal", "placo", "ompl", "toppra", "osqp", "h5
 PACKAGE = ROOT / "rlbench_pin"
 
 
-def _listed(file: Path) -> list[str]:
-    """Return the public names of a package or module: those in its stub, or in its `__all__`."""
-    stub = file.with_suffix(".pyi")
-    if stub.exists():
-        tree = ast.parse(stub.read_text(encoding="utf-8"))
-        return [alias.asname or alias.name for node in tree.body if isinstance(node, ast.ImportFrom) for alias in node.names]
-    for node in ast.parse(file.read_text(encoding="utf-8")).body:
-        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__":
-            return [str(name) for name in ast.literal_eval(node.value)]
-    return []
-
-
-def _public() -> dict[str, list[str]]:
-    """Return package or module -> its public names, for everything that programs import."""
-    files = [
-        f
-        for f in (*PACKAGE.rglob("__init__.py"), *PACKAGE.glob("*.py"))
-        if f.relative_to(PACKAGE).parts[0] not in ("cli", "compat")
-    ]
-    found = {}
-    for file in files:
-        parts = [part for part in file.relative_to(ROOT).with_suffix("").parts if part != "__init__"]
-        if names := _listed(file):
-            found[".".join(parts)] = names
-    found["rlbench_pin.tasks"] += [camel_case(name) for name in library_names()]
-    return found
-
-
-PUBLIC = _public()
+PUBLIC = public_names()
+PUBLIC["rlbench_pin.tasks"] += [camel_case(name) for name in library_names()]
 PACKAGES = sorted(PUBLIC)
 TEXTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 PROGRAMS = sorted((ROOT / "examples").rglob("*.py"))

@@ -287,7 +287,7 @@ CLONED_RATE = 1e-4
 WARM_UP: Mapping[str, int] = {"ppo": 2, "sac": 1}
 """Segments in which the values of an imitating policy are learned, and it stays as it is."""
 
-Model: TypeAlias = PPO | ImitatingSac
+Model: TypeAlias = "PPO | ImitatingSac"
 
 
 def make_model(config: ReinforcementConfig, env: VecNormalize) -> Model:
