@@ -37,8 +37,6 @@ AXES = ((220, 40, 40), (40, 160, 40), (40, 80, 230))
 """Colours of x, y and z."""
 
 
-
-
 def view(size: tuple[int, int], eye: Sequence[float] = EYE, target: Sequence[float] = TARGET, fov: float = FOV) -> CameraView:
     """Return a camera at `eye` that looks at `target`."""
     return CameraView(pose=look_at(eye, target), fov=fov, size=size, near=0.05, far=5.0)

@@ -1,7 +1,8 @@
 """Write docs/results/factors.md: what factors of generalisation cost a policy.
 
 `python scripts/write_factor_results.py FILE...` takes the profiles of results files into docs/results/factors.json, in place of
-earlier ones of the same policy, and writes the page. Several files of one policy, each with other factors, make one table.
+earlier ones of the same policy and the same settings, and writes the page. Files of one policy and commit with the same
+episodes make one table.
 Without files it writes the page from factors.json.
 With `--check` nothing is written; it only says whether the page is out of date.
 """
@@ -53,16 +54,19 @@ def entry_of(path: Path) -> dict[str, Any]:
 
 
 def joined(entries: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return one entry for each policy, with the factors of all."""
+    """Return one entry for each policy, commit and set of episodes, with the factors of all."""
     found: dict[str, dict[str, Any]] = {}
     for entry in entries:
-        first = found.setdefault(entry["policy"], entry)
+        first = found.setdefault(json.dumps([entry["policy"], entry["commit"], entry["none"]]), entry)
         if first is not entry:
-            if first["none"] != entry["none"]:
-                raise SystemExit(f"The files of '{entry['policy']}' differ without factors: they are of other episodes.")
             first["factors"] += entry["factors"]
             first["low"] |= entry["low"]
     return list(found.values())
+
+
+def settings_of(entry: dict[str, Any]) -> set[tuple[str, str]]:
+    """Return policy and setting of each row of an entry."""
+    return {(entry["policy"], row["factors"]) for row in entry["factors"]}
 
 
 def page(entries: list[dict[str, Any]]) -> str:
@@ -97,9 +101,8 @@ def main() -> int:
     parser.add_argument("--check", action="store_true", help="change nothing; exit 1 when the page is out of date")
     arguments = parser.parse_args()
     made = joined([entry_of(path) for path in arguments.files])
-    names = {entry["policy"] for entry in made}
-    kept = [entry for entry in stored() if entry["policy"] not in names]
-    entries = sorted([*kept, *made], key=lambda entry: entry["policy"])
+    played = {key for entry in made for key in settings_of(entry)}
+    entries = sorted([*(e for e in stored() if not played & settings_of(e)), *made], key=lambda entry: entry["policy"])
     text = page(entries)
     if arguments.check:
         return int(not PAGE.is_file() or PAGE.read_text(encoding="utf-8") != text)

@@ -79,7 +79,12 @@ def factor_profile(results: Results) -> Profile:
 
 
 def _row(base: Results, changed: Results, setting: str) -> FactorRow:
-    same = replace(base, tasks=changed.tasks, episodes=tuple(e for e in base.episodes if e.task in changed.tasks))
+    same = replace(
+        base,
+        tasks=changed.tasks,
+        episodes=tuple(e for e in base.episodes if e.task in changed.tasks),
+        task_versions=changed.task_versions,
+    )
     comparison = compare(same, changed, np.random.default_rng(0))
     return FactorRow(setting, len(changed.tasks), _summary(changed), _summary(same), comparison)
 

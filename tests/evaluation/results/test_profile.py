@@ -31,7 +31,8 @@ def with_factors(policy: str = "noop") -> Results:
 
 def test_each_setting_is_paired_with_its_own_episodes() -> None:
     """A task that cannot take a factor is left out of both sides."""
-    profile = factor_profile(with_factors())
+    versions = {"reach_target": 1, "open_drawer": 2}
+    profile = factor_profile(replace(with_factors(), task_versions=versions))
     assert profile.base.success.value == pytest.approx(7 / 8)
     same, strong, damping = profile.rows
     assert (same.setting, same.tasks, same.comparison.difference.value) == ("light_color:1", 2, 0.0)
