@@ -37,11 +37,20 @@ def stored() -> list[dict[str, Any]]:
 
 
 def with_file(entries: list[dict[str, Any]], path: Path) -> list[dict[str, Any]]:
-    """Return the entries with that of a results file, in place of one of the same policy and protocol."""
+    """Return the entries with that of a results file, in place of one of the same policy and protocol.
+
+    Raises:
+        SystemExit: An entry of another policy has other versions of the tasks.
+    """
     results = read_results(path)
     name = results.policy.partition("?")[0]
     entry = {"policy": name, "commit": results.commit, "results_sha256": results.sha256, **summarise_protocol(results).as_dict()}
+    entry["later_tasks"] = {task: version for task in results.tasks if (version := results.version_of(task)) > 1}
     kept = [old for old in entries if (old["policy"], old["name"]) != (name, entry["name"])]
+    for old in kept:
+        if old["name"] == entry["name"] and old.get("later_tasks", {}) != entry["later_tasks"]:
+            versions = f"{old['policy']} has {old.get('later_tasks', {})} beyond version 1, {name} {entry['later_tasks']}"
+            sys.exit(f"'{path}' has other versions of tasks: {versions}. Evaluate both with one release.")
     return sorted([*kept, entry], key=lambda e: (e["name"], e["policy"]))
 
 

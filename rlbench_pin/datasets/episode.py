@@ -185,8 +185,7 @@ class Episode:
     @property
     def task_version(self) -> int:
         """Version of the task; 1 in files that do not record it."""
-        with self._named():
-            return self._head.task_version
+        return self._head.task_version
 
     @property
     def variation(self) -> int:

@@ -22,17 +22,20 @@ from rlbench_pin.environment.episode import EVALUATION_SEEDS
 from rlbench_pin.environment.factors import factor_catalogue
 from rlbench_pin.errors import InvalidValue, UnknownName
 from rlbench_pin.evaluation import (
+    EpisodeRecord,
     EvaluationConfig,
     PolicySettings,
     Protocol,
     ProtocolConflict,
     ProtocolFileError,
     ProtocolTasksMissing,
+    Results,
     evaluation_seed,
     load_protocol,
     plan_episodes,
     protocol_names,
     task_set,
+    write_results,
 )
 from rlbench_pin.evaluation.protocols.plan import check_policy, split_places
 from rlbench_pin.recording import RecordConfig
@@ -302,3 +305,23 @@ def test_the_page_of_results_is_that_of_its_data() -> None:
     means = {(entry["name"], entry["policy"]): [mean["success"] for mean in entry["means"]] for entry in entries}
     for name in ("gembench", "peract18"):
         assert min(means[name, "expert"]) >= 0.98 and max(means[name, "noop"]) == 0.0
+
+
+def test_results_of_unlike_versions_of_a_task_are_not_on_one_page(tmp_path: Path) -> None:
+    """The second policy is refused with the versions of both; results of one version go together."""
+    protocol = load_protocol(small_file(tmp_path))
+    places = [(task.name, variation) for task in protocol.tasks for variation in task.variations[:1]]
+    episodes = tuple(
+        EpisodeRecord(task, variation, evaluation_seed(seed, i), success=False, lasts=False, steps=1, seconds=1.0, end="steps")
+        for task, variation in places
+        for seed in protocol.split("test").seeds
+        for i in range(2)
+    )
+    seeds = tuple(dict.fromkeys(episode.seed for episode in episodes))
+    first = Results("one", {}, "small", protocol.task_names, seeds, {}, {}, "", episodes, "key", protocol)
+    later = replace(first, policy="two", task_versions={"reach_target": 1, "push_button": 2})
+    entries = write_protocol_results.with_file([], write_results(tmp_path / "a.json", first))
+    same = write_results(tmp_path / "b.json", replace(first, policy="two"))
+    assert [entry["policy"] for entry in write_protocol_results.with_file(entries, same)] == ["one", "two"]
+    with pytest.raises(SystemExit, match="one has {} beyond version 1, two {'push_button': 2}"):
+        write_protocol_results.with_file(entries, write_results(tmp_path / "c.json", later))

@@ -63,7 +63,7 @@ def export_robomimic(
             raw.check()
         data.attrs["total"] = total
         data.attrs["action_low"], data.attrs["action_high"] = low, high
-        data.attrs["env_args"] = json.dumps(_env_args(episodes[0].task, episode.robot))
+        data.attrs["env_args"] = json.dumps(_env_args(episodes[0].task, episode.task_version, episode.robot))
         _write_masks(file, len(episodes))
     return out
 
@@ -112,8 +112,9 @@ def _observations(episode: Episode, cameras: list[str]) -> dict[str, np.ndarray]
     return result
 
 
-def _env_args(task: str, robot: str) -> dict[str, object]:
-    return {"env_name": f"rlbench_pin/{task}-state-v0", "type": ENV_TYPE, "env_kwargs": {"robot": robot}}
+def _env_args(task: str, version: int, robot: str) -> dict[str, object]:
+    """Return the environment, by the id that `rlbench_pin.gym.gym_id` gives a version of a task."""
+    return {"env_name": f"rlbench_pin/{task}-state-v{version - 1}", "type": ENV_TYPE, "env_kwargs": {"robot": robot}}
 
 
 def _write_masks(file: h5py.File, count: int) -> None:
