@@ -76,7 +76,7 @@ def row(kind: type[RlbenchPinError], messages: Mapping[str, list[Message]], home
 def other_step(kind: type[RlbenchPinError]) -> str:
     """Return where the next step is said, for types whose messages are made where they are raised."""
     derived_names = [f"`{each.__name__}`" for each in kind.__subclasses__()]
-    return f"See {', '.join(derived_names)}." if derived_names else "The message ends with it."
+    return f"See {', '.join(derived_names)}." if derived_names else "The message says it."
 
 
 # Messages in the source ---------------------------------------------------------------------------------------------------------
