@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
@@ -46,6 +47,17 @@ def test_files_that_a_page_names_exist(page: Path) -> None:
     assert [
         p for p in paths if p not in written and not p.startswith(theirs) and not any((root / p).exists() for root in roots)
     ] == []
+
+
+def test_the_page_says_how_many_tasks_are_the_same_with_two_interpreters() -> None:
+    """The sentence has the figures of docs/results/interpreters.json."""
+    results = json.loads((ROOT / "docs" / "results" / "interpreters.json").read_text(encoding="utf-8"))
+    tasks, filmed = ({key.split()[0] for key in results[section]} for section in ("tasks", "cameras"))
+    changed = {difference.split("/")[1].split()[0] for run in results["runs"] for difference in run["differences"]}
+    pythons = " and ".join(run["python"] for run in results["runs"])
+    text = (ROOT / "docs" / "compatibility.md").read_text(encoding="utf-8")
+    assert f"Python {pythons} gave byte-identical" in text
+    assert f"in {len(tasks - changed)} of {len(tasks)} tasks" in text and f"in {len(filmed)} of them" in text
 
 
 GALLERY = (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8")
