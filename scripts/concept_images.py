@@ -10,7 +10,6 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
-
 from PIL import Image, ImageDraw, ImageFont
 
 from rlbench_pin.environment import (
@@ -35,8 +34,6 @@ EYE, TARGET, FOV = (1.25, 0.75, 1.35), (0.2, 0.0, 0.9), 0.62
 DOT, LINE = (255, 120, 0), (255, 200, 0)
 AXES = ((220, 40, 40), (40, 160, 40), (40, 80, 230))
 """Colours of x, y and z."""
-
-
 
 
 def view(size: tuple[int, int], eye: Sequence[float] = EYE, target: Sequence[float] = TARGET, fov: float = FOV) -> CameraView:

@@ -48,6 +48,8 @@ def test_the_cells_run(notebook: Path, tmp_path: Path) -> None:
     program = tmp_path / f"{notebook.stem}.py"
     program.write_text("\n".join("".join(cell["source"]) for cell in cells(notebook, "code")), encoding="utf-8")
     environment = {"MPLBACKEND": "agg", "PYTHONPATH": str(ROOT), "PATH": "", "OMP_NUM_THREADS": "1"}
-    result = subprocess.run([sys.executable, str(program)], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=600)
+    result = subprocess.run(
+        [sys.executable, str(program)], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=600
+    )
     assert result.returncode == 0, result.stderr
     assert SAYS[notebook.stem] in result.stdout
