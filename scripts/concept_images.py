@@ -10,7 +10,6 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
-
 from PIL import Image, ImageDraw, ImageFont
 
 from rlbench_pin.environment import (
