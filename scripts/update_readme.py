@@ -60,7 +60,7 @@ def benchmark_page(run: dict[str, Any]) -> str:
 
 
 def benchmark_table(run: dict[str, Any]) -> str:
-    """Return the table of benchmarks as Markdown, durations in [ms]; docs/results/rendering_notes.md has those of single cameras."""
+    """Return the table of benchmarks as Markdown [ms]; docs/results/rendering_notes.md has those of single cameras."""
     lines = ["| Benchmark | median ms | p95 ms | p99 ms | |", "|---|---:|---:|---:|---|"]
     for r in (r for r in run["results"] if not r["name"].startswith(CAMERAS)):
         numbers = " | ".join(f"{1000 * r[key]:.2f}" for key in ("median", "p95", "p99"))
