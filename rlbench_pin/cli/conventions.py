@@ -23,7 +23,7 @@ class Conventions:
     The policy is asked for one action at each of three known poses: the start pose with an open gripper, and two poses where the
     tip is moved and turned, the first with a closed gripper. The first action of a trained policy is near the present pose, so
     the table has, for each convention that fits the count of numbers, how far the actions are from it [mm, degrees], best first.
-    That is a hint, not a proof; docs/conventions.md says why. Exit code 1 says that a convention seems to differ.
+    The result is only a hint; docs/conventions.md explains why. Exit code 1 says that a convention seems to differ.
     """
 
     policy: tyro.conf.Positional[PolicyName] = ""

@@ -48,7 +48,7 @@ class RecordDemos:
     robot: RobotName = "panda"
     """Name of the arm, or path of its TOML file."""
     disturb: Disturbances = ()
-    """One of these happens at a random moment, and the planner continues from where it leads to."""
+    """One of these happens at a random moment; the planner continues from the state after it."""
     json: bool = False
     """Print JSON for programs."""
 

@@ -34,7 +34,7 @@ class ListFactors:
     """
 
     tasks: tyro.conf.Positional[AnyTasks] = ()
-    """Tasks that are asked about."""
+    """Tasks to list factors for."""
     images: MaybePath = None
     """Folder for an image of each factor that can be seen, of the first task."""
     camera: CameraName = "front"

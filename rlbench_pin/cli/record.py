@@ -122,8 +122,8 @@ class Record:
     factors: Annotated[str, tyro.conf.arg(metavar="FACTOR:LEVEL+...", help_behavior_hint="(default: none)")] = ""
     """Factors of generalisation of all episodes, such as `light_color:2+table_texture:1`; `rlbench-pin factors` lists them."""
     disturb: Disturbances = ()
-    """Recovery demonstrations: one of these happens in each episode, at a random moment, and the planner continues from where it
-    leads to. `push`: the gripper is moved aside by 3 cm; `slip`: the fingers let go soon after a grasp; `stop`: the arm stops."""
+    """Recovery demonstrations: one of these happens at a random moment of each episode, and the planner continues. `push`: the
+    gripper is moved aside by 3 cm; `slip`: the fingers open soon after a grasp; `stop`: the arm stops."""
     out: Path = DEFAULT_OUT
     """Folder of the dataset."""
     json: bool = False

@@ -340,7 +340,7 @@ class TaskEnvironment:
             attempt: Which try of the seed.
             on_frame: Called with every recorded observation.
             record: Keep observations; False only measures.
-            disturb: Disturbances of which one happens: `push`, `slip`, `stop`. The planner continues from where it leads to.
+            disturb: Disturbances of which one happens: `push`, `slip`, `stop`. The planner continues from the state after it.
         """
         if variation is not None:
             self.set_variation(variation)

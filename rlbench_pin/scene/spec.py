@@ -232,10 +232,10 @@ class PosedSpec(Spec):
     """Something with a name and a place."""
 
     name: Name
-    """What the task calls it by; unique in the file, and not `root`, `world`, `robot` or the name of a part of the room."""
+    """Name for the Python of the task; unique in the file, and not `root`, `world`, `robot` or the name of a part of the room."""
     parent: str = ROOT
-    """Whose frame the pose is in, and with what it moves: `root`, `world`, `<body>`, `<body>/<link>`, or the name of a frame,
-    region, sensor or waypoint."""
+    """Element whose frame the pose is in, and with which it moves: `root`, `world`, `<body>`, `<body>/<link>`, or the name of a
+    frame, region, sensor or waypoint."""
     pose: Pose = IDENTITY_POSE
     """Where it is, in the frame of `parent`."""
 
@@ -332,7 +332,7 @@ class WaypointSpec(PosedSpec):
     path: Literal["plan", "straight", "curve"] = "plan"
     """How to get there: any way that the planner finds, a straight line of the tip, or along `points` or `arc`."""
     ignore_collisions: Switch = False
-    """Plan without looking at collisions, for contact; curves are always planned so."""
+    """Plan without collision checks, for contact; curves are always planned so."""
     gripper: Literal["open", "close"] | Annotated[Number, Kind("number", bounds="0 to 1")] | None = None
     """After arriving: open fully, close fully, or drive to a fraction of the opening; left alone when left out."""
     points: tuple[Pose, ...] = Field(default=(), max_length=MAX_ELEMENTS)
@@ -395,14 +395,14 @@ class ExcludedFactorSpec(Spec):
 
 
 class DeviationSpec(Spec):
-    """What differs from the specification of the task, for people to read; it changes nothing."""
+    """A deviation from the specification of the task, for readers; it has no effect."""
 
     name: Words
     """What differs: a figure such as `yaw` or `sensor hook`, or a few words; unique in the file."""
     specified: Words
-    """What the specification says."""
+    """Value in the specification."""
     here: Words
-    """What is so in this scene, or in the class beside it."""
+    """Value in this scene or in its class."""
     reason: Words
     """Why."""
     binding: Switch = False

@@ -248,8 +248,8 @@ MAX_STRIKES = 3
 class FollowPath(Condition):
     """Holds once a body has visited all points in order, coming within half of `tolerance` of each.
 
-    An evaluation that finds the body farther than `tolerance` from the point it looks at first is a strike, once the
-    path has been started. A visited point clears the strikes. Past `MAX_STRIKES` a further miss sets `lost`.
+    Once the path has started, each evaluation with the body farther than `tolerance` from the next point is a strike.
+    A visited point clears the strikes. After `MAX_STRIKES` a further miss sets `lost`.
 
     Args:
         body: What has to travel.

@@ -59,7 +59,7 @@ def distractor_colors(rng: np.random.Generator, goal: int, count: int) -> tuple[
 
 
 def fill_up_colors(rng: np.random.Generator, asked: Sequence[Color], count: int, palette: Sequence[Color]) -> list[Color]:
-    """Return `count` colours: those asked for, then different ones drawn from the rest of a palette.
+    """Return `count` colours: those asked for, then different ones drawn from the other colours of a palette.
 
     Raises:
         InvalidValue: Fewer are wanted than were asked for, or more than there are.

@@ -33,7 +33,7 @@ REST_SPEED, REST_TURN = 5e-4, 1e-2
 
 
 def at_rest(bodies: Iterable[Body]) -> bool:
-    """Say whether bodies rest at this instant, with their joints; those that are fixed rest but for their joints."""
+    """Return whether bodies and their joints are stationary at this instant; of a fixed body only the joints count."""
     for body in bodies:
         if not body.fixed:
             velocity = body.velocity.tolist()

@@ -60,7 +60,7 @@ class Waypoint:
 
     @property
     def ignore_collisions(self) -> bool:
-        """Plan without looking at collisions; curves and compliant approaches are always planned so."""
+        """Plan without collision checks; curves and compliant approaches are always planned so."""
         return self.spec.ignore_collisions or self.compliant or self.spec.path == "curve"
 
     @property

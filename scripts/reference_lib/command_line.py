@@ -22,9 +22,9 @@ WITH_ACTIONS = ("dataset", "train", "challenge", "arm")
 CODES: Mapping[int, str] = {
     DONE: "Done.",
     FAILED: "Failed: an episode is missing, a task or a file did not pass, something could not be read or written.",
-    MISUSED: "Misused: an unknown command, flag, task or value, or nothing that could be done with what was asked.",
-    INTERRUPTED: "Interrupted by Ctrl-C. In its first twentieth of a second Python itself answers, with 1 or a signal.",
-    PIPE_CLOSED: "Whoever read the output is gone, as in `rlbench-pin list | head -1`.",
+    MISUSED: "Wrong usage: an unknown command, flag, task or value, or a request without work to do.",
+    INTERRUPTED: "Interrupted by Ctrl-C. In the first 0.05 s Python itself may exit with 1 or a signal.",
+    PIPE_CLOSED: "The reader of the output has ended, as in `rlbench-pin list | head -1`.",
 }
 """Exit code -> when a command ends with it."""
 

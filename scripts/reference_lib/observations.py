@@ -47,7 +47,7 @@ MISC: Mapping[str, str] = {
     "manipulability": "sqrt(det(J J^T)).",
     "world_distances": "The nearest pairs of arm and world, as `Distance` records: names, distance [m], points, normal.",
     "self_distances": "The nearest pairs of the arm with itself.",
-    "joint_position_action": "In demonstrations, from the second frame on: the command that led here, joints [rad] and hand.",
+    "joint_position_action": "In demonstrations, from the second frame on: the command that led here, joints [rad] and gripper.",
 }
 """Key of `Observation.misc` -> what it is."""
 

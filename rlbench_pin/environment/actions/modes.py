@@ -534,9 +534,9 @@ class JointPosition(JointMode):
 class JointTorque(JointMode):
     """Joint torques [N m] for one tick, gravity included, or changes of the motors' last torques; then the arm stops.
 
-    Torques beyond the limits are capped. Joint positions are not limited: torques can drive a joint through its stop, which gives
-    way, and to speeds beyond its limit; keep away from both in the policy, or use another mode with `SafeArm` around it.
-    Between two torque actions nothing stops: the arm brakes in ticks that no torque action commands, as while the gripper moves.
+    Torques beyond the limits are capped. Joint positions and speeds are not limited: torques can drive a joint through its stop.
+    Avoid both in the policy, or use another mode within `SafeArm`.
+    Consecutive torque actions do not stop the arm. It brakes in ticks without a torque action, such as while the gripper moves.
     """
 
     unit = "N m"

@@ -39,8 +39,8 @@ class PoseMode(ArmActionMode):
 
     Args:
         absolute_mode: World pose; otherwise a delta to the present tip pose.
-        frame: Frame of the delta; the end-effector frame makes the pose relative whatever `absolute_mode` says.
-        collision_checking: Avoid collisions where a motion is planned; inverse kinematics looks at none.
+        frame: Frame of the delta; the end-effector frame makes the pose relative for any `absolute_mode`.
+        collision_checking: Avoid collisions where a motion is planned; inverse kinematics does not check them.
     """
 
     def __init__(
@@ -78,7 +78,7 @@ class EndEffectorPoseViaPlanning(PoseMode):
 
     Args:
         absolute_mode: World pose; otherwise a delta to the present tip pose.
-        frame: Frame of the delta; the end-effector frame makes the pose relative whatever `absolute_mode` says.
+        frame: Frame of the delta; the end-effector frame makes the pose relative for any `absolute_mode`.
         collision_checking: Avoid collisions.
         retry_without_checks: When no motion without collisions is found, plan one that ignores them, instead of refusing.
     """

@@ -77,12 +77,11 @@ class RuntimeFilter:
 
 
 class SafeArm(ArmActionMode):
-    """Runs another arm mode, each control tick of which passes the safety filter first.
+    """Run another arm mode; each of its control ticks passes the safety filter first.
 
-    The filter looks at the joint velocity that the motors are commanded to reach in the next tick, and replaces it when a
-    joint limit or a distance would be violated. Bodies that the arm holds count as part of it, and fingers count as open as they
-    are commanded to be. A gripper action that would open them nearer to something than the margin is refused:
-    `TaskEnvironment.refused_opening` says why.
+    The filter checks the joint velocity commanded for the next tick, and replaces it if it would violate a joint limit or a
+    distance. Grasped bodies are part of the arm, and fingers count as open as commanded. A gripper action that would open the
+    fingers nearer to an object than the margin is refused; `TaskEnvironment.refused_opening` has the reason.
 
     Args:
         mode: The mode to make safe.
