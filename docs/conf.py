@@ -114,9 +114,17 @@ def without_link(app: Sphinx, env: BuildEnvironment, node: pending_xref, text: n
     return None
 
 
+def plain_separators(app: Sphinx, doctree: nodes.document, docname: str) -> None:
+    """Write the `*` of signatures as text in Markdown, whose builder knows no abbreviations."""
+    if app.builder.name == "markdown":
+        for node in list(doctree.findall(nodes.abbreviation)):
+            node.replace_self(nodes.Text(node.astext()))
+
+
 def setup(app: Sphinx) -> None:
     """Register the role of single backticks and what autodoc leaves out."""
     app.add_role("name", name_role)
     app.connect("autodoc-process-bases", drop_private_bases)
     app.connect("autodoc-process-docstring", markdown_text, priority=400)  # before napoleon
     app.connect("missing-reference", without_link)
+    app.connect("doctree-resolved", plain_separators)

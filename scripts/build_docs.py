@@ -35,10 +35,10 @@ def main() -> int:
     reference = api_pages()
     pages = {**copied_pages(source), **reference, **error_page(), **arm_page(source), **task_pages(source)}
     write(source, pages)
-    strict = ["-W", "--keep-going", "-q", "-c", str(ROOT / "docs"), "-d", str(out / "doctrees"), str(source)]
-    status = build_main(["-b", "html", "-j", options.jobs, *strict, str(site)])
-    if status == 0:
-        status = build_main(["-b", "markdown", *strict, str(rendered), *(str(source / name) for name in reference)])
+    common = ["-c", str(ROOT / "docs"), "-d", str(out / "doctrees"), str(source)]
+    status = build_main(["-b", "html", "-j", options.jobs, "-W", "--keep-going", "-q", *common, str(site)])
+    if status == 0:  # the same pages as Markdown: all that Sphinx has to say about them was said
+        status = build_main(["-b", "markdown", "-Q", *common, str(rendered), *(str(source / name) for name in reference)])
     if status == 0:
         write_markdown(pages, rendered, site)
         print(f"{len(pages)} pages in {site}")

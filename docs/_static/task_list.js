@@ -45,6 +45,7 @@ if (table !== null) {
     count.textContent = `${shown} of ${rows.length} tasks`;
   };
   bar.addEventListener("input", update);
+  bar.addEventListener("change", update);
   bar.addEventListener("submit", (event) => event.preventDefault());
   update();
 }
