@@ -21,6 +21,8 @@ ELSEWHERE = {
 """Page outside of `docs/` -> its name on the site."""
 _LINK = re.compile(r"(?<!`)(!?\[(?:[^\[\]]|\[[^\]]*\]\([^)]*\))*\])\(([^)\s#]*)(#[^)\s]*)?\)")
 _FENCE = re.compile(r"(^```.*?^```$)", re.DOTALL | re.MULTILINE)
+_FOR_TESTS = re.compile(r"^# not run by tests:.*\n", re.MULTILINE)
+"""A line of code that only tests need."""
 
 
 def copied_pages(source: Path) -> dict[str, str]:
@@ -40,7 +42,9 @@ def without_empty(text: str, pages: Collection[str]) -> str:
 def copied(page: Path, target: Path, source: Path) -> str:
     """Return the text of a page for its place among the sources; pages of results are left out of the search."""
     parts = _FENCE.split(page.read_text(encoding="utf-8"))
-    text = "".join(part if part.startswith("```") else with_links(part, page, target, source) for part in parts)
+    text = "".join(
+        _FOR_TESTS.sub("", part) if part.startswith("```") else with_links(part, page, target, source) for part in parts
+    )
     if page.parent != DOCS / "results":
         return text
     heading = "" if text.startswith("# ") else f"# {page.stem.replace('_', ' ').capitalize()}\n\n"
