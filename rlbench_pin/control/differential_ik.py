@@ -1,26 +1,25 @@
-"""Differential inverse kinematics: a tip pose or twist becomes the joint velocity of the next tick, by one small QP in PlaCo.
+"""Differential inverse kinematics: compute the joint velocity of the next tick from a tip pose or twist, by one small QP.
 
-At configuration q, tip Jacobian J, the displacement d = dt u of the next tick is the solution of
+At configuration q with tip Jacobian J, the displacement d = dt u of the next tick is the solution of
 
     minimise    w_p ||J_p d - e_p||^2 + w_r ||J_r d - e_r||^2 + (w - w_0 g) ||d||^2 + w_0 g ||d - (q_p - q)||^2
     subject to  dt u_min <= d <= dt u_max
 
-* e = (e_p, e_r) is what the tip should cover in this tick: dt times the twist, or the next piece of the way to a pose,
-  short enough to stop at its end (`qp.objectives`).
-* The last terms are damping and posture: they bound ||d|| where J loses rank, and move the null space towards q_p. The
-  weight w rises when the manipulability sqrt(det(J J^T)) falls (Nakamura & Hanafusa 1986), for steps that are not small
-  (Sugihara 2011), so that the arm slows down
-  along the lost direction and keeps its accuracy everywhere else.
-* [u_min, u_max] holds position, velocity and acceleration limits, braking distance included (`constraints`). It is never
-  empty: no state makes this QP infeasible, and from a state outside the limits the command is the hardest brake or
+* e = (e_p, e_r) is the desired displacement of the tip in this tick: dt times the twist, or the next part of the way to a
+  pose. This part is short enough that the tip can stop at the pose (`qp.objectives`).
+* The last two terms are damping and posture. Damping bounds ||d|| where J loses rank; the posture term moves the joints
+  towards q_p in the null space. The weight w rises when the manipulability sqrt(det(J J^T)) falls (Nakamura & Hanafusa 1986)
+  and the step is not small (Sugihara 2011). So the arm slows down along the lost direction and stays accurate in the others.
+* [u_min, u_max] keeps position, velocity and acceleration limits, braking distance included (`qp.constraints`). The interval is
+  never empty, so the QP is feasible in every state. From a state outside the limits, the command is the hardest braking or
   return.
 
-`DifferentialIKQP` states the same problem as plain matrices, for any solver; a test compares the two. With rows J = (J_p, J_r)
-along world axes and weights W = diag(w_p, w_p, w_p, w_r, w_r, w_r),
+`DifferentialIK` solves it with PlaCo. `DifferentialIKQP` states the same problem as plain matrices, for any solver; a test
+compares the two. With rows J = (J_p, J_r) along world axes and weights W = diag(w_p, w_p, w_p, w_r, w_r, w_r),
 
     P = J^T W J + w I,    q = -J^T W e - w_0 g (q_p - q),    dt u_min <= d <= dt u_max.
 
-There e is a difference of positions, and the rotation vector of R_target R_tip^T, both along world axes.
+Here e is the difference of positions and the rotation vector of R_target R_tip^T, both along world axes.
 """
 
 from __future__ import annotations
@@ -56,7 +55,7 @@ class PlacoArm:
     """A PlaCo robot and kinematics solver for one arm, in the joint order of `RobotModel`."""
 
     def __init__(self, model: RobotModel) -> None:
-        """Build the robot and check that it is the same arm.
+        """Build the PlaCo robot and check that it is the arm of `model`.
 
         Raises:
             RobotModelError: PlaCo orders the joints differently, or its kinematics disagree with Pinocchio's.
@@ -86,9 +85,9 @@ class PlacoArm:
         self._update()
 
     def solve(self, q: Sequence[float], lowest: Sequence[float], highest: Sequence[float]) -> FloatArray:
-        """Return the displacement (n,) [rad] of the next tick from `q`, between `lowest` and `highest`, plain numbers.
+        """Return the displacement (n,) [rad] of the next tick from `q`, between `lowest` and `highest` (lists of floats).
 
-        PlaCo raises RuntimeError when there is none.
+        PlaCo raises RuntimeError when there is no solution.
         """
         self._write(self._lower, 0, *map(add, q, lowest))
         self._write(self._upper, 0, *map(add, q, highest))
@@ -107,7 +106,7 @@ class PlacoArm:
 
 
 Target = Callable[[pin.SE3], tuple[pin.SE3, float]]
-"""T_world_tip now -> where it should be after the tick, and the larger of distance [m] and angle [rad] to there."""
+"""Current T_world_tip -> desired T_world_tip after the tick, and the larger of distance [m] and angle [rad] between them."""
 
 _RULES = ruled(
     (POSITIVE, "dt"),
@@ -131,7 +130,8 @@ class DifferentialIKConfig:
     limit_margin: float = 0.0
     """Distance kept from the joint position limits [rad]."""
     hold: HeldQuantity = "velocity"
-    """Whether a velocity command is reached at once and held, linearly over the tick, or anywhere between."""
+    """When the joints reach a velocity command: `velocity`: at the start of the tick, then constant; `acceleration`: linearly
+    until its end; `any`: at any time in it."""
 
     def __post_init__(self) -> None:
         """Raise InvalidValue for a number that is NaN, of a wrong kind, or outside its range (also a ValueError)."""
@@ -139,7 +139,7 @@ class DifferentialIKConfig:
 
 
 class TipController:
-    """Common parts of both formulations: checks, bounds, and the tip's next placement on the way to a target."""
+    """Base class of `DifferentialIK` and `DifferentialIKQP`: checks, bounds, and the next tip pose on the way to a target."""
 
     def __init__(
         self,
@@ -154,8 +154,8 @@ class TipController:
         Args:
             model: The arm.
             config: Settings.
-            limits: Joint limits; None takes the arm's.
-            posture: Preferred configuration (n,), [rad]; None takes the arm's home.
+            limits: Joint limits; None takes those of the arm.
+            posture: Configuration (n,) that the null space is moved towards [rad]; None takes the home configuration of the arm.
         """
         check_made_of(model, config, DifferentialIKConfig)
         self.model, self.config = model, config
@@ -165,12 +165,12 @@ class TipController:
         self.posture = as_vector(model.home if posture is None else posture, model.size, "posture").copy()
 
     def velocity_to_pose(self, q: ArrayLike, v: ArrayLike, pose: ArrayLike) -> FloatArray:
-        """Return the joint velocity of the next tick on the way to a tip pose.
+        """Return the joint velocity (n,), [rad/s], of the next tick on the way to a tip pose.
 
         Args:
-            q: Configuration (n,), [rad].
-            v: Joint velocity (n,) now, that is, the last command; [rad/s].
-            pose: Tip target (7,) in the world.
+            q: Current configuration (n,), [rad].
+            v: Current joint velocity (n,), that is, the last command [rad/s].
+            pose: Target pose of the tip in the world (7,): position [m], quaternion (x, y, z, w).
 
         Raises:
             InvalidTarget: NaN, a wrong shape, or a quaternion of norm zero.
@@ -182,12 +182,12 @@ class TipController:
     def velocity_for_twist(
         self, q: ArrayLike, v: ArrayLike, twist: ArrayLike, frame: Literal["world", "tip"] = "world"
     ) -> FloatArray:
-        """Return the joint velocity (n,), [rad/s], of the next tick that moves the tip as asked.
+        """Return the joint velocity (n,), [rad/s], of the next tick that gives the tip a twist.
 
         Args:
-            q: Configuration (n,), [rad].
-            v: Joint velocity (n,) now, [rad/s].
-            twist: Velocity of the tip `[linear, angular]` (6,), [m/s, rad/s], taken as it is: no speed cap.
+            q: Current configuration (n,), [rad].
+            v: Current joint velocity (n,), that is, the last command [rad/s].
+            twist: Velocity of the tip `[linear, angular]` (6,), [m/s, rad/s]. The tip speed is not capped.
             frame: Axes of the twist.
 
         Raises:
@@ -209,7 +209,11 @@ class TipController:
 
 
 class DifferentialIK(TipController):
-    """Tip pose or twist to joint velocity, by PlaCo. Not thread-safe; a command depends on its arguments alone."""
+    """Compute joint velocities that move the tip to a pose or with a twist, within the joint limits. Uses PlaCo.
+
+    Call `velocity_to_pose` or `velocity_for_twist` once per control tick. A command depends only on its arguments, not on earlier
+    calls. An object must not be used by several threads at once.
+    """
 
     def __init__(
         self,
@@ -219,7 +223,14 @@ class DifferentialIK(TipController):
         limits: JointLimits | None = None,
         posture: FloatArray | None = None,
     ) -> None:
-        """Prepare a controller; arguments as for `TipController`."""
+        """Prepare a controller.
+
+        Args:
+            model: The arm.
+            config: Settings.
+            limits: Joint limits; None takes those of the arm.
+            posture: Configuration (n,) that the null space is moved towards [rad]; None takes the home configuration of the arm.
+        """
         super().__init__(model, config, limits=limits, posture=posture)
         self._arm = PlacoArm(model)
         solver = self._arm.solver
@@ -253,7 +264,7 @@ class DifferentialIK(TipController):
 
 
 class DifferentialIKQP(TipController):
-    """Tip pose or twist to joint velocity, like `DifferentialIK`, by any `QPSolver`."""
+    """Compute the same joint velocities as `DifferentialIK`, with any `QPSolver`."""
 
     def __init__(
         self,
@@ -264,7 +275,7 @@ class DifferentialIKQP(TipController):
         limits: JointLimits | None = None,
         posture: FloatArray | None = None,
     ) -> None:
-        """Prepare a controller; arguments as for `TipController`, and the solver, by default OSQP."""
+        """Prepare a controller; other arguments as in `DifferentialIK`. `solver` solves the QP; None takes OSQP."""
         super().__init__(model, config, limits=limits, posture=posture)
         self.solver: QPSolver = OsqpSolver(config.dt * self.bounds.velocity, rho=1e-3) if solver is None else solver
         self._weights = np.repeat([config.tip.position_weight, config.tip.rotation_weight], 3)

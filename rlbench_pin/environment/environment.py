@@ -39,31 +39,31 @@ _SCENE_DATA = {"intrinsics": "intrinsics", "extrinsics": "extrinsics", "near_pla
 
 
 class Environment:
-    """A simulated robot at a table, for which tasks can be chosen.
+    """A simulated robot at a table. `get_task` loads a task into it.
 
     Args:
-        action_mode: What actions mean.
-        dataset_root: Folder of stored demonstrations.
-        obs_config: What observations contain; a fresh default when None.
-        headless: Accepted for compatibility; nothing is ever shown on a screen.
-        static_positions: Leave tasks where their scene files put them.
-        robot_setup: Name of the arm, in any case, or path of its TOML file.
-        randomize_every: When to randomize, with one of the randomization settings.
-        frequency: Randomize every n-th event.
-        visual_randomization_config: Visual randomization.
-        dynamics_randomization_config: Dynamics randomization.
-        attach_grasped_objects: Fix grasped bodies to the gripper, unless the gripper mode says otherwise.
-        shaped_rewards: Return the tasks' own rewards.
-        arm_max_velocity: Cap on the speed of planned motions along the joint-space path, the norm of the joint velocity [rad/s].
-        arm_max_acceleration: Cap on how fast that speed changes, and on the acceleration of each joint [rad/s^2].
-        seed: Seed of everything that is drawn and not seeded by a call.
-        renderer: Renderer of images: `cpu`, `egl`, or `auto` for EGL where there is one. Images of the two differ a little.
+        action_mode: Meaning, size and bounds of an action.
+        dataset_root: Folder of stored demonstrations; empty when there is none.
+        obs_config: Contents of observations; None takes a new default configuration.
+        headless: Accepted for compatibility with RLBench, without effect: no window is ever opened.
+        static_positions: Keep each task at the pose that its scene file gives, instead of a random pose.
+        robot_setup: Name of the arm, in upper or lower case, or path of its TOML file.
+        randomize_every: Event that starts a new randomization; needs visual or dynamics settings. None: never.
+        frequency: n: randomize at the first event and at every n-th after it.
+        visual_randomization_config: Settings of visual randomization.
+        dynamics_randomization_config: Settings of dynamics randomization.
+        attach_grasped_objects: Fix grasped bodies to the gripper. A setting of the gripper mode has priority.
+        shaped_rewards: Return the shaped reward of the task, instead of 1 for success and 0 otherwise.
+        arm_max_velocity: Largest norm of the joint velocity in planned motions [rad/s].
+        arm_max_acceleration: Largest rate of change of that norm, and largest acceleration of each joint [rad/s^2].
+        seed: Seed of all random draws in calls that get no seed; None draws one.
+        renderer: Renderer of images: `cpu`, `egl`, or `auto` (EGL if available, else CPU). Images of the two differ slightly.
         factors: Factors of generalisation, such as `light_color:2+friction:1`; `rlbench-pin factors` lists them.
 
     Raises:
         DatasetError: `dataset_root` does not exist (also a RuntimeError).
-        InvalidArgument: A number, a seed or a record of settings is none (also a ValueError).
-        UnknownRobot: No such arm (also a ValueError).
+        InvalidArgument: An argument has an invalid value or type (also a ValueError).
+        UnknownRobot: No arm has this name (also a ValueError).
     """
 
     @names_arguments

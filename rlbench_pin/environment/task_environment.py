@@ -219,16 +219,21 @@ class TaskEnvironment:
         return self._episode
 
     def step(self, action: object) -> tuple[Observation, float, bool]:
-        """Run one action, to its end or until a control tick of it ends the episode.
+        """Execute one action. The action stops early if the episode ends during it.
+
+        The episode ends at the first control tick at which the success conditions hold, or the conditions of the fail list. It is
+        not reset automatically: call `reset` to start the next one.
+
+        Args:
+            action: Numbers of shape (n,), with the meaning, units and bounds that the action mode defines.
 
         Returns:
-            Observation, reward, and whether the episode has ended: after the first tick at which the goal was reached, or the
-            fail list met. Nothing resets by itself.
+            Observation after the action, reward, and whether the episode has ended.
 
         Raises:
-            NotReset: Before the first reset.
-            InvalidActionError: The action was refused; the world is as it was.
-            NoShapedReward: Shaped rewards are on and the task gives none (also a RuntimeError).
+            NotReset: `reset` was never called.
+            InvalidActionError: The action was refused; the world has not changed.
+            NoShapedReward: Shaped rewards are on and the task has none (also a RuntimeError).
             UsedByTwoThreads: Another thread is in a call of this environment (also a RuntimeError).
         """
         self._started("step")
@@ -295,22 +300,23 @@ class TaskEnvironment:
         seed: int | None = None,
         disturb: Sequence[Disturbance] = (),
     ) -> list[Demo]:
-        """Return demonstrations of the present variation, stored or made now.
+        """Return demonstrations of the current variation: plan them now, or read stored ones.
 
         Args:
-            amount: How many; -1 is all stored ones.
-            live_demos: Plan them now; otherwise read them from the dataset root.
-            image_paths: Leave images unread (stored demonstrations).
-            callable_each_step: Called with every recorded observation.
-            max_attempts: Tries per live demonstration.
-            random_selection: Pick stored demonstrations at random.
-            from_episode_number: First stored episode when not picked at random; with variation -1 counted through all variations.
-            seed: Live demonstration i starts from `seed + i`; a retry is a further attempt of the same seed.
-            disturb: Disturbances of which one happens in each live demonstration: `push`, `slip`, `stop`.
+            amount: Number of demonstrations; -1 reads all stored ones.
+            live_demos: True plans them now; False reads them from the dataset root.
+            image_paths: Stored demonstrations: do not read images; fields contain strings instead.
+            callable_each_step: Live demonstrations: function that is called with every recorded observation.
+            max_attempts: Attempts per live demonstration.
+            random_selection: Stored demonstrations: draw them at random, without repeats.
+            from_episode_number: Stored demonstrations: index of the first one without `random_selection`. With variation -1
+                it counts through all variations.
+            seed: Live demonstration i has the seed `seed + i`; a retry is a further attempt with the same seed. None draws seeds.
+            disturb: Live demonstrations: one of these disturbances happens in each: `push`, `slip`, `stop`. Empty: none.
 
         Raises:
-            DemoError: A live demonstration failed `max_attempts` times (also a RuntimeError).
-            DatasetError: Stored demonstrations are missing or broken.
+            DemoError: A live demonstration failed in all `max_attempts` attempts (also a RuntimeError).
+            DatasetError: Stored demonstrations are missing or damaged.
         """
         if not as_flag(live_demos, "live_demos", InvalidArgument):
             wanted = StoredSelection(amount, self._variation_number, image_paths, random_selection, from_episode_number)

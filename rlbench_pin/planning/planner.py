@@ -1,4 +1,4 @@
-"""From where the arm is to where it should be: the one name of this package that others use."""
+"""The motion planner: collision-free, timed motions to a tip pose, to a joint configuration, or through a list of poses."""
 
 from __future__ import annotations
 
@@ -40,10 +40,24 @@ class _Found:
 
 
 class MotionPlanner:
-    """Plans motions of one arm. The same arguments and generator state give the same plan."""
+    """Plan collision-free, timed motions of one arm.
+
+    Call `update` with a snapshot of the world, then `plan_to_pose`, `plan_to_configuration` or `plan_curve`. Each returns a
+    `Plan` with a trajectory. The same world, arguments and generator state give the same plan.
+
+    Attributes:
+        limits: Joint limits of the motions: those of the arm, capped by `config`.
+        collision: Collision model of the arm and the world.
+        listeners: Objects that are notified of every update and every plan.
+    """
 
     def __init__(self, model: RobotModel, config: PlannerConfig | None = None) -> None:
-        """Prepare a planner of one arm in an empty world; None takes the default settings."""
+        """Prepare a planner in an empty world.
+
+        Args:
+            model: The arm.
+            config: Settings; None takes the defaults.
+        """
         self.model = as_record(model, RobotModel, "model", InvalidRequest)
         self.config = as_record(PlannerConfig() if config is None else config, PlannerConfig, "config", InvalidRequest)
         self.collision = CollisionModel(model)
@@ -53,7 +67,7 @@ class MotionPlanner:
         self.listeners = PlanningListeners()
 
     def update(self, snapshot: WorldSnapshot) -> None:
-        """Take over the world as it is now."""
+        """Use the bodies of this snapshot as obstacles, and its held bodies as part of the arm."""
         as_record(snapshot, WorldSnapshot, "snapshot, as `world.snapshot()` makes one,", InvalidRequest)
         with self.listeners.update(snapshot):
             self.collision.update(snapshot)
@@ -70,24 +84,26 @@ class MotionPlanner:
         allowed: Collection[str] = (),
         rng: np.random.Generator,
     ) -> Plan:
-        """Plan a motion that brings the tip to a pose, or to one of several.
+        """Plan a motion that brings the tip to a pose, or to one of several poses.
 
         Args:
-            q_start: Where the arm is (n,), [rad]; at most 1e-3 rad beyond the joint limits, then the motion begins at them.
-            pose: Goal of the tip in the world (7,), or a list of equally good ones, or a region of them.
-            straight: True: only along a straight line of the tip; False: never tried; None: tried first.
-            ignore_collisions: Plan as if nothing in the world could be touched; the arm never touches itself.
-            allowed: Names of bodies that may be touched.
-            rng: Draws IK starts, samples and shortcuts.
+            q_start: Start configuration (n,), [rad]. It may be up to 1e-3 rad beyond the joint limits; the motion then begins at
+                the limits.
+            pose: Goal pose of the tip in the world (7,), or a list of equally good poses, or a region of poses.
+            straight: Straight line of the tip. None: try it first; True: accept nothing else; False: do not try it.
+            ignore_collisions: Ignore collisions with the world. Collisions of the arm with itself are always avoided.
+            allowed: Names of bodies that the arm may touch.
+            rng: Generator of IK starts, samples and shortcuts.
 
         Raises:
-            InvalidRequest: NaN, a wrong shape, or no numbers; OutsideJointLimits: the start is outside the joint limits.
-            NoIkSolution: No pose is within reach.
-            StartInCollision: The motion would begin in a forbidden contact.
-            GoalInCollision: Every configuration at the goal collides.
-            NotStraight: `straight` is True and no line can be followed.
-            NoPath: The goal is free, but no way to it was found.
-            RetimingError: The path cannot be timed.
+            InvalidRequest: An argument has NaN, a wrong shape or a wrong type.
+            OutsideJointLimits: The start is outside the joint limits.
+            NoIkSolution: No goal pose is within reach.
+            StartInCollision: The start is in a forbidden collision.
+            GoalInCollision: Every configuration that reaches a goal pose collides.
+            NotStraight: `straight` is True and the tip cannot follow a straight line to any goal pose.
+            NoPath: A goal configuration is free of collisions, but no path to it was found.
+            RetimingError: The path cannot be timed within the limits.
         """
         q = self._checked(q_start, rng, allowed, free=ignore_collisions)
         check_switches(straight=straight is not None and straight)
@@ -110,7 +126,7 @@ class MotionPlanner:
         allowed: Collection[str] = (),
         rng: np.random.Generator,
     ) -> Plan:
-        """Plan a motion to a joint configuration (n,), [rad]; raises as `plan_to_pose`."""
+        """Plan a motion to a joint configuration (n,), [rad]; other arguments and errors as in `plan_to_pose`."""
         q, goal = self._checked(q_start, rng, allowed, free=ignore_collisions), self._within(q_goal, "goal configuration")
         with self._open(PlanRequest("configuration", q_start, q_goal, ignore_collisions, tuple(allowed))) as stages:
             rules = self._rules(stages, q, allowed, ignore_collisions)
@@ -128,7 +144,10 @@ class MotionPlanner:
         allowed: Collection[str] = (),
         rng: np.random.Generator | None = None,
     ) -> Plan:
-        """Plan a motion whose tip passes `poses` (7,) one after the other without stopping; raises as `plan_to_pose`."""
+        """Plan a motion in which the tip passes through `poses`, each (7,), in order and without stopping.
+
+        Other arguments and errors are those of `plan_to_pose`, but collisions with the world are ignored by default.
+        """
         unused = np.random.default_rng(0) if rng is None else rng
         q, poses = self._checked(q_start, unused, allowed, free=ignore_collisions), as_goal_poses(poses, "curve")
         with self._open(PlanRequest("curve", q_start, poses, ignore_collisions, tuple(allowed))) as stages:
@@ -149,8 +168,8 @@ class MotionPlanner:
         """Return the configuration (n,) nearest to `q_seed` that reaches a pose, or one of several.
 
         Raises:
-            NoIkSolution: None is within reach.
-            GoalInCollision: Collisions count, and all configurations collide.
+            NoIkSolution: No pose is within reach.
+            GoalInCollision: `ignore_collisions` is False, and all configurations collide.
         """
         q = self._checked(q_seed, rng, allowed, "seed configuration", free=ignore_collisions)
         collision, poses = None if ignore_collisions else self.collision, as_goal_poses(pose)

@@ -384,14 +384,14 @@ class InstructionsSpec(Spec):
 
 
 class ExcludedFactorSpec(Spec):
-    """A factor of generalisation that cannot change this task, or not by all its numbers."""
+    """A factor of generalisation that cannot change this task, or can change it only within limits."""
 
     name: Name
     """Name of the factor."""
     reason: Words
     """Why."""
     within: tuple[Number, Number] | None = None
-    """Lowest and highest number of the factor that the task can take; it cannot take the factor at all when left out."""
+    """Lowest and highest number of the factor that this task supports; the factor is excluded altogether when left out."""
 
 
 class DeviationSpec(Spec):

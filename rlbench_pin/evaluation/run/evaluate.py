@@ -85,27 +85,33 @@ def evaluate(
     stop: threading.Event | None = None,
     make_runner: Callable[[EvaluationConfig], EpisodeRunner] = EpisodeRunner,
 ) -> Results:
-    """Evaluate a policy, write the results file and, beside it, that of the times.
+    """Evaluate a policy, and write the results file and a file of action times next to it.
 
-    An episode in which a worker dies is played again, up to three times, where the policy is part of this package and runs in the
-    worker; any other policy may have ended the worker, so that the episode is lost.
+    If a worker dies in an episode of `noop`, `random` or `expert`, the episode is repeated, up to three times. Any other policy
+    may have ended the worker itself, so its episode fails and is not repeated.
 
     Args:
-        config: What to evaluate.
-        out: The results file. Until all episodes are played, a journal is next to it.
-        engine: Runs the episodes; one process when None.
-        resume: Go on with an evaluation that did not end; one that did is read. Otherwise there must be neither.
-        on_progress: Called with how far it is, first before anything was played.
-        stop: When set, nothing more is begun; what is under way is finished and kept.
-        make_runner: Makes what plays in a worker, from `config`; it can be pickled.
+        config: Policy, tasks, episodes and limits.
+        out: Path of the results file, such as `x.json`. Until the end, the journal `x.journal.jsonl` is next to it.
+        engine: Engine that runs the episodes; None takes one process.
+        resume: True continues an evaluation that was interrupted; if `out` is complete, it is read and returned. False requires
+            that neither `out` nor a journal with episodes exists.
+        on_progress: Function that is called with the progress, once before the first episode and after every event.
+        stop: When this event is set, no further episode starts; running episodes are finished and kept.
+        make_runner: Picklable function that makes the runner of a worker process from `config`.
+
+    Returns:
+        The results, as they are in the file.
 
     Raises:
-        EvaluationConflict: There are results or a journal of something else where these are to be written.
-        EvaluationStopped: `stop` was set before all was played.
-        PolicyOfAnotherArm: The policy was made for other joints than those of the arm.
-        ProtocolConflict: The policy does not ask for what the protocol fixes.
-        PolicyFault: The policy does not start; PolicyReferenceError, UnknownName: there is none, or no such task.
-        StorageError: The disk cannot be written to. What was played before is kept.
+        EvaluationConflict: `out` or its journal exists and `resume` is False, or it belongs to another evaluation.
+        EvaluationStopped: `stop` was set before all episodes were finished.
+        PolicyOfAnotherArm: The policy was made for the joints of another arm.
+        ProtocolConflict: The settings of the policy contradict the protocol.
+        PolicyFault: The policy does not start.
+        PolicyReferenceError: The reference names no policy.
+        UnknownName: No policy or task has this name.
+        StorageError: The disk cannot be written to. Finished episodes are kept.
     """
     config, out = as_record(config, EvaluationConfig, "config"), as_path(out, "out")
     engine = ProcessEngine() if engine is None else as_record(engine, Engine, "engine")  # type: ignore[type-abstract]
