@@ -34,7 +34,6 @@ GENERATORS: tuple[tuple[str, ...], ...] = (
 NAMED = {
     "rlbench_pin/__init__.py": '__version__ = "{}"',
     "CITATION.cff": "version: {}",
-    "README.md": "| | rlbench-pin {} |",
     "docs/why.md": "| | rlbench-pin {} |",
 }
 """Where the version stands besides pyproject.toml."""

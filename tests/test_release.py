@@ -24,7 +24,7 @@ def checkout(tmp_path: Path) -> Path:
 
 
 def test_the_version_is_the_same_everywhere() -> None:
-    """In pyproject.toml, the package, CITATION.cff, README.md and CHANGELOG.md."""
+    """In pyproject.toml, the package, CITATION.cff, docs/why.md and CHANGELOG.md."""
     assert version_faults(ROOT) == []
 
 
