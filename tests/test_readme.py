@@ -25,7 +25,7 @@ def test_links_lead_to_files() -> None:
 
 
 def test_counts() -> None:
-    """All public tasks with all variations, six variants, and the tasks of GemBench; the sentence and the comparison with others say so."""
+    """All public tasks with all variations, six variants, and the tasks of GemBench; two sentences say so."""
     assert "112 tasks with 586 variations: the 106 public tasks of RLBench with 568, and 6 known variants with 18." in README
     assert "GemBench adds 17 tasks with 53." in README
     assert "| 129 (639 variations) |" in (ROOT / "docs" / "why.md").read_text(encoding="utf-8")
