@@ -420,7 +420,7 @@ class ResetError(TaskEnvironmentError):
         self.causes = tuple(causes)
         counts = {c: self.causes.count(c) for c in dict.fromkeys(self.causes)}
         text = "; ".join(f"{n} x {c}" for c, n in counts.items())
-        super().__init__(f"Task '{task}' could not be placed in {len(self.causes)} attempts: {text}.")
+        super().__init__(f"Task '{task}' could not be placed in {len(self.causes)} attempts: {text}. Choose another seed.")
 
 
 class UsedByTwoThreads(TaskEnvironmentError, RuntimeError):

@@ -53,7 +53,11 @@ class ListTasks:
             name: title for name, title in titles.items() if all(w.lower() in f"{name} {title}".lower() for w in self.words)
         }
         if not titles and (self.words or self.tier or self.set or self.family):
-            print("No task fits. Leave out a word or a filter.", file=sys.stderr)
+            from rlbench_pin.evaluation.sets import task_sets
+
+            sets = [name for name in task_sets() if name.lower() in map(str.lower, self.words)]
+            hint = f"Use `--set {sets[0]}`." if sets else "Leave out a word or a filter."
+            print(f"No task fits. {hint}", file=sys.stderr)
         versions = {name: task_scene(task_class(name)).version for name in titles}
         if self.json:
             print(json.dumps({name: {"title": title, "version": versions[name]} for name, title in titles.items()}, indent=1))
