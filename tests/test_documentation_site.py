@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import re
+from collections.abc import Callable
 from pathlib import Path
+from typing import TypeVar
 
 import pytest
 from docs_lib.api import api_pages, constant, is_type, names_and_homes, value_of
@@ -15,11 +18,29 @@ from docs_lib.tasks import condition_rows, index_row, page, sentences
 
 from rlbench_pin.tasks import library_names
 
+Result = TypeVar("Result")
+
+
+def in_another_process(function: Callable[[], Result]) -> Result:
+    """Call a function that imports modules without their optional libraries, which no other test may find in this process."""
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        return pool.apply(function)
+
+
+def names_and_pages() -> tuple[dict[tuple[str, str], str], dict[str, str]]:
+    """Return the home of every public name, and the pages of the reference."""
+    return names_and_homes(public_names()), api_pages()
+
+
+def errors_and_page() -> tuple[list[str], str]:
+    """Return the names of all types of errors, and their page."""
+    return [kind.__name__ for kind in error_types()], error_page()["errors.md"]
+
 
 def test_every_public_name_is_documented() -> None:
     """On the page of the shortest package that has it; the pages of others link to it there."""
-    public, pages = public_names(), api_pages()
-    homes = names_and_homes(public)
+    public = public_names()
+    homes, pages = in_another_process(names_and_pages)
     assert set(homes) == {(module, name) for module, names in public.items() for name in names}
     for (module, name), home in homes.items():
         text = pages[f"api/{home}.rst"]
@@ -40,11 +61,10 @@ def test_constants_are_found_where_they_are_assigned() -> None:
 
 def test_every_error_has_a_cause_and_a_next_step() -> None:
     """One row for each type, in the order of the alphabet."""
-    rows = [
-        re.split(r"(?<!\\) \| ", line.strip("| ")) for line in error_page()["errors.md"].splitlines() if line.startswith("| ")
-    ][2:]
+    kinds, text = in_another_process(errors_and_page)
+    rows = [re.split(r"(?<!\\) \| ", line.strip("| ")) for line in text.splitlines() if line.startswith("| ")][2:]
     names = [re.sub(r".*[.`~](\w+)`$", r"\1", row[0]) for row in rows]
-    assert names == sorted((kind.__name__ for kind in error_types()), key=str.lower)
+    assert names == sorted(kinds, key=str.lower)
     assert [row for row in rows if len(row) != 4 or not row[1] or not row[3]] == []
     by_name = dict(zip(names, rows))
     assert by_name["NotReset"][3] == "Call `reset()` first." and "*call*" in by_name["NotReset"][2]
