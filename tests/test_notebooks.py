@@ -14,7 +14,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 SAYS = {"first_episode": "reward 1.0 ended True", "plan_and_control": "certified: True", "dataset_to_policy": "solved 5 of 5"}
-"""What a notebook prints when it reaches its goal."""
+"""Output of each notebook that reaches its goal."""
 
 
 def cells(notebook: Path, kind: str) -> list[dict[str, Any]]:

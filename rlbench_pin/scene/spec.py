@@ -415,7 +415,7 @@ class HistorySpec(Spec):
     version: Annotated[int, Strict(), Kind("whole number")] = Field(ge=2, le=MAX_ELEMENTS)
     """Version of the task since this change: 2, 3, ... without gaps. Version 1 has no entry."""
     change: Words
-    """What changed, as one sentence."""
+    """Description of the change, as one sentence."""
     release: Words | None = None
     """Release of the package that had the change first, such as `0.2.0`."""
 

@@ -68,9 +68,9 @@ def row(kind: type[RlbenchPinError], messages: Mapping[str, list[Message]], home
     name = kind.__name__
     shown = f"{{py:obj}}`~{homes[name]}.{name}`" if name in homes else f"`{name}`"
     found = messages.get(f"class {name}") or messages.get(name, [])
-    told = list(dict.fromkeys(message.problem for message in found))
+    problems = list(dict.fromkeys(message.problem for message in found))
     steps = list(dict.fromkeys(message.step for message in found if message.step))
-    return shown, doc_of(kind).first, "<br>".join(told[:MOST]), "<br>".join(steps[:MOST]) or other_step(kind)
+    return shown, doc_of(kind).first, "<br>".join(problems[:MOST]), "<br>".join(steps[:MOST]) or other_step(kind)
 
 
 def other_step(kind: type[RlbenchPinError]) -> str:

@@ -181,8 +181,10 @@ def rows_of(condition: Condition, before: str) -> Iterable[tuple[str, str, str]]
     members = getattr(condition, "members", ())
     arguments = [(key, getattr(condition, key)) for key in inspect.signature(cls).parameters if hasattr(condition, key)]
     units = {key: unit_of(text) for key, text in arguments_of(cls).items()}
-    told = [f"{key} {shown(value)}{units.get(key, '')}" for key, value in arguments if key not in ("robot", "gripper", "members")]
-    yield f"{before}`{cls.__name__}`", ", ".join(told), doc_of(cls).first
+    arguments_shown = [
+        f"{key} {shown(value)}{units.get(key, '')}" for key, value in arguments if key not in ("robot", "gripper", "members")
+    ]
+    yield f"{before}`{cls.__name__}`", ", ".join(arguments_shown), doc_of(cls).first
     for number, member in enumerate(members, 1):
         yield from rows_of(member, f"{before}{number}. ")
 
