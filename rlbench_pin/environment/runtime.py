@@ -202,14 +202,8 @@ class Runtime:
         if sizes == self.sizes:
             return
         scene = resized(task_scene(type(self.task)), sizes)
-        world = World(scene, self.description, renderer="egl" if self.world.client.hardware else "cpu")
-        try:
-            task = type(self.task)(world)
-            task.init_task()
-            world.end_building()
-        except BaseException:
-            world.close()
-            raise
+        world, task = _build_world(type(self.task), scene, self.description, "egl" if self.world.client.hardware else "cpu")
+        world.end_building()
         self.place_arm()
         self.world.close()
         self._kept.clear()
@@ -470,15 +464,25 @@ def build_runtime(
         kind: `Runtime`, or a subclass of it.
     """
     spec = SceneSpec(format=1) if task is EmptyTable else task_scene(task)
-    world = World(spec, model.description, renderer=renderer)
+    world, running = _build_world(task, spec, model.description, renderer)
     try:
-        running = task(world)
-        running.init_task()
         planner = MotionPlanner(model, planning)
         return kind(world, running, model.description, model, planner, config, attach_grasped_objects, camera_places)
     except BaseException:
         world.close()
         raise
+
+
+def _build_world(task: type[Task], scene: SceneSpec, robot: RobotDescription, renderer: RendererName) -> tuple[World, Task]:
+    """Return the world of a scene, and the task that was set up in it."""
+    world = World(scene, robot, renderer=renderer)
+    try:
+        running = task(world)
+        running.init_task()
+    except BaseException:
+        world.close()
+        raise
+    return world, running
 
 
 MIN_SPEED = 0.13
