@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rlbench_pin.errors import CameraError, InvalidCamera
-from rlbench_pin.sim.render.camera import CameraView
+from rlbench_pin.sim.render.camera import CameraView, pixel_rays
 from rlbench_pin.sim.render.raster.drawing import Blocked
 from rlbench_pin.spatial import TABLE_HEIGHT, matrix_to_pose
 from rlbench_pin.values import as_number, as_vector
@@ -103,9 +103,14 @@ _LOW, _HIGH = (0.0, 0.012), (0.018, 0.088)
 _DARKENING = np.float32(1.1)
 
 
-def light_view(light: Light) -> CameraView:
-    """The camera that sees what the light reaches; its image lies along the sides of the table."""
-    forward = -light.unit
+@lru_cache(maxsize=8)
+def light_view(direction: Vector) -> CameraView:
+    """Return the camera that sees what a light reaches; its image is aligned with the sides of the table.
+
+    Args:
+        direction: `Light.direction`, which points towards the light.
+    """
+    forward = -np.array(direction) / np.linalg.norm(direction)
     along = np.array([1.0, 0.0, 0.0]) if abs(forward[0]) < 0.9 else np.array([0.0, 0.0, 1.0])
     up = along - along.dot(forward) * forward
     up /= np.linalg.norm(up)
@@ -402,7 +407,8 @@ def table_distance(view: CameraView, height: float) -> NDArray[np.float32]:
         view: Camera of the light.
         height: z of the table top [m].
     """
-    rays = view.rays[:, 2].reshape(_SIZE, _SIZE)
+    (columns, rows), turn = pixel_rays(view), view.extrinsics()[2, :3]
+    rays = ((turn[0] * columns)[None, :] + (turn[1] * rows + turn[2])[:, None]).astype(np.float32)
     return (np.float32(height - view.pose[2]) / np.minimum(rays, np.float32(-1e-3)) - _TOUCHING).astype(np.float32)
 
 

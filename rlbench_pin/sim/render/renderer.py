@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from rlbench_pin.sim.client import PhysicsClient, bullet
 from rlbench_pin.sim.render.backdrop import Painter
 from rlbench_pin.sim.render.camera import CameraView, Images
-from rlbench_pin.sim.render.lighting import Light, Lighting, ShadowMap, light_view
+from rlbench_pin.sim.render.lighting import Lighting, ShadowMap, light_view
 from rlbench_pin.sim.render.raster.drawing import Sight
 from rlbench_pin.sim.render.raster.stage import Appearance, Lamp
 from rlbench_pin.sim.render.shading import (
@@ -97,7 +97,6 @@ class Renderer:
         numbers = frozenset(body.model.uid for body in room.values())
         self._rasterizer = BulletRasterizer(client, numbers) if client.hardware else NumpyRasterizer(client, numbers, appearance)
         self.lighting = Lighting()
-        self._light_view: tuple[Light, CameraView] | None = None
         self._link_textures: dict[tuple[int, int], LinkTexture] = {}
         self._stationary_layout: tuple[object, ...] = ()
         self._stationary_key: tuple[object, ...] = ()
@@ -206,9 +205,8 @@ class Renderer:
     # Moving objects ---------------------------------------------------------------------------------------------------
 
     def _view_of_light(self) -> CameraView:
-        if self._light_view is None or self._light_view[0] != self.lighting.key:
-            self._light_view = self.lighting.key, light_view(self.lighting.key)
-        return self._light_view[1]
+        x, y, z = self.lighting.key.direction
+        return light_view((x, y, z))
 
     def _sight(self, requests: Sequence[Request]) -> Sight:
         lighting, first = self.lighting, requests[0]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,8 @@ from rlbench_pin.sim.render.raster.meshes import Triangles, flat_normals, triang
 from rlbench_pin.sim.render.texture import Texture, read_texture
 from rlbench_pin.urdf import DULL, Finish
 
+_KEPT_SHAPES = 256
+"""Number of visuals, and of links, whose triangles are kept for worlds that are built again."""
 _MIN_REST, _MAX_REST = 2, 64
 """After so many instants without motion a link is still, at first and at most."""
 Link = tuple[int, int]
@@ -80,9 +83,9 @@ def join(shapes: Mapping[Link, Sequence[tuple[int, Triangles]]], segments: Seque
     ends = _ends([sum(len(t.corners) for _, t in group) for group in shapes.values()])
     points, corners, point_ends = [], [np.zeros((0, 3), dtype=np.int64)], [0]
     for group in shapes.values():
-        own, numbers = np.unique(np.concatenate([t.corners.reshape(-1, 3) for _, t in group]), axis=0, return_inverse=True)
+        own, numbers = _points_of(tuple(t for _, t in group))
         points.append(own)
-        corners.append(numbers.reshape(-1, 3) + point_ends[-1])
+        corners.append(numbers + point_ends[-1])
         point_ends.append(point_ends[-1] + len(own))
     at_corners, normals = (
         np.concatenate([np.zeros((0, 3, 3)), *(getattr(t, name) for _, t in every)]) for name in ("corners", "normals")
@@ -91,7 +94,7 @@ def join(shapes: Mapping[Link, Sequence[tuple[int, Triangles]]], segments: Seque
     shades = [np.ones((len(t.corners), 3)) if t.shades is None else t.shades for _, t in every]
     surface = np.concatenate([np.zeros((0, 3)), *shades])[..., None]
     if has_pattern:
-        on_planes = np.concatenate([np.zeros((0, 3, 2)), *(_on_plane(t.corners) for _, t in every if len(t.corners))])
+        on_planes = np.concatenate([np.zeros((0, 3, 2)), *(_on_plane(t) for _, t in every if len(t.corners))])
         surface = np.concatenate([surface, on_planes], axis=2)
     elif all(t.shades is None for _, t in every):
         surface = surface[..., :0]
@@ -111,10 +114,20 @@ def join(shapes: Mapping[Link, Sequence[tuple[int, Triangles]]], segments: Seque
     )
 
 
-def _on_plane(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Coordinates (m, 3, 2) of the corners (m, 3, 3) of one visual along the two axes that each is most parallel to, first
-    that along which the visual is longer.
+@lru_cache(maxsize=_KEPT_SHAPES)
+def _points_of(shapes: tuple[Triangles, ...]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Points (p, 3) of the visuals of one link, each once, and which of them are the corners of each triangle (m, 3)."""
+    own, numbers = np.unique(np.concatenate([t.corners.reshape(-1, 3) for t in shapes]), axis=0, return_inverse=True)
+    return own, numbers.reshape(-1, 3)
+
+
+@lru_cache(maxsize=_KEPT_SHAPES)
+def _on_plane(shape: Triangles) -> NDArray[np.float64]:
+    """Coordinates (m, 3, 2) of the corners of one visual along the two axes that each triangle is most parallel to.
+
+    The axis along which the visual is longer is first.
     """
+    corners = shape.corners
     sizes = np.ptp(corners.reshape(-1, 3), axis=0).round(3)
     across = np.abs(flat_normals(corners)[:, 0]).argmax(axis=1)
     axes = np.array([sorted({0, 1, 2} - {axis}, key=lambda other: -sizes[other]) for axis in range(3)])[across]
@@ -457,14 +470,24 @@ def _parts(visuals: tuple[Visual, ...], has_pattern: bool) -> Parts | None:
     """Read all shapes; None when one cannot be drawn."""
     placed: dict[tuple[int, int], list[tuple[int, Triangles]]] = {}
     for number, visual in enumerate(visuals):
-        triangles = triangles_of(visual.kind, visual.size, visual.file)
+        triangles = _triangles(visual.kind, visual.size, visual.file, visual.position, visual.quaternion)
         if triangles is None or visual.is_textured:
             return None
-        frame = _matrices(np.array([[*visual.position, *visual.quaternion]]))[0]
-        corners = triangles.corners @ frame[:3, :3].T + frame[:3, 3]
-        moved = Triangles(corners, triangles.normals @ frame[:3, :3].T, triangles.shades)
-        placed.setdefault((visual.body, visual.link), []).append((number, moved))
+        placed.setdefault((visual.body, visual.link), []).append((number, triangles))
     return join(placed, [segment_of(body, link) for body, link in placed], has_pattern)
+
+
+@lru_cache(maxsize=_KEPT_SHAPES)
+def _triangles(
+    kind: int, size: tuple[float, ...], file: str, position: tuple[float, ...], quaternion: tuple[float, ...]
+) -> Triangles | None:
+    """Return a visual in the frame of its link; None when it cannot be drawn."""
+    triangles = triangles_of(kind, size, file)
+    if triangles is None:
+        return None
+    frame = _matrices(np.array([[*position, *quaternion]]))[0]
+    corners = triangles.corners @ frame[:3, :3].T + frame[:3, 3]
+    return Triangles(corners, triangles.normals @ frame[:3, :3].T, triangles.shades)
 
 
 def _matrices(poses: NDArray[np.float64]) -> NDArray[np.float64]:
