@@ -15,7 +15,7 @@ from rlbench_pin.control.compliant import CompliantFollowing
 from rlbench_pin.control.following import TrajectoryTracker
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.observations.observe import CameraPlaces, Cameras, Observer
-from rlbench_pin.environment.sizes import resized
+from rlbench_pin.environment.other_bodies import resized, with_models
 from rlbench_pin.errors import InvalidActionError, NoShapedReward
 from rlbench_pin.observation import Observation
 from rlbench_pin.planning.kinematics import JOINT_LIMIT_TOLERANCE
@@ -135,7 +135,7 @@ class RuntimeState:
     planning: int
     """Seed of the generators of plans."""
     build: int = 0
-    """How often the world had been built again, see `Runtime.resize`."""
+    """How often the world had been built again, see `Runtime.rebuild`."""
 
 
 class Runtime:
@@ -149,7 +149,8 @@ class Runtime:
         task: The task that is running.
         model: Analytic model of the arm.
         planner: Motion planner over `model`.
-        sizes: Factor of the size of each body that has another than in the scene file; see `resize`.
+        sizes: Factor of the size of each body that has another than in the scene file; see `rebuild`.
+        models: URDF file of each body that has another than in the scene file; see `rebuild`.
         build: How often the world was built again.
         listeners: Called for ticks, observations and segments; see `listening`.
         before_tick: Functions that `step` calls before each control tick, in order.
@@ -171,6 +172,7 @@ class Runtime:
         self.description, self.model, self.planner = robot, model, planner
         self._config, self._camera_places, self._attaches = config, camera_places, attach_grasped_objects
         self.sizes: Mapping[str, float] = {}
+        self.models: Mapping[str, str] = {}
         self.build = 0
         self._use_world(world, task)
         self.variation = 0
@@ -191,23 +193,24 @@ class Runtime:
         if not self._attaches:
             self.gripper.rely_on_friction()
 
-    def resize(self, sizes: Mapping[str, float]) -> None:
-        """Build world and task again with bodies of other sizes; nothing happens when they have these already.
+    def rebuild(self, sizes: Mapping[str, float], models: Mapping[str, str]) -> None:
+        """Build world and task again with other bodies; nothing happens when they are these already.
 
         `world`, `task`, `robot`, `gripper` and `observer` are new then, and the arm stands where its description says.
 
         Args:
-            sizes: Factor of the size of each body; what is not named has that of the scene file.
+            sizes: Factor of the size of each body; a body that is not named has that of the scene file.
+            models: URDF file of each body; a body that is not named has that of the scene file.
         """
-        if sizes == self.sizes:
+        if sizes == self.sizes and models == self.models:
             return
-        scene = resized(task_scene(type(self.task)), sizes)
+        scene = resized(with_models(task_scene(type(self.task)), models), sizes)
         world, task = _build_world(type(self.task), scene, self.description, "egl" if self.world.client.hardware else "cpu")
         world.end_building()
         self.place_arm()
         self.world.close()
         self._kept.clear()
-        self.sizes, self.build = dict(sizes), self.build + 1
+        self.sizes, self.models, self.build = dict(sizes), dict(models), self.build + 1
         self._use_world(world, task)
 
     def place_arm(self, base: FloatArray | None = None) -> None:

@@ -165,7 +165,7 @@ class TaskEnvironment:
         changes = FactorRandomizer(self._runtime, self._obs_config, setting) if setting else None
         if self._changes is not None:
             self._changes.remove()
-            self._runtime.resize({})
+            self._runtime.rebuild({}, {})
         self._changes = changes
 
     def get_task_descriptions(self) -> list[str]:

@@ -100,14 +100,20 @@ def _check_names(spec: SceneSpec) -> None:
 
 
 def _check_assets(spec: SceneSpec, body: BodySpec) -> Urdf:
-    path = resolve_asset(spec, body.asset)
+    for asset in body.look_alikes:
+        _check_asset(spec, body, asset)
+    return _check_asset(spec, body, body.asset)
+
+
+def _check_asset(spec: SceneSpec, body: BodySpec, asset: str) -> Urdf:
+    path = resolve_asset(spec, asset)
     needed_by = f"body '{body.name}' of {Path(spec.file).name}"
     if not _is_file(path):
-        raise AssetNotFound(body.asset, needed_by)
+        raise AssetNotFound(asset, needed_by)
     urdf = read_urdf(path, needed_by)
     for file in (*urdf.meshes, *urdf.textures):
         if not _is_file(file):
-            raise AssetNotFound(file, f"{body.asset}, {needed_by}")
+            raise AssetNotFound(file, f"{asset}, {needed_by}")
     return urdf
 
 

@@ -253,6 +253,9 @@ class BodySpec(PosedSpec):
     """Overrides every visual colour: red, green, blue, and perhaps opacity."""
     scale: Number = Field(default=1.0, ge=1e-4, le=100.0)
     """Uniform scale of the asset."""
+    look_alikes: tuple[str, ...] = ()
+    """URDF files of similar objects, written as `asset` is. The factor `object_model` puts one of them in its place, with its
+    size."""
     role: Literal["manipulated", "receiving"] | None = None
     """Use in a demonstration. `manipulated`: the gripper moves it. `receiving`: a manipulated object ends in, on or at
     it, or acts on it as a tool."""

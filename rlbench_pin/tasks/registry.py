@@ -111,9 +111,9 @@ def task_files(task: type[Task]) -> dict[str, Path]:
     folder = scene.parent
     files = [scene.with_suffix(".py"), scene]
     for body in read_scene(scene).body:
-        asset = body.asset
-        if asset and asset.startswith(("./", "../")):
-            files += _model_files(resolve_asset(scene, asset))
+        for asset in (body.asset, *body.look_alikes):
+            if asset.startswith(("./", "../")):
+                files += _model_files(resolve_asset(scene, asset))
     inside = (file for file in files if file.is_relative_to(folder) and file.is_file())
     return {file.relative_to(folder).as_posix(): file for file in inside}
 

@@ -28,6 +28,7 @@ COMBINED = "combined"
 _REASONS = {
     "manipulated": "its scene marks no object as manipulated",
     "receiving": "its scene marks no object as receiving",
+    "look_alikes": "its scene names no similar models of its objects",
     "joints": "no object of its scene has a joint",
     "placement": "it always stands at the same place",
     "variations": "it has one variation",
@@ -108,6 +109,8 @@ def _has(task: Task, need: str) -> bool:
     scene = task.world.spec
     if need in ("manipulated", "receiving"):
         return any(body.role == need for body in scene.body)
+    if need == "look_alikes":
+        return any(body.look_alikes for body in scene.body)
     if need in InstructionsSpec.model_fields:
         return bool(getattr(scene.instructions, need))
     if need == "joints":

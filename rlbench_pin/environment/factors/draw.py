@@ -20,6 +20,7 @@ from rlbench_pin.observation import CAMERAS
 from rlbench_pin.scene.spec import WORLD
 from rlbench_pin.sim import Light, Lighting, World
 from rlbench_pin.spatial import IDENTITY, compose, pose_at, pose_to_se3
+from rlbench_pin.tasks import task_scene
 from rlbench_pin.tasks.placement import footprint
 from rlbench_pin.tasks.task import Wording
 
@@ -28,7 +29,7 @@ REPEATS = (4.0, 8.0)
 LARGEST_SEED = 2**31
 OTHER = "instruction_other"
 """The factor whose sentences are drawn by `other_instructions`."""
-FIRST = ("arm_base", "object_size", "receiver_size")
+FIRST = ("arm_base", "object_model", "object_size", "receiver_size")
 """The factors that act before the episode is laid out."""
 SIZE_STEP = 0.02
 """Sizes are multiples of it, so that the shapes of few sizes are kept in memory."""
@@ -255,6 +256,17 @@ def _sized(role: str) -> DrawFunction:
     return draw
 
 
+def _object_model(draw: Draw, sample: Sample) -> Sample:
+    """Draw a look-alike for each kind of object; objects of one kind get the same."""
+    chosen: dict[tuple[str, ...], str] = {}
+    models = {}
+    for body in (body for body in task_scene(type(draw.runtime.task)).body if body.look_alikes):
+        if body.look_alikes not in chosen:
+            chosen[body.look_alikes] = body.look_alikes[int(draw.rng.integers(len(body.look_alikes)))]
+        models[body.name] = chosen[body.look_alikes]
+    return replace(sample, models=models)
+
+
 def _unchanged(draw: Draw, sample: Sample) -> Sample:
     """Return the sample: these factors act before the episode is laid out."""
     return sample
@@ -378,6 +390,7 @@ FUNCTIONS: Mapping[str, DrawFunction] = {
     "depth_noise": _depth_noise,
     "joint_noise": _joint_noise,
     "distractors": _distractors,
+    "object_model": _object_model,
     "object_size": _sized("manipulated"),
     "receiver_size": _sized("receiving"),
     **dict.fromkeys(PLACES, _unchanged),

@@ -43,14 +43,14 @@ class FactorRandomizer(WorldChanges):
         self.accept = next((accept for name, accept in PLACES.items() if name in chosen), None)
 
     def prepare_episode(self, variation: int, seed: int, attempt: int) -> None:
-        """Bring the world back to how it was built, with the sizes and the place of the arm of this episode.
+        """Bring the world back to how it was built, with the bodies and the place of the arm of this episode.
 
         The words of another variation are found here, too, where they are wanted.
         """
         self.remove()
         first = FactorSetting(tuple((name, level) for name, level in self._factors.levels if name in FIRST))
         sample = draw_factors(self._runtime, self._config, first, seed, attempt)
-        self._runtime.resize(sample.sizes)
+        self._runtime.rebuild(sample.sizes, sample.models)
         self._runtime.place_arm(sample.base)
         if OTHER in dict(self.setting.levels):
             self._other = other_instructions(self._runtime, variation, seed, attempt)

@@ -74,6 +74,8 @@ class RandomizationSample:
     """Pose of the arm's base in the world (7,), or None for that of its description."""
     sizes: dict[str, float] = field(default_factory=dict)
     """Factor of the size of each body that has another."""
+    models: dict[str, str] = field(default_factory=dict)
+    """URDF file of each body that has another."""
     latency: int = 0
     """Control ticks by which commands reach the arm's motors later."""
     loss: float = 0.0

@@ -11,8 +11,8 @@ from assets_lib.urdf import Link, Model, Visual, box_shape, glossy, mesh_shape, 
 RED, PALE = (0.9, 0.1, 0.1), (1.0, 0.62, 0.55)
 CUBES = (("cube", 0.05, 0.1), ("cube_small", 0.04, 0.05), ("cube_45", 0.045, 0.06), ("block_60", 0.06, 0.12))
 """Name, side [m], mass [kg]."""
-EDGE = 0.002
-"""Bevel of a cube [m]."""
+EDGE, CHAMFER = 0.002, 0.0075
+"""Bevel of a cube, and of the chamfered one [m]."""
 BALL = 0.05
 """Diameter of the ball [m]."""
 RING, TUBE = 0.041, 0.007
@@ -27,6 +27,15 @@ def cube(name: str, side: float, mass: float) -> Model:
     seen = mesh_shape("cube", bevelled_box(size, bevel=EDGE))
     link = Link(name, mass, (Visual(seen, plastic(RED), crease=0.1),), (box_shape(size),), friction=0.8)
     return Model(name, f"objects/{name}", "centre", (link,), notes=(f"rests with its origin at {side / 2} m",))
+
+
+def chamfered_cube() -> Model:
+    """Return a cube with large chamfers, similar to a plain one."""
+    _, side, mass = CUBES[0]
+    solid = mesh_shape("cube_chamfered", bevelled_box((side, side, side), bevel=CHAMFER))
+    link = Link("cube_chamfered", mass, (Visual(solid, plastic(RED), crease=0.1),), (solid,), friction=0.8)
+    notes = (f"rests with its origin at {side / 2} m; chamfers of {CHAMFER}",)
+    return Model("cube_chamfered", "objects/cube_chamfered", "centre", (link,), notes=notes)
 
 
 def ball_marker() -> Model:
@@ -68,4 +77,4 @@ def building_strip() -> Model:
 
 def models() -> tuple[Model, ...]:
     """Return the models of this family."""
-    return (*(cube(*c) for c in CUBES), ball_marker(), ring_marker(), target_square(), building_strip())
+    return (*(cube(*c) for c in CUBES), chamfered_cube(), ball_marker(), ring_marker(), target_square(), building_strip())

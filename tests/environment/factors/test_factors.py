@@ -20,12 +20,16 @@ from rlbench_pin.environment import (
 from rlbench_pin.environment.factors import FactorNotApplicable, FactorSetting, expand_settings, factor_catalogue
 from rlbench_pin.environment.factors.catalogue import COMBINED
 from rlbench_pin.environment.factors.draw import FUNCTIONS, OTHER
+from rlbench_pin.environment.other_bodies import with_models
 from rlbench_pin.environment.presets import image_config
 from rlbench_pin.environment.replay import replay_succeeds
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import InvalidArgument, UnknownName
 from rlbench_pin.observation import Observation
+from rlbench_pin.robot.geometry import bounds, solid_geometry
+from rlbench_pin.scene import BodySpec, SceneSpec, resolve_asset
 from rlbench_pin.spatial import TABLE_HEIGHT, pose_to_se3
+from rlbench_pin.tasks import library_names, task_class, task_scene
 from rlbench_pin.tasks.placement import footprint
 
 APPEARANCE = tuple(name for name, factor in factor_catalogue().items() if factor.group == "appearance")
@@ -208,6 +212,49 @@ def test_the_arm_stands_elsewhere(drawer: TaskEnvironment) -> None:
     drawer.reset_to_demo(demo)
     assert replay_succeeds(drawer, demo)
     np.testing.assert_allclose(drawer.set_state(state).gripper_pose, demo[-1].gripper_pose, atol=1e-6)
+
+
+def sides(scene: SceneSpec, body: BodySpec) -> np.ndarray:
+    """Return the lowest and the highest corner (2, 3) of a body around its origin, in the axes of its parent."""
+    parts = next(iter(solid_geometry(resolve_asset(scene, body.asset), body.scale).values()))
+    turn = pose_to_se3((0.0, 0.0, 0.0, *body.pose[3:]))
+    return bounds((shape, turn * place) for shape, place in parts)
+
+
+def with_look_alikes() -> list[str]:
+    """Return the tasks whose scenes name similar models."""
+    return [name for name in library_names() if any(body.look_alikes for body in task_scene(task_class(name)).body)]
+
+
+@pytest.mark.parametrize("name", with_look_alikes())
+def test_similar_models_have_the_size_of_the_object(name: str) -> None:
+    """Every side of their bounding box within 18 %, and they rest at the same height."""
+    scene = task_scene(task_class(name))
+    for body in (body for body in scene.body if body.look_alikes):
+        for asset in body.look_alikes:
+            (other,) = (b for b in with_models(scene, {body.name: asset}).body if b.name == body.name)
+            own, new = sides(scene, body), sides(scene, other)
+            np.testing.assert_allclose(np.ptp(new, axis=0), np.ptp(own, axis=0), rtol=0.18)
+            assert other.pose[2] + new[0, 2] == pytest.approx(body.pose[2] + own[0, 2])
+
+
+@pytest.mark.simulation
+def test_objects_are_replaced_by_similar_ones() -> None:
+    """Another model at the same place, which demonstrations grasp; without the factor the model of the scene file is back."""
+    with environment() as env:
+        task = env.get_task("pick_up_cup")
+        first = start(task, "")
+        place, height = task.world.body("cup").pose, task.world.body("cup").aabb_size()[2]
+        demo = start(task, "object_model:1") and task.try_demo(seed=3, variation=0).demo
+        assert demo is not None and task.runtime.models["cup"] in task_scene(task_class("pick_up_cup")).body[0].look_alikes
+        start(task, "object_model:1")
+        np.testing.assert_allclose(task.world.body("cup").pose, place, atol=2e-3)
+        assert task.world.body("cup").aabb_size()[2] == pytest.approx(height, rel=0.1)
+        assert content(start(task, "")) == content(first)
+        task.reset_to_demo(demo)
+        assert replay_succeeds(task, demo)
+        with pytest.raises(FactorNotApplicable, match="names no similar models"):
+            env.get_task("open_drawer").set_factors("object_model:1")
 
 
 @pytest.mark.simulation

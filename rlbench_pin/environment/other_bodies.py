@@ -1,15 +1,39 @@
-"""Objects of other sizes: the scene with scaled bodies, and with everything that is attached to them."""
+"""Scenes with other bodies: similar models in place of objects, and objects of other sizes."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from rlbench_pin.robot.geometry import bounds, solid_geometry
 from rlbench_pin.scene.reader import resolve_asset
 from rlbench_pin.scene.spec import BodySpec, JointSpec, PosedSpec, RegionSpec, SceneSpec, SensorSpec, WaypointSpec
-from rlbench_pin.spatial import pose_to_se3
+from rlbench_pin.spatial import FloatArray, pose_to_se3
 from rlbench_pin.urdf import read_urdf
+
+
+def with_models(scene: SceneSpec, models: Mapping[str, str]) -> SceneSpec:
+    """Return a scene in which bodies have another model of the same size, that rests at the same height.
+
+    The size is the geometric mean of the sides of the bounding box of the base link. What is attached to a body keeps its place.
+
+    Args:
+        scene: The scene.
+        models: URDF file for each body, by name of the body.
+    """
+    bodies = tuple(_with_model(scene, body, models[body.name]) if body.name in models else body for body in scene.body)
+    return scene.model_copy(update={"body": bodies})
+
+
+def _with_model(scene: SceneSpec, body: BodySpec, asset: str) -> BodySpec:
+    other = body.model_copy(update={"asset": asset})
+    own, new = (np.ptp(_bounds(scene, each, upright=True), axis=0) for each in (body, other))
+    other = other.model_copy(update={"scale": body.scale * float(np.exp(np.log(own / new).mean()))})
+    x, y, z, *turn = body.pose
+    lifted = z + _bounds(scene, body)[0, 2] - _bounds(scene, other)[0, 2]
+    return other.model_copy(update={"pose": (x, y, float(lifted), *turn)})
 
 
 def resized(scene: SceneSpec, sizes: Mapping[str, float]) -> SceneSpec:
@@ -36,7 +60,7 @@ def resized(scene: SceneSpec, sizes: Mapping[str, float]) -> SceneSpec:
         if isinstance(posed, BodySpec):
             own = sizes.get(posed.name, 1.0)
             x, y, z, *turn = update["pose"]
-            update |= {"scale": posed.scale * own, "pose": (x, y, z + (1.0 - own) * _lowest(scene, posed), *turn)}
+            update |= {"scale": posed.scale * own, "pose": (x, y, z + (1.0 - own) * float(_bounds(scene, posed)[0, 2]), *turn)}
         elif isinstance(posed, RegionSpec | SensorSpec):
             update["size"] = tuple(factor * length for length in posed.size)
         elif isinstance(posed, WaypointSpec):
@@ -71,8 +95,14 @@ def _scaled(pose: tuple[float, ...], factor: float) -> tuple[float, ...]:
     return (factor * x, factor * y, factor * z, *turn)
 
 
-def _lowest(scene: SceneSpec, body: BodySpec) -> float:
-    """Return how far the base link of a body reaches below its origin, as it stands on its parent (negative) [m]."""
+def _bounds(scene: SceneSpec, body: BodySpec, *, upright: bool = False) -> FloatArray:
+    """Return lowest and highest corner (2, 3) of the base link of a body around its origin [m].
+
+    Args:
+        scene: The scene.
+        body: The body.
+        upright: In the axes of the body; otherwise in those of its parent.
+    """
     parts = next(iter(solid_geometry(resolve_asset(scene, body.asset), body.scale).values()), ())
-    turned = pose_to_se3((0.0, 0.0, 0.0, *body.pose[3:]))
-    return float(bounds((shape, turned * placement) for shape, placement in parts)[0, 2])
+    turned = pose_to_se3((0.0, 0.0, 0.0, *((0.0, 0.0, 0.0, 1.0) if upright else body.pose[3:])))
+    return bounds((shape, turned * placement) for shape, placement in parts)
