@@ -10,7 +10,7 @@ from rlbench_pin.tasks import JointMoved, Task
 class CloseFridge(Task):
     """The upper door is open by 97 degrees and must swing by 76 degrees; at success it may still be up to 22 degrees open."""
 
-    solved_by_chance = True  # a blow can shut the door
+    solved_by_chance = True  # a random push can shut the door
 
     def init_task(self) -> None:
         """Success is a rotation of the upper door by more than 1.32 rad, which is only possible inwards."""

@@ -8,7 +8,7 @@ from rlbench_pin.tasks import COLORS, Detected, Grasped, SpawnBoundary, Task, di
 
 
 class PickUpCup(Task):
-    """The gripper must hold the cup of the requested colour more than 5 cm above the table and outside the zone where it started.
+    """The gripper must hold the cup of the requested colour more than 5 cm above the table and outside its start zone.
 
     There is a second cup of another colour.
     """

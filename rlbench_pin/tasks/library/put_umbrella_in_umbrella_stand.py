@@ -25,7 +25,7 @@ class PutUmbrellaInUmbrellaStand(Task):
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
         """Return the instructions; only the placement of the task varies."""
-        self.register_rounds(1)  # so that a reset, too, aims before it tries what the arm reaches
+        self.register_rounds(1)  # so that a reset also aims before it checks the reach of the arm
         return self.make_instructions()
 
     def _aim_away_from_robot(self, waypoint: Waypoint) -> None:
