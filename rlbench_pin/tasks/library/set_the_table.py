@@ -15,7 +15,10 @@ POINTS = (
 
 
 class SetTheTable(Task):
-    """The plate must be in the middle, the fork at its left, knife and spoon at its right, the glass behind it. All are released."""
+    """The plate must be in the middle, the fork at its left, knife and spoon at its right, and the glass behind it.
+
+    All pieces must be released.
+    """
 
     def init_task(self) -> None:
         """All pieces may be grasped; success is every point at its place and an empty gripper."""
