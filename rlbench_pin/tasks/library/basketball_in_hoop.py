@@ -8,10 +8,10 @@ from rlbench_pin.tasks import AllOf, Detected, InOrder, NothingGrasped, Task
 
 
 class BasketballInHoop(Task):
-    """The ball must come from above the ring to right below it, let go; afterwards it may roll away."""
+    """The ball, released by the gripper, must pass down through the ring, to just below it; it may roll away afterwards."""
 
     def init_task(self) -> None:
-        """The ball may be grasped; success is its way through the ring, downwards."""
+        """The ball may be grasped; success is its passage down through the ring."""
         ball, world = self.world.body("ball"), self.world
         self.register_graspable_objects(["ball"])
         above = Detected(world.frame("middle"), world.sensor("above"))
@@ -19,5 +19,5 @@ class BasketballInHoop(Task):
         self.register_success_conditions([InOrder([above, through])])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Return the sentences; only the place of the task varies."""
+        """Return the instructions; only the placement of the task varies."""
         return self.make_instructions()

@@ -7,25 +7,25 @@ import numpy as np
 from rlbench_pin.tasks import COLORS, DetectedSeveral, NothingGrasped, SpawnBoundary, Task, Waypoint, distractor_colors
 
 BLOCKS = 6
-"""Blocks of the asked colour, and as many of another colour."""
+"""Number of blocks of the requested colour, and of the other colour."""
 LAYERS = {"low": 3, "mid": 2, "top": 1}
 """Blocks in each layer."""
 APART, ROOM = 0.08, 0.096
-"""Least distance of any two blocks, and of one of the asked colour from every other, so that the open gripper fits [m]."""
+"""Least distance between two blocks, and from a requested block to any other, so that the open gripper fits [m]."""
 LOWEST, HIGHEST = (0.0, 0.0, -np.pi / 4.0), (0.0, 0.0, np.pi / 4.0)
 """Bounds of the rotation of a block [rad]."""
 
 
 class BlockPyramid(Task):
-    """Six blocks of the asked colour must stand on the marked strip, three, on them two, on them one, and be let go.
+    """Six blocks of the requested colour must be stacked on the marked strip in layers of three, two and one, and be released.
 
-    Six more blocks share another colour. All twelve lie anywhere in four patches around the strip.
+    Six more blocks have another colour. All twelve start at random places in four patches around the strip.
     """
 
     def init_task(self) -> None:
-        """All twelve blocks may be grasped; each round carries the next one to the next place.
+        """All twelve blocks may be grasped; each round moves the next block to the next place.
 
-        Those near the strip come first: beside a high pyramid the gripper has no room.
+        The blocks nearest to the strip come first, because the gripper has no space beside a high pyramid.
         """
         self.blocks = [self.world.body(f"block{i}") for i in range(BLOCKS)]
         self.distractors = [self.world.body(f"distractor{i}") for i in range(BLOCKS)]
@@ -42,7 +42,7 @@ class BlockPyramid(Task):
         return len(COLORS)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Colour and scatter the blocks."""
+        """Set the colours and random places of the blocks."""
         self.register_rounds(BLOCKS)
         name, rgb = COLORS[variation]
         other = distractor_colors(rng, variation, 1)[0].rgb

@@ -12,17 +12,17 @@ CHANNELS = {
     "two": ((0.55, 0.80, 1.0), (0.20, 0.55, 0.18), (1.0, 0.85, 0.20)),
     "three": ((1.0, 0.72, 0.40), (0.45, 0.22, 0.30), (1.0, 0.25, 0.15)),
 }
-"""Link of the digit of a channel -> the colours of sky, hills and sun in its image."""
+"""Link of the digit of each channel -> the colours of sky, hills and sun in the image of the channel."""
 
 
 class ChangeChannel(Task):
-    """The remote must lie in front of the television, aimed at it, while the asked button is down by 3 mm."""
+    """The remote must lie in front of the television, point to it, and be released. The requested button must be down by 3 mm."""
 
     buttons = ("plus", "minus")
     words = (("plus", "up", "three"), ("minus", "down", "one"))
 
     def init_task(self) -> None:
-        """The remote may be grasped by its body; a button counts with both ends of the remote where they belong, let go."""
+        """The remote may be grasped by its body; a button counts while the released remote is at its goal place."""
         self.television, self.remote = self.world.body("television"), self.world.body("remote")
         self.patches = SpawnBoundary([self.world.region("left"), self.world.region("right")])
         self.register_graspable_objects(["remote/remote"])
@@ -38,7 +38,7 @@ class ChangeChannel(Task):
         return len(self.buttons)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Lay the remote beside its place, the second channel on; success is the asked button pressed with the remote there."""
+        """Place the remote beside its goal place and show channel two; success is the requested button pressed at this place."""
         self.patches.clear()
         self.patches.sample(self.remote, rng)
         self._show("two")
@@ -48,7 +48,7 @@ class ChangeChannel(Task):
         return self.make_instructions(sign=sign, way=way, channel=channel)
 
     def step(self) -> None:
-        """Show the channel that the buttons ask for."""
+        """Show the channel of the pressed button."""
         for command, channel in zip(self.commands, ("three", "one"), strict=True):
             if command.met():
                 self._show(channel)

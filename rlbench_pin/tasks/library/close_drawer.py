@@ -8,19 +8,19 @@ from rlbench_pin.tasks import JointMoved, Task
 
 
 class CloseDrawer(Task):
-    """One of three drawers stands 10 cm out and must go in by 6 cm; success leaves it up to 4 cm open."""
+    """One of three drawers is open by 10 cm and must move in by 6 cm; at success it may still be up to 4 cm open."""
 
     drawers = ("bottom", "middle", "top")
 
     def init_task(self) -> None:
-        """Nothing is registered before the drawer is known."""
+        """Register nothing: the drawer is known only in `init_episode`."""
 
     def variation_count(self) -> int:
         """One for each drawer."""
         return len(self.drawers)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Pull out the named drawer and aim at its front; success is that it goes in by 6 cm."""
+        """Open the requested drawer and aim at its front; success is that it moves in by 6 cm."""
         drawer = self.drawers[variation]
         joint = self.world.joint(f"chest/drawer_{drawer}")
         joint.set_position(0.1)

@@ -8,12 +8,12 @@ from rlbench_pin.tasks import JointMoved, Task
 
 
 class CloseGrill(Task):
-    """The hood stands open and must turn down by 50 degrees; success leaves it up to 19 degrees open."""
+    """The hood is open and must rotate down by 50 degrees; at success it may still be up to 19 degrees open."""
 
     def init_task(self) -> None:
-        """Success is a turn of the hood by 50 degrees."""
+        """Success is a rotation of the hood by 50 degrees."""
         self.register_success_conditions([JointMoved(self.world.joint("grill/lid"), np.deg2rad(50.0))])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Return the sentences; only the place of the task varies."""
+        """Return the instructions; only the placement of the task varies."""
         return self.make_instructions()

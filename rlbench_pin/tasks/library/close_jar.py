@@ -1,4 +1,4 @@
-"""Put the lid on the jar of the asked colour."""
+"""Put the lid on the jar of the requested colour."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from rlbench_pin.tasks import COLORS, Detected, NothingGrasped, SpawnBoundary, T
 
 
 class CloseJar(Task):
-    """The lid must sit on the neck of the asked jar, let go.
+    """The lid must be on the neck of the requested jar, and be released.
 
-    The colour of the asked jar varies, and the places and the colour of the two jars. There is one lid.
+    The colour of the requested jar, the colour of the other jar, and the places of both vary. There is one lid.
     """
 
     def init_task(self) -> None:
@@ -23,11 +23,11 @@ class CloseJar(Task):
         self.register_success_conditions([*seated, NothingGrasped(self.gripper)])
 
     def variation_count(self) -> int:
-        """One for each colour of the asked jar."""
+        """One for each colour of the requested jar."""
         return len(COLORS)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Colour and place the jars; the goal goes to the asked one."""
+        """Colour and place the jars; move the goal to the requested jar."""
         goal = variation % 2
         name, rgb = COLORS[variation]
         self.jars[goal].set_color(rgb, "jar")

@@ -8,12 +8,12 @@ from rlbench_pin.tasks import JointMoved, Task
 
 
 class CloseLaptopLid(Task):
-    """The screen starts leaning back; it must turn by 1.79 rad; success leaves it up to 6 degrees open."""
+    """The screen leans back at the start and must rotate by 1.79 rad; at success it may still be up to 6 degrees open."""
 
     def init_task(self) -> None:
-        """Success is a turn of the screen by more than 1.79 rad."""
+        """Success is a rotation of the screen by more than 1.79 rad."""
         self.register_success_conditions([JointMoved(self.world.joint("laptop/screen_hinge"), 1.79)])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Return the sentences; only the place of the task varies."""
+        """Return the instructions; only the placement of the task varies."""
         return self.make_instructions()

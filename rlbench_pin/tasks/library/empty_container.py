@@ -20,22 +20,22 @@ from rlbench_pin.tasks import (
 
 OBJECTS = ("object0", "object1", "object2")
 SOLIDS, SIZES = 25, 40
-"""A thousand shapes: so many solids in so many sizes."""
+"""Number of solids, and of sizes of each: a thousand shapes."""
 DROP, APART = 0.2, 0.06
-"""Height of the lowest object over the tray, and how much higher the next one starts [m]."""
+"""Start height of the lowest object above the tray, and the distance up to the next one [m]."""
 PLACES = ((-0.04, -0.022), (0.04, -0.022), (0.0, 0.032))
-"""Where the first, second and third object are let go in the small tray: along it, and outwards from its middle [m]."""
+"""Release places of the first, second and third object in the small tray: along it, and outwards from its middle [m]."""
 ROOM = 0.045
-"""How far from the middle of another object a place is free [m]."""
+"""A place is free at more than this distance from the middle of every other object [m]."""
 INSIDE = np.array([0.165, 0.135])
 """Half size of the inside of the large tray [m]."""
 
 
 class EmptyContainer(Task):
-    """Three random objects must lie in the small tray of the asked colour."""
+    """Three random objects must be in the small tray of the requested colour; they may still be held."""
 
     def init_task(self) -> None:
-        """Aim anew in every round; there are as many as it takes."""
+        """Aim again in every round; the rounds repeat until no object is left."""
         self.trays = [self.world.body("tray0"), self.world.body("tray1")]
         self.boundary = SpawnBoundary([self.world.region("patch")])
         self.register_waypoint_ability_start(0, self._aim_at_next_object)
@@ -48,7 +48,7 @@ class EmptyContainer(Task):
         return len(COLORS)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Colour the trays and drop three objects, drawn from a thousand, into the large one."""
+        """Colour the trays and drop three objects, drawn from a thousand shapes, into the large tray."""
         name, rgb = COLORS[variation]
         goal = variation % 2
         self.trays[goal].set_color(rgb)
@@ -62,11 +62,11 @@ class EmptyContainer(Task):
         return self.make_instructions(color=name)
 
     def step(self) -> None:
-        """Note which objects still have to be moved."""
+        """Update the list of the objects that are not yet in the goal tray."""
         self.left[:] = [o for o in OBJECTS if not self.sensor.detects(o)]
 
     def _another_round(self) -> bool:
-        """Count the rounds, so that a reset sees that all places can be reached; go on while something is left."""
+        """Count the rounds, so that a reset checks that all places are reachable; continue while an object is left."""
         self.round += 1
         return bool(self.left)
 
@@ -84,13 +84,13 @@ class EmptyContainer(Task):
         settle(self.world, self.objects, rng)
 
     def _aim_at_next_object(self, waypoint: Waypoint) -> None:
-        """Go over, then down to the object that is easiest to grip."""
+        """Move above the object that is easiest to grasp, then down to it."""
         wanted = [self.world.body(name) for name in self.left or OBJECTS[:1]]
         grasp = easiest_top_grasp(wanted, self.objects, Tray(self.world.body("big_tray").pose, INSIDE))
         waypoint.frame.set_pose(grasp.tip_pose(waypoint.frame.position[2] if waypoint.index == 0 else None))
 
     def _aim_at_tray(self, waypoint: Waypoint | None = None) -> None:
-        """Let things go beside those that lie in the tray already, not onto them."""
+        """Release objects beside those that are already in the tray, not onto them."""
         frame, first = self.world.frame("waypoint3"), min(self.round, len(PLACES) - 1)
         lying = [self.world.body(name) for name in OBJECTS if name not in self.left]
         for along, outwards in (*PLACES[first:], *PLACES[:first]):

@@ -1,4 +1,4 @@
-"""Hang a framed picture on a hook in the wall."""
+"""Hang a framed picture on a hook on the wall."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from rlbench_pin.tasks import Detected, NothingGrasped, Task
 
 
 class HangFrameOnHanger(Task):
-    """The bar behind the frame must be on the hook and the frame let go."""
+    """The bar on the back of the frame must be on the hook, and the frame be released."""
 
     def init_task(self) -> None:
-        """The frame may be grasped; success is the middle of its bar on the hook, let go."""
+        """The frame may be grasped; success is the middle of its bar on the hook, and an empty gripper."""
         hangs = Detected(self.world.frame("bar_middle"), self.world.sensor("hook"))
         self.register_graspable_objects(["frame"])
         self.register_success_conditions([hangs, NothingGrasped(self.gripper)])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Return the sentences; only the place of the task varies."""
+        """Return the instructions; only the placement of the task varies."""
         return self.make_instructions()

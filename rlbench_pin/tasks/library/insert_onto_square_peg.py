@@ -1,4 +1,4 @@
-"""Put a square ring over the pillar of the asked colour."""
+"""Put a square ring over the pillar of the requested colour."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from rlbench_pin.tasks import COLORS, Detected, SpawnBoundary, Task, distractor_
 
 
 class InsertOntoSquarePeg(Task):
-    """The ring must lie around the foot of one of three pillars, the one of the asked colour.
+    """The ring must be around the foot of the pillar of the requested colour, one of three.
 
-    Which pillar that is, the colours of the other two and the place of the ring vary.
+    The requested pillar, the colours of the other two and the place of the ring vary.
     """
 
     def init_task(self) -> None:

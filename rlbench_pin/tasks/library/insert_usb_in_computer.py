@@ -11,10 +11,10 @@ class InsertUsbInComputer(Task):
     """The tip of the stick must be at the rear of the port in the front of the computer; it may still be held."""
 
     def init_task(self) -> None:
-        """The stick may be grasped; success is that it reaches the rear of the port, where only its tip fits."""
+        """The stick may be grasped; success is the stick at the rear of the port, where only its tip fits."""
         self.register_graspable_objects(["stick"])
         self.register_success_conditions([Detected(self.world.body("stick"), self.world.sensor("port"))])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Return the sentences; only the place of the task varies."""
+        """Return the instructions; only the placement of the task varies."""
         return self.make_instructions()

@@ -8,13 +8,13 @@ from rlbench_pin.tasks import JointMoved, Task
 
 BRIGHT = {"bulb": (1.0, 0.97, 0.88), "shade": (0.88, 0.71, 0.44)}
 DARK = {"bulb": (0.80, 0.79, 0.76), "shade": (0.93, 0.85, 0.73)}
-"""Link of the lamp -> its colour while it shines, and while it does not."""
+"""Link of the lamp -> its colour while the lamp is on, and while it is off."""
 ENAMEL = (0.05, 0.22, 0.26)
-"""The pedestal of the button, as the foot of the lamp."""
+"""The base of the button, in the colour of the foot of the lamp."""
 
 
 class LampOn(Task):
-    """The button of a dark lamp must go down 3 mm; from then on the lamp shines."""
+    """The button of an unlit lamp must go down by 3 mm; the lamp is on from then on."""
 
     def init_task(self) -> None:
         """Success is the button pressed."""
@@ -23,13 +23,13 @@ class LampOn(Task):
         self.register_success_conditions([self.pressed])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Begin in the dark; only the place of the task varies."""
+        """Switch the lamp off; only the placement of the task varies."""
         self._shine(DARK)
         self.world.body("button").set_color(ENAMEL, "base")
         return self.make_instructions()
 
     def step(self) -> None:
-        """Let the lamp shine once its button is pressed."""
+        """Switch the lamp on when its button is pressed."""
         if self.pressed.met():
             self._shine(BRIGHT)
 

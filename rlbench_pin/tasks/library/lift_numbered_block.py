@@ -8,7 +8,7 @@ from rlbench_pin.tasks import Detected, Grasped, SpawnBoundary, Task
 
 
 class LiftNumberedBlock(Task):
-    """The block with the asked number must be held above the table. Three of them stand anywhere in a rectangle."""
+    """The gripper must hold the block with the requested number above the table. The three blocks start at random places."""
 
     numbers = (1, 2, 3)
 
@@ -24,7 +24,7 @@ class LiftNumberedBlock(Task):
         return len(self.numbers)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Scatter the blocks; success is that the asked one is held in the air."""
+        """Place the blocks at random; success is that the gripper holds the requested block in the air."""
         number, block = self.numbers[variation], self.blocks[variation]
         self.boundary.scatter(self.blocks, rng, min_distance=0.2)
         self.world.frame("waypoint1").set_parent(block.name)

@@ -1,4 +1,4 @@
-"""Fit the bulb from the holder of the asked colour into a lamp."""
+"""Put the bulb from the holder of the requested colour into a lamp."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ LIT, UNLIT = (1.0, 0.91, 0.66), (1.0, 1.0, 1.0)
 
 
 class LightBulbIn(Task):
-    """The bulb of the asked holder must stand in the socket of the lamp, let go; there it glows warm white.
+    """The bulb of the requested holder must be in the socket of the lamp, and be released; in the socket it lights up.
 
-    The colour of the asked holder varies, and the places and the colour of the two holders. Each has a bulb in it.
+    The colour of the requested holder, the colour of the other holder, and the places of both vary. Each contains a bulb.
     """
 
     def init_task(self) -> None:
@@ -23,11 +23,11 @@ class LightBulbIn(Task):
         self.register_graspable_objects(bulb.name for bulb in self.bulbs)
 
     def variation_count(self) -> int:
-        """One for each colour of the asked holder."""
+        """One for each colour of the requested holder."""
         return len(COLORS)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Colour and place the holders; success is the asked bulb in the socket, let go."""
+        """Colour and place the holders; success is the requested bulb in the socket, and an empty gripper."""
         goal = variation % 2
         name, rgb = COLORS[variation]
         self.holders[goal].set_color(rgb)
@@ -40,7 +40,7 @@ class LightBulbIn(Task):
         return self.make_instructions(color=name)
 
     def step(self) -> None:
-        """Let the asked bulb glow while it stands in the socket."""
+        """Light the requested bulb while it is in the socket."""
         self.bulb.set_color(LIT if self.in_socket.met() else UNLIT, "glass")
 
     def cleanup(self) -> None:

@@ -8,7 +8,7 @@ from rlbench_pin.tasks import AnyOf, Detected, NothingGrasped, Task
 
 
 class MeatOffGrill(Task):
-    """The asked meat must lie on the table by a long side of the grill, and be let go."""
+    """The requested piece of meat must be on the table beside a long side of the grill, and be released."""
 
     meats = ("chicken", "steak")
 
@@ -24,7 +24,7 @@ class MeatOffGrill(Task):
         return len(self.meats)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Aim at the asked meat; success is that it lies beside the grill, let go."""
+        """Aim at the requested meat; success is the meat beside the grill, and an empty gripper."""
         meat = self.world.body(self.meats[variation])
         grasp = self.world.frame("waypoint1")
         grasp.set_position([*meat.position[:2], grasp.position[2]])

@@ -1,4 +1,4 @@
-"""Lay one of two pieces of meat on a grill."""
+"""Put one of two pieces of meat on a grill."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from rlbench_pin.tasks import Detected, NothingGrasped, Task
 
 
 class MeatOnGrill(Task):
-    """The asked meat must lie on the grate of the grill, and be let go; both start on the table beside it."""
+    """The requested piece of meat must be on the grate of the grill, and be released; both pieces start on the table."""
 
     meats = ("chicken", "steak")
 
@@ -22,7 +22,7 @@ class MeatOnGrill(Task):
         return len(self.meats)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Aim at the asked meat; success is that it lies on the grate, let go."""
+        """Aim at the requested meat; success is the meat on the grate, and an empty gripper."""
         meat = self.world.body(self.meats[variation])
         grasp = self.world.frame("waypoint1")
         grasp.set_position([*meat.position[:2], grasp.position[2]])

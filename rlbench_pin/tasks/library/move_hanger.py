@@ -8,13 +8,13 @@ from rlbench_pin.tasks import Detected, NothingGrasped, Task
 
 
 class MoveHanger(Task):
-    """The hanger must hang on the second rail by its hook, let go. Where on the first rail it hangs at the start varies.
+    """The hanger must hang on the second rail by its hook, and be released. Its start position on the first rail varies.
 
-    It hangs when the top of its hook is on the rail and its lower bar is below the rail.
+    It hangs if the top of its hook is on the rail and its lower bar is below the rail.
     """
 
     def init_task(self) -> None:
-        """The hanger may be grasped; success is that it hangs on the second rail, let go."""
+        """The hanger may be grasped; success is that it hangs on the second rail with an empty gripper."""
         self.hanger = self.world.body("hanger")
         on_rail = Detected(self.hanger, self.world.sensor("other_rail"))
         top = Detected(self.world.frame("hook_top"), self.world.sensor("rail_top"))

@@ -1,4 +1,4 @@
-"""Fold up the lid of a carton."""
+"""Open the lid of a carton."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from rlbench_pin.tasks import JointMoved, Task
 
 
 class OpenBox(Task):
-    """The lid must turn past upright, by more than 90 degrees."""
+    """The lid must rotate by more than 90 degrees, past its upright position."""
 
     def init_task(self) -> None:
-        """Success is a turn of the lid by more than 90 degrees."""
+        """Success is a rotation of the lid by more than 90 degrees."""
         self.register_success_conditions([JointMoved(self.world.joint("carton/lid_hinge"), np.pi / 2.0)])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Return the sentences; only the place of the task varies."""
+        """Return the instructions; only the placement of the task varies."""
         return self.make_instructions()

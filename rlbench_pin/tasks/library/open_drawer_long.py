@@ -6,6 +6,6 @@ from rlbench_pin.tasks.library.open_drawer import OpenDrawer
 
 
 class OpenDrawerLong(OpenDrawer):
-    """The asked one of four drawers must come out by 15 cm."""
+    """The requested one of four drawers must move out by 15 cm."""
 
     drawers = ("bottom", "lower_middle", "upper_middle", "top")

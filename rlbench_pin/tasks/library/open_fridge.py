@@ -8,12 +8,12 @@ from rlbench_pin.tasks import JointMoved, Task
 
 
 class OpenFridge(Task):
-    """Both doors are shut; the upper one must swing by 70 degrees."""
+    """Both doors are shut at the start; the upper door must swing by 70 degrees."""
 
     def init_task(self) -> None:
-        """Success is a turn of the upper door by 70 degrees."""
+        """Success is a rotation of the upper door by 70 degrees."""
         self.register_success_conditions([JointMoved(self.world.joint("fridge/upper_door"), np.deg2rad(70.0))])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Return the sentences; only the place of the task varies."""
+        """Return the instructions; only the placement of the task varies."""
         return self.make_instructions()

@@ -1,4 +1,4 @@
-"""Take the lid off the jar of the asked colour."""
+"""Take the lid off the jar of the requested colour."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from rlbench_pin.tasks import COLORS, Detected, NothingGrasped, SpawnBoundary, T
 
 
 class OpenJar(Task):
-    """The lid of the asked jar must lie inside a ring on the table, let go.
+    """The lid of the requested jar must be inside a ring on the table, and be released.
 
-    The colour of the asked jar varies, and the places and the colour of the two jars. Each has a lid on.
+    The colour of the requested jar, the colour of the other jar, and the places of both vary. Each jar has a lid.
     """
 
     def init_task(self) -> None:
@@ -21,11 +21,11 @@ class OpenJar(Task):
         self.register_graspable_objects(lid.name for lid in self.lids)
 
     def variation_count(self) -> int:
-        """One for each colour of the asked jar."""
+        """One for each colour of the requested jar."""
         return len(COLORS)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Colour and place the jars; success is the asked lid inside the ring, let go."""
+        """Colour and place the jars; success is the requested lid inside the ring, and an empty gripper."""
         goal = variation % 2
         name, rgb = COLORS[variation]
         self.jars[goal].set_color(rgb, "jar")

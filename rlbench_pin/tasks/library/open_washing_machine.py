@@ -8,12 +8,12 @@ from rlbench_pin.tasks import JointMoved, Task
 
 
 class OpenWashingMachine(Task):
-    """The round door is shut and must swing by 40 degrees."""
+    """The round door is shut at the start and must swing by 40 degrees."""
 
     def init_task(self) -> None:
-        """Success is a turn of the door by 40 degrees."""
+        """Success is a rotation of the door by 40 degrees."""
         self.register_success_conditions([JointMoved(self.world.joint("washing_machine/door"), np.deg2rad(40.0))])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Return the sentences; only the place of the task varies."""
+        """Return the instructions; only the placement of the task varies."""
         return self.make_instructions()

@@ -8,7 +8,7 @@ from rlbench_pin.tasks import JointMoved, Task
 
 
 class OpenWindow(Task):
-    """The left wing must swing by 30 degrees; it is held until its handle has been turned by 80 degrees once."""
+    """The left wing must swing by 30 degrees; it is latched until its handle has been turned by 80 degrees."""
 
     def init_task(self) -> None:
         """Success is a swing of the wing by 30 degrees."""
@@ -17,10 +17,10 @@ class OpenWindow(Task):
         self.register_success_conditions([JointMoved(self.wing, np.deg2rad(30.0))])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Return the sentences; only the place of the task varies."""
+        """Return the instructions; only the placement of the task varies."""
         return self.make_instructions()
 
     def step(self) -> None:
-        """Free the wing once the handle has been turned far enough."""
+        """Unlatch the wing when the handle has been turned far enough."""
         if self.wing.locked and self.unlatched.met():
             self.wing.unlock()

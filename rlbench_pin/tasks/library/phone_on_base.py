@@ -8,7 +8,7 @@ from rlbench_pin.tasks import Detected, NothingGrasped, Task
 
 
 class PhoneOnBase(Task):
-    """The contacts of the handset must lie at the lower end of the trough of the cradle, and the handset be let go."""
+    """The contacts of the handset must be at the lower end of the recess of the cradle, and the handset be released."""
 
     def init_task(self) -> None:
         """The handset may be grasped; success is its contacts in the cradle, and an empty gripper."""
@@ -17,5 +17,5 @@ class PhoneOnBase(Task):
         self.register_success_conditions([docked, NothingGrasped(self.gripper)])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Return the sentences; only the place of the task varies."""
+        """Return the instructions; only the placement of the task varies."""
         return self.make_instructions()

@@ -8,10 +8,10 @@ from rlbench_pin.tasks import COLORS, NO_ROTATION, Detected, Grasped, SpawnBound
 
 
 class PickAndLift(Task):
-    """The block of the asked colour must be held at the marker. Blocks and marker stand anywhere in a rectangle."""
+    """The gripper must hold the block of the requested colour at the marker. Blocks and marker start at random places."""
 
     def init_task(self) -> None:
-        """The block may be grasped; success is that it is held at the marker."""
+        """The block may be grasped; success is that the gripper holds it at the marker."""
         self.block, self.marker = self.world.body("block"), self.world.body("marker")
         self.distractors = [self.world.body("distractor0"), self.world.body("distractor1")]
         self.boundary = SpawnBoundary([self.world.region("boundary")])

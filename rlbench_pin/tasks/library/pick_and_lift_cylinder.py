@@ -8,13 +8,13 @@ from rlbench_pin.tasks import COLORS, NO_ROTATION, Detected, Grasped, SpawnBound
 
 
 class PickAndLiftCylinder(Task):
-    """The cylinder must be held at the marker. It, two cubes and the marker stand anywhere in a rectangle."""
+    """The gripper must hold the cylinder at the marker. The cylinder, two cubes and the marker start at random places."""
 
     word = "cylinder"
     """What instructions call the toy."""
 
     def init_task(self) -> None:
-        """The toy may be grasped; success is that it is held at the marker."""
+        """The toy may be grasped; success is that the gripper holds it at the marker."""
         self.toy, self.marker = self.world.body("toy"), self.world.body("marker")
         self.cubes = [self.world.body("distractor0"), self.world.body("distractor1")]
         self.boundary = SpawnBoundary([self.world.region("boundary")])
@@ -22,7 +22,7 @@ class PickAndLiftCylinder(Task):
         self.register_success_conditions([Grasped(self.gripper, self.toy), Detected(self.toy, self.world.sensor("goal"))])
 
     def variation_count(self) -> int:
-        """One: the toy alone has its shape."""
+        """One, because only the toy has this shape."""
         return 1
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:

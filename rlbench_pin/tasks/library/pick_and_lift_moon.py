@@ -6,6 +6,6 @@ from rlbench_pin.tasks.library.pick_and_lift_cylinder import PickAndLiftCylinder
 
 
 class PickAndLiftMoon(PickAndLiftCylinder):
-    """The crescent moon must be held at the marker. It, two cubes and the marker stand anywhere in a rectangle."""
+    """The gripper must hold the crescent moon at the marker. The moon, two cubes and the marker start at random places."""
 
     word = "crescent moon"

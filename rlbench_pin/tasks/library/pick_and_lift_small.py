@@ -8,7 +8,7 @@ from rlbench_pin.tasks import NO_ROTATION, Detected, Grasped, SpawnBoundary, Tas
 
 
 class PickAndLiftSmall(Task):
-    """The asked one of five shapes must be held at the marker. Shapes and marker are anywhere in a rectangle."""
+    """The gripper must hold the requested one of five shapes at the marker. Shapes and marker start at random places."""
 
     shapes = ("cube", "cylinder", "prism", "star", "moon")
     words = ("cube", "cylinder", "triangular prism", "star", "moon")
@@ -24,7 +24,7 @@ class PickAndLiftSmall(Task):
         return len(self.shapes)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Place marker and shapes; success is that the asked shape is held at the marker."""
+        """Place marker and shapes; success is that the gripper holds the requested shape at the marker."""
         shape, word = self.world.body(self.shapes[variation]), self.words[variation]
         self.boundary.clear()
         self.boundary.sample(self.marker, rng, min_rotation=NO_ROTATION, max_rotation=NO_ROTATION)

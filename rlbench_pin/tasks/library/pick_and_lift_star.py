@@ -6,6 +6,6 @@ from rlbench_pin.tasks.library.pick_and_lift_cylinder import PickAndLiftCylinder
 
 
 class PickAndLiftStar(PickAndLiftCylinder):
-    """The star must be held at the marker. It, two cubes and the marker stand anywhere in a rectangle."""
+    """The gripper must hold the star at the marker. The star, two cubes and the marker start at random places."""
 
     word = "star"

@@ -6,6 +6,6 @@ from rlbench_pin.tasks.library.pick_and_lift_cylinder import PickAndLiftCylinder
 
 
 class PickAndLiftToy(PickAndLiftCylinder):
-    """The rubber duck must be held at the marker. It, two cubes and the marker stand anywhere in a rectangle."""
+    """The gripper must hold the rubber duck at the marker. The duck, two cubes and the marker start at random places."""
 
     word = "rubber duck"

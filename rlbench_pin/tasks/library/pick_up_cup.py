@@ -1,4 +1,4 @@
-"""Pick up the cup of one colour."""
+"""Pick up the cup of the requested colour."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from rlbench_pin.tasks import COLORS, Detected, Grasped, SpawnBoundary, Task, di
 
 
 class PickUpCup(Task):
-    """The cup of the asked colour must be held, 5 cm above the table and clear of the zone where it stood.
+    """The gripper must hold the cup of the requested colour more than 5 cm above the table and outside its start zone.
 
-    Another cup stands beside it.
+    There is a second cup of another colour.
     """
 
     def init_task(self) -> None:
-        """Both cups may be grasped; success is that the asked one is held, is off the table and has left its zone."""
+        """Both cups may be grasped; success is the requested cup in the gripper, above the table and outside its start zone."""
         self.cup, self.other = self.world.body("cup"), self.world.body("distractor")
         self.zone = self.world.sensor("start_zone")
         self.boundary = SpawnBoundary([self.world.region("patch")])
@@ -28,7 +28,7 @@ class PickUpCup(Task):
         return len(COLORS)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Colour and place both cups; the zone and the place on the rim to grip go with the asked one."""
+        """Colour and place both cups; move the zone and the grasp on the rim to the requested cup."""
         name, rgb = COLORS[variation]
         self.cup.set_color(rgb, "cup")
         self.other.set_color(distractor_colors(rng, variation, 1)[0].rgb, "cup")
@@ -39,7 +39,7 @@ class PickUpCup(Task):
         return self.make_instructions(color=name)
 
     def _aim_at_far_side_of_rim(self) -> None:
-        """Turn the frame of the approach, so that the outer finger has the other cup behind the asked one."""
+        """Turn the approach frame to the side of the requested cup that is opposite to the other cup."""
         x, y, _ = self.cup.position - self.other.position
         frame, half = self.world.frame("rim"), np.arctan2(y, x) / 2.0
         frame.set_pose([*self.cup.position, 0.0, 0.0, np.sin(half), np.cos(half)])

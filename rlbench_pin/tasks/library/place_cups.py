@@ -10,7 +10,7 @@ NUMBER = ("one mug", "two mugs", "three mugs")
 
 
 class PlaceCups(Task):
-    """One, two or three of three like mugs, whichever, must hang on any of four spokes by their handles."""
+    """One, two or three of three identical mugs must hang by their handles on any of four spokes; any mug counts."""
 
     def init_task(self) -> None:
         """All mugs may be grasped; each round aims at the next one."""
@@ -26,7 +26,7 @@ class PlaceCups(Task):
         return len(NUMBER)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Place the mugs; success is that as many as asked hang on any spoke, let go."""
+        """Place the mugs; success is that the requested number hangs on any spokes, and an empty gripper."""
         self.next, self.wanted = 0, variation + 1
         self.boundary.scatter(self.mugs, rng, min_distance=0.1)
         hung = [AnyOf([Detected(mug, sensor) for sensor in self.sensors]) for mug in self.mugs]
@@ -37,7 +37,7 @@ class PlaceCups(Task):
         return self.make_instructions(mugs=NUMBER[variation], them=them, dangle=dangle)
 
     def _aim_at_next_mug(self, waypoint: Waypoint) -> None:
-        """Go for the next mug, with the same grip, and for the next spoke."""
+        """Aim at the next mug, with the same grasp, and at the next spoke."""
         self.world.frame("waypoint1").set_parent(f"mug{self.next}")
         self.world.frame("waypoint4").set_parent(f"spoke{self.next}")
         self.next += 1

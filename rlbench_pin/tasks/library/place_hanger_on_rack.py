@@ -8,13 +8,13 @@ from rlbench_pin.tasks import Detected, NothingGrasped, SpawnBoundary, Task
 
 
 class PlaceHangerOnRack(Task):
-    """The hanger must hang on the rail by its hook, let go. The stand in which it waits is anywhere beside the rail.
+    """The hanger must hang on the rail by its hook, and be released. It starts in a stand at a random place beside the rail.
 
-    It hangs when the top of its hook is on the rail and its lower bar is below the rail.
+    It hangs if the top of its hook is on the rail and its lower bar is below the rail.
     """
 
     def init_task(self) -> None:
-        """The hanger may be grasped; success is that it hangs on the rail, let go."""
+        """The hanger may be grasped; success is that it hangs on the rail with an empty gripper."""
         self.stand, hanger = self.world.body("stand"), self.world.body("hanger")
         self.boundary = SpawnBoundary([self.world.region("patch")])
         on_rail = Detected(hanger, self.world.sensor("rail"))

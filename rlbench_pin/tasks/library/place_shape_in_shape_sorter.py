@@ -1,4 +1,4 @@
-"""Drop a toy shape through the hole that it fits."""
+"""Drop a toy shape through the matching hole."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ import numpy as np
 from rlbench_pin.tasks import Detected, SpawnBoundary, Task, Waypoint, clearance
 
 FREE = 0.085
-"""Distance of the asked shape from the others, so that the fingers fit in [m]."""
+"""Distance from the requested shape to the others, so that the fingers fit [m]."""
 
 
 class PlaceShapeInShapeSorter(Task):
-    """The asked one of five shapes must lie on the floor of the sorter box.
+    """The requested one of five shapes must be on the floor of the sorter box.
 
-    Which shape is asked for varies, and where the five lie.
+    The requested shape and the places of all five vary.
     """
 
     shapes = ("cube", "cylinder", "prism", "star", "moon")
     words = ("cube", "cylinder", "triangular prism", "star", "moon")
 
     def init_task(self) -> None:
-        """All shapes may be grasped; the waypoints aim at the asked one and at its hole."""
+        """All shapes may be grasped; the waypoints aim at the requested shape and at its hole."""
         self.shape = self.shapes[0]
         self.boundary = SpawnBoundary([self.world.region("patch")])
         self.register_graspable_objects(self.shapes)
@@ -32,7 +32,7 @@ class PlaceShapeInShapeSorter(Task):
         return len(self.shapes)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Scatter the shapes, with space for the fingers around the asked one."""
+        """Place the shapes at random, with space for the fingers around the requested shape."""
         self.shape, word = self.shapes[variation], self.words[variation]
         asked, shapes = self.world.body(self.shape), [self.world.body(name) for name in self.shapes]
         self.boundary.scatter(shapes, rng, min_distance=0.05, accept=lambda: clearance(asked, shapes) > FREE)

@@ -1,4 +1,4 @@
-"""Lay a wine bottle in the asked notch of a rack; a variant of `stack_wine`, beside the paper's 106 tasks."""
+"""Put a wine bottle into the requested notch of a rack; a variant of `stack_wine`, not one of the paper's 106 tasks."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from rlbench_pin.tasks import Detected, NothingGrasped, Task
 
 
 class PlaceWineAtRackLocation(Task):
-    """The bottle must lie in the asked one of the three notches of the upper row, let go."""
+    """The bottle must lie in the requested one of the three notches of the upper row, and be released."""
 
     locations = ("left", "middle", "right")
 
@@ -22,7 +22,7 @@ class PlaceWineAtRackLocation(Task):
         return len(self.locations)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Aim at the asked notch; success is both ends of the belly of the bottle in it, and an empty gripper."""
+        """Aim at the requested notch; success is both ends of the belly of the bottle in it, and an empty gripper."""
         location = self.locations[variation]
         self.world.frame("waypoint4").set_parent(location)
         notch = self.world.sensor(f"notch_{location}")

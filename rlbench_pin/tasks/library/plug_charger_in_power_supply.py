@@ -1,4 +1,4 @@
-"""Plug a charger into a socket in the wall."""
+"""Plug a charger into a wall socket."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ IDLE, LIVE = (0.98, 0.80, 0.10), (0.15, 0.95, 0.25)
 
 
 class PlugChargerInPowerSupply(Task):
-    """Each pin must reach the bottom of its own hole, and the charger must be let go.
+    """Each pin must reach the bottom of its own hole, and the charger must be released.
 
-    The place of the charger on the table varies; it lies on a little stand. Lights on the wall turn green while it is plugged in.
+    The charger starts on a small stand at a random place on the table. Lights on the wall are green while it is plugged in.
     """
 
     def init_task(self) -> None:
@@ -32,5 +32,5 @@ class PlugChargerInPowerSupply(Task):
         return self.make_instructions()
 
     def step(self) -> None:
-        """Let the lights of the wall show whether the charger is plugged in."""
+        """Set the colour of the lights on the wall: they show whether the charger is plugged in."""
         self.world.body("panel").set_color(LIVE if all(pin.met() for pin in self.pins) else IDLE, "light")

@@ -12,22 +12,22 @@ RINGS = (
     (0.0196, 0.0100, tuple(range(-93, 267, 30))),
     (0.0059, 0.0180, (-77,)),
 )
-"""Where twenty drops come to rest in a cup: distance from its axis and height [m], directions [degrees]."""
+"""Resting places of twenty drops in a cup: distance from its axis and height [m], directions [degrees]."""
 TURNS = (
     ((0.4, 0.55, 0.7, 0.25, 0.85), (0.9, 0.75, 0.6, 1.05)),
     ((-0.4, -0.55, -0.7, -0.25, -0.85), (-0.3, -0.45, -0.6)),
 )
-"""Directions of the gripper when it grips and when it pours, best first, from straight away from the arm [rad].
+"""Directions of the gripper during the grasp and during the pouring, best first; 0 points away from the arm [rad].
 
-Both lie on the same side, so that the arm does not pass its stretched posture in between."""
+Both are on the same side, so that the arm does not pass through its stretched posture in between."""
 LANE, DEPTHS = 0.14, (0.42, 0.3)
-"""Half breadth of what must be free behind a cup for gripper and wrist, and its length behind source and target [m].
+"""Half width of the free space behind a cup for gripper and wrist, and its length behind source and target [m].
 
-The gripper waits 0.1 before the source, and goes over cups to the target."""
+The gripper stops 0.1 before the source, and moves over other cups to the target."""
 
 
 class PourFromCupToCup(Task):
-    """All twenty drops must be in the lower part of the target cup. Three more cups stand around."""
+    """All twenty drops must be in the lower part of the target cup. There are three more cups."""
 
     def init_task(self) -> None:
         """The source cup may be grasped."""
@@ -43,7 +43,7 @@ class PourFromCupToCup(Task):
         return len(COLORS)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Colour and place five cups and fill the source; success is every drop in the target."""
+        """Colour and place five cups and fill the source cup; success is every drop in the target cup."""
         source, target = COLORS[variation], COLORS[(variation + 1) % len(COLORS)]
         self.source.set_color(source.rgb, "cup")
         self.target.set_color(target.rgb, "cup")
@@ -57,7 +57,7 @@ class PourFromCupToCup(Task):
         return self.make_instructions(source=source.name, target=target.name)
 
     def _aim(self) -> bool:
-        """Turn the frames of the approach to where no cup is in the way; say whether there are such directions."""
+        """Turn the approach frames to directions without a cup in the way; return whether there are such directions."""
         for turns in TURNS:
             grip, pour = (
                 self._free_turn(cup.position, best, depth)
@@ -76,7 +76,7 @@ class PourFromCupToCup(Task):
         return free_direction(place[:2], np.arctan2(y, x) + np.array(turns), others, LANE, depth)
 
     def _fill(self, rng: np.random.Generator) -> None:
-        """Create the drops in the source cup: a layer that fills its floor, one on top, turned at random."""
+        """Create the drops in the source cup: a layer that fills its floor and one drop on top, at a random yaw."""
         turn, places = rng.uniform(0.0, 2.0 * np.pi), []
         for radius, height, directions in RINGS:
             places += [(float(radius * np.cos(a)), float(radius * np.sin(a)), height) for a in turn + np.radians(directions)]

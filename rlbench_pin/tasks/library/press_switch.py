@@ -10,21 +10,21 @@ SHINING, DARK = (1.0, 0.85, 0.2), (0.3, 0.28, 0.24)
 
 
 class PressSwitch(Task):
-    """The rocker must tip over to its other end, by more than 1 rad of the 1.2 rad that it turns.
+    """The rocker must tip to its other end, by more than 1 rad of its range of 1.2 rad.
 
-    Lamps on both sides of the wall shine while the rocker is past its middle.
+    Lamps on both sides of the wall are on while the rocker is past its middle.
     """
 
     def init_task(self) -> None:
-        """Success is a turn of the rocker by 1 rad."""
+        """Success is a rotation of the rocker by 1 rad."""
         self.rocker = self.world.joint("panel/rocker_joint")
         self.register_success_conditions([JointMoved(self.rocker, 1.0)])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Begin in the dark; only the place of the task varies."""
+        """Switch the lamps off; only the placement of the task varies."""
         self.step()
         return self.make_instructions()
 
     def step(self) -> None:
-        """Let the lamps follow the switch."""
+        """Switch the lamps on or off with the rocker."""
         self.world.body("panel").set_color(SHINING if self.rocker.position > 0.0 else DARK, "lamp")

@@ -10,7 +10,7 @@ RED, GREEN = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
 
 
 class PushButton(Task):
-    """The base has the asked colour; the red cap must go down 3 mm once, and turns green when it does."""
+    """The red cap must go down by 3 mm once; it then turns green. The colour of the base varies."""
 
     def init_task(self) -> None:
         """Success is that the cap has been pressed once."""

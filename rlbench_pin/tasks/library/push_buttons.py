@@ -1,4 +1,4 @@
-"""Press buttons in the asked order."""
+"""Press buttons in the requested order."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ RED, GREEN = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
 TRAVEL = 0.003
 """How far a cap must go down [m]."""
 TRIPLES = [(a, b, c) for a in BUTTON_COLORS for b in BUTTON_COLORS for c in BUTTON_COLORS if len({a, b, c}) == 3]
-"""Three different colours, in the order of the list."""
+"""All triples of different colours, in the order of the list."""
 
 
 class PushButtons(Task):
-    """One to three of three buttons, which differ by the colours of their bases, must go down 3 mm in the asked order."""
+    """One to three of three buttons must go down by 3 mm in the requested order. Their bases have different colours."""
 
     variations_share_goals = True  # the first button of two triples may be the same
     buttons_count = 3
     """Buttons on the table."""
     sequences: Sequence[Sequence[Color]] = TRIPLES
-    """Colours in the order in which their buttons are asked for; where fewer are asked for, the first ones."""
+    """Colours in the order of the requested buttons; if fewer buttons are requested, only the first colours."""
     variations = 50
-    """One button of the first sequence, two of it, ... all of it, one of the second, ..."""
+    """One button of the first sequence, two of it, ..., all of it, then one button of the second sequence, ..."""
 
     def init_task(self) -> None:
         """Each round aims at the next button."""
@@ -35,11 +35,11 @@ class PushButtons(Task):
         self.register_waypoint_ability_start(0, self._aim_at_next_button)
 
     def variation_count(self) -> int:
-        """One to all buttons of the first sequences of colours."""
+        """One for each number of buttons of the first colour sequences."""
         return self.variations
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Colour and place the buttons; success is that the asked ones were pressed in their order."""
+        """Colour and place the buttons; success is that the requested buttons were pressed in their order."""
         asked = self.sequences[variation // self.buttons_count][: 1 + variation % self.buttons_count]
         self.green = [False] * self.buttons_count
         self.boundary.clear()
@@ -63,7 +63,7 @@ class PushButtons(Task):
 
 
 def _words(names: list[str]) -> dict[str, str]:
-    """Return the words for the asked buttons and for their order, which is empty for one button."""
+    """Return the words for the requested buttons and for their order; the order is empty for one button."""
     first, *later = names
     nth = list(zip(later, ("second", "third", "fourth"), strict=False))
     words = {"first": first, "list": ", ".join(names), "series": _series(names), "chain": ", then ".join(names)}
@@ -92,5 +92,5 @@ def _words(names: list[str]) -> dict[str, str]:
 
 
 def _series(names: list[str], last: str = " and ") -> str:
-    """Return the names with commas, and `last` before the last one."""
+    """Return the names separated by commas, and `last` before the last name."""
     return last.join([", ".join(names[:-1]), names[-1]]) if len(names) > 1 else names[0]

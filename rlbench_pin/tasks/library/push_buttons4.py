@@ -1,4 +1,4 @@
-"""Press up to four buttons in the asked order."""
+"""Press up to four buttons in the requested order."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from rlbench_pin.tasks.library.push_buttons import PushButtons
 
 
 class PushButtons4(PushButtons):
-    """One to four of four buttons, which differ by the colours of their bases, must go down 3 mm in the asked order."""
+    """One to four of four buttons must go down by 3 mm in the requested order. Their bases have different colours."""
 
     variations_share_goals = False
     buttons_count = 4

@@ -8,13 +8,13 @@ from rlbench_pin.tasks import Detected, NothingGrasped, SpawnBoundary, Task, Way
 
 BOOKS = ("book_blue", "book_red")
 TURN = 0.5
-"""How far a book on the table is turned at most, to either side [rad]."""
+"""Largest yaw of a book on the table, to either side [rad]."""
 
 
 class PutBooksAtShelfLocation(Task):
-    """Both books must be in the asked one of four compartments, let go.
+    """Both books must be in the requested one of four compartments, and be released.
 
-    Which compartment is asked for varies, and where the books stand on the table.
+    The requested compartment and the places of the books on the table vary.
     """
 
     compartments = ("upper_left", "upper_right", "lower_left", "lower_right")
@@ -31,7 +31,7 @@ class PutBooksAtShelfLocation(Task):
         return len(self.compartments)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Place the books; success is both in the asked compartment, let go."""
+        """Place the books; success is both in the requested compartment, and an empty gripper."""
         self.compartment = self.compartments[variation]
         self.register_rounds(len(BOOKS))
         for patch, number in zip(self.patches, rng.permutation(len(BOOKS)), strict=True):
@@ -43,6 +43,6 @@ class PutBooksAtShelfLocation(Task):
         return self.make_instructions(place=place)
 
     def _aim_at_next_book(self, waypoint: Waypoint) -> None:
-        """Go for the next book, and for the next place in the compartment."""
+        """Aim at the next book, and at the next place in the compartment."""
         self.world.frame("waypoint1").set_parent(BOOKS[self.round])
         self.world.frame("waypoint4").set_parent(f"{self.compartment}_{self.round}")

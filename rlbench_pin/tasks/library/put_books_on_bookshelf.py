@@ -8,13 +8,13 @@ from rlbench_pin.tasks import DetectedSeveral, NothingGrasped, SpawnBoundary, Ta
 
 BOOKS = ("book_blue", "book_red", "book_yellow")
 APART = 0.13
-"""Distance of the books from each other on the table, so that the gripper fits between them [m]."""
+"""Distance between the books on the table, so that the gripper fits between them [m]."""
 
 
 class PutBooksOnBookshelf(Task):
-    """One, two or three of three books, whichever, must be on the upper board, let go.
+    """One, two or three of three books must be on the upper board, and be released; any book counts.
 
-    How many are asked for varies, and where the books stand on the table.
+    The requested number and the places of the books on the table vary.
     """
 
     def init_task(self) -> None:
@@ -29,7 +29,7 @@ class PutBooksOnBookshelf(Task):
         return len(BOOKS)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Place the books; success is that as many as asked are on the upper board, let go."""
+        """Place the books; success is the requested number on the upper board, and an empty gripper."""
         count = variation + 1
         self.register_rounds(count)
         self.patch.scatter(self.books, rng, min_distance=APART)
@@ -40,6 +40,6 @@ class PutBooksOnBookshelf(Task):
         return self.make_instructions(number=number, them=them, each=each)
 
     def _aim_at_next_book(self, waypoint: Waypoint) -> None:
-        """Go for the next book, and for the next place on the board."""
+        """Aim at the next book, and at the next place on the board."""
         self.world.frame("waypoint1").set_parent(BOOKS[self.round])
         self.world.frame("waypoint4").set_parent(f"place{self.round}")

@@ -8,12 +8,12 @@ from rlbench_pin.tasks import AnyOf, Detected, NothingGrasped, SpawnBoundary, Ta
 
 
 class PutCubeInSafe(Task):
-    """The cube must lie in the open safe, on any of its three levels, let go. Where it lies on the table varies."""
+    """The cube must be in the open safe, on any of its three levels, and be released. Its place on the table varies."""
 
     levels = ("bottom", "middle", "top")
 
     def init_task(self) -> None:
-        """The cube may be grasped; success is the cube on a level of the safe, let go."""
+        """The cube may be grasped; success is the cube on a level of the safe, and an empty gripper."""
         self.cube = self.world.body("cube")
         self.patch = SpawnBoundary([self.world.region("patch")])
         self.register_graspable_objects(["cube"])

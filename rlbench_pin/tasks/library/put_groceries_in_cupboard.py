@@ -7,13 +7,13 @@ import numpy as np
 from rlbench_pin.tasks import Detected, NothingGrasped, SpawnBoundary, Task
 
 FREE, FREE_OF_CRACKERS = 0.15, 0.18
-"""Distance of the asked item from the others, and from the crackers, wide and high, so that the gripper fits in [m]."""
+"""Distance from the requested item to the others, and to the crackers, which are large, so that the gripper fits [m]."""
 
 
 class PutGroceriesInCupboard(Task):
-    """The asked one of nine items must be on the lower shelf, let go; which way up does not matter.
+    """The requested one of nine items must be on the lower shelf in any orientation, and be released.
 
-    Which item is asked for varies, and where the nine stand on the table.
+    The requested item and the places of all nine on the table vary.
     """
 
     items = ("crackers", "chocolate_jello", "strawberry_jello", "soup", "tuna", "spam", "coffee", "mustard", "sugar")
@@ -29,7 +29,7 @@ class PutGroceriesInCupboard(Task):
         return len(self.items)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Scatter the items, with space for the gripper around the asked one; success is that it is on the shelf, let go."""
+        """Place the items, with space around the requested one; success is that item on the shelf, and an empty gripper."""
         item = self.items[variation]
         asked = self.world.body(item)
         self.boundary.clear()

@@ -1,4 +1,4 @@
-"""Stow a cube in one drawer of a chest."""
+"""Put a cube into one drawer of a chest."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from rlbench_pin.tasks import Detected, Task
 
 
 class PutItemInDrawer(Task):
-    """The cube on top of the chest must come into the asked one of three shut drawers; it need not be let go."""
+    """The cube on top of the chest must be in the requested one of three drawers, all shut at the start; it may still be held."""
 
     drawers = ("bottom", "middle", "top")
 
@@ -21,7 +21,7 @@ class PutItemInDrawer(Task):
         return len(self.drawers)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Aim at the handle of the asked drawer; success is the cube in that drawer."""
+        """Aim at the handle of the requested drawer; success is the cube in this drawer."""
         drawer = self.drawers[variation]
         self.world.frame("waypoint1").move_to(f"handle_{drawer}")
         self.register_success_conditions([Detected(self.world.body("cube"), self.world.sensor(f"in_{drawer}"))])

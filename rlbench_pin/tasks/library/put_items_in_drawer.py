@@ -1,4 +1,4 @@
-"""Stow three items in one drawer of a chest, one after another."""
+"""Put three items into one drawer of a chest, one after another."""
 
 from __future__ import annotations
 
@@ -8,16 +8,17 @@ from rlbench_pin.tasks import AllOf, Detected, InOrder, NothingGrasped, Task, Wa
 
 
 class PutItemsInDrawer(Task):
-    """Cube, cylinder and star on top of the chest must come into the asked one of three shut drawers, in the asked order.
+    """Cube, cylinder and star must be put into the requested one of three drawers, in the requested order.
 
-    An item that comes in too early has to come out again. At the end all three must be in the drawer, let go.
+    The items start on the chest, the drawers are shut. An item that is put in too early must be taken out again.
+    At the end all three items must be in the drawer, and be released.
     """
 
     drawers = ("bottom", "middle", "top")
     orders = (("cube", "cylinder", "star"), ("star", "cylinder", "cube"))
 
     def init_task(self) -> None:
-        """The items may be grasped; the first round opens the drawer, each round stows the next item."""
+        """The items may be grasped; the first round opens the drawer, and each round puts the next item into it."""
         self.order = self.orders[0]
         self.register_graspable_objects(self.order)
         for opening in range(4):
@@ -29,7 +30,7 @@ class PutItemsInDrawer(Task):
         return len(self.drawers) * len(self.orders)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Aim at the handle of the asked drawer; success is that the items came into it in their order, and are there."""
+        """Aim at the handle of the requested drawer; success is that the items were put into it in order, and are still there."""
         drawer, self.order = self.drawers[variation // len(self.orders)], self.orders[variation % len(self.orders)]
         self.world.frame("waypoint1").move_to(f"handle_{drawer}")
         inside, outside = (

@@ -7,13 +7,13 @@ import numpy as np
 from rlbench_pin.tasks import Detected, NothingGrasped, SpawnBoundary, Task, clearance
 
 APART = 0.26
-"""Distance of board and knife from the block, so that neither blade nor gripper touches it [m]."""
+"""Distance from the block to board and knife, so that neither blade nor gripper touches the block [m]."""
 
 
 class PutKnifeInKnifeBlock(Task):
-    """The blade must reach the bottom of the open slot of the block, and the knife must be let go there.
+    """The blade must reach the bottom of the open slot of the block, and the knife must be released there.
 
-    The places of block and board vary, and where on the board the knife lies.
+    The places of block and board, and of the knife on the board, vary.
     """
 
     def init_task(self) -> None:
@@ -27,7 +27,7 @@ class PutKnifeInKnifeBlock(Task):
         self.register_success_conditions([inside, NothingGrasped(self.gripper)])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Place block and board, then the knife on the board, clear of the block."""
+        """Place block and board, then the knife on the board, away from the block."""
         self.patch.scatter([self.block, self.board], rng, accept=lambda: clearance(self.board, [self.block]) > APART)
         self.on_board.scatter([self.base], rng, accept=lambda: clearance(self.base, [self.block]) > APART)
         return self.make_instructions()

@@ -8,7 +8,7 @@ from rlbench_pin.tasks import Detected, NothingGrasped, SpawnBoundary, Task
 
 
 class PutKnifeOnChoppingBoard(Task):
-    """The knife, in its block at first, must lie on the chopping board with handle and blade, let go.
+    """The handle and the blade of the knife must be on the chopping board, and the knife be released. It starts in its block.
 
     The place of the block varies.
     """

@@ -8,9 +8,9 @@ from rlbench_pin.tasks import Detected, NothingGrasped, SpawnBoundary, Task
 
 
 class PutMoneyInSafe(Task):
-    """The bundle must lie on the asked one of three levels of the open safe, let go.
+    """The bundle must be on the requested one of three levels of the open safe, and be released.
 
-    Which level is asked for varies, and where the bundle lies on the table.
+    The requested level and the place of the bundle on the table vary.
     """
 
     levels = ("bottom", "middle", "top")
@@ -26,7 +26,7 @@ class PutMoneyInSafe(Task):
         return len(self.levels)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Place the bundle, and aim at the asked level; success is the bundle on it, let go."""
+        """Place the bundle, and aim at the requested level; success is the bundle on this level, and an empty gripper."""
         level = self.levels[variation]
         self.patch.clear()
         self.patch.sample(self.money, rng, min_rotation=(0.0, 0.0, 0.0), max_rotation=(0.0, 0.0, np.pi / 2.0))

@@ -1,4 +1,4 @@
-"""Stand a plate between the pegs of the asked colour in a dish rack."""
+"""Put a plate between the pegs of the requested colour in a dish rack."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from rlbench_pin.tasks import COLORS, Detected, NothingGrasped, SpawnBoundary, T
 
 LANES = 3
 TURN = (0.0, 0.0, 0.5)
-"""How far the stand of the plate is turned [rad]."""
+"""Bounds of the yaw of the stand of the plate [rad]."""
 
 
 class PutPlateInColoredDishRack(Task):
-    """The plate must stand in the asked one of three lanes, let go.
+    """The plate must stand in the requested one of three lanes, and be released.
 
-    The colour of the lane varies, which lane has it, the colours of the other two, and where stand and rack are.
+    The requested colour, the lane of this colour, the colours of the other two lanes, and the places of stand and rack vary.
     """
 
     def init_task(self) -> None:
@@ -30,7 +30,7 @@ class PutPlateInColoredDishRack(Task):
         return len(COLORS)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Draw which lane is the goal, colour all three, and place the stand with the plate, and the rack."""
+        """Draw the goal lane, colour all three lanes, and place the stand with the plate, and the rack."""
         colors = (COLORS[variation], *distractor_colors(rng, variation, LANES - 1))
         goal, *others = rng.permutation(LANES)
         for lane, (_, rgb) in zip((goal, *others), colors, strict=True):

@@ -1,4 +1,4 @@
-"""Throw the crumpled paper into the bin of the asked colour."""
+"""Throw the crumpled paper into the bin of the requested colour."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from rlbench_pin.tasks import Detected, NothingGrasped, Task, swap_places
 
 
 class PutRubbishInColorBin(Task):
-    """The paper must lie at the bottom of the asked one of two bins, let go.
+    """The paper must be at the bottom of the requested one of two bins, and be released.
 
-    Which bin stands left varies, and in which of three places the paper lies; tomatoes lie in the others.
+    The order of the bins and the place of the paper, one of three, vary; tomatoes are at the other places.
     """
 
     colors = ("green", "blue")
@@ -26,7 +26,7 @@ class PutRubbishInColorBin(Task):
         return len(self.colors)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Draw the places, and aim at the asked bin; success is that the paper lies in it, let go."""
+        """Draw the places, and aim at the requested bin; success is the paper in this bin, and an empty gripper."""
         color, choice = self.colors[variation], int(rng.integers(3))
         if choice > 0:
             swap_places(self.rubbish, self.tomatoes[choice - 1])

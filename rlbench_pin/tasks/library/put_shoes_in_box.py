@@ -1,4 +1,4 @@
-"""Pack a pair of shoes into their box, whose lid is shut."""
+"""Open a shoe box and put a pair of shoes into it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from rlbench_pin.tasks import DetectedSeveral, NothingGrasped, Task
 
 
 class PutShoesInBox(Task):
-    """Both shoes must be in the box, heels and toes below its rim, and let go; the lid may stay open."""
+    """Both shoes must be in the box, with heels and toes below its rim, and be released; the lid may stay open."""
 
     def init_task(self) -> None:
         """Both shoes may be grasped; success is both heels and both toes inside the box, and an empty gripper."""
@@ -19,5 +19,5 @@ class PutShoesInBox(Task):
         )
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Return the sentences; only the place of the task varies."""
+        """Return the instructions; only the placement of the task varies."""
         return self.make_instructions()

@@ -8,13 +8,13 @@ from rlbench_pin.tasks import Detected, NothingGrasped, SpawnBoundary, Task
 
 
 class PutToiletRollOnStand(Task):
-    """The roll must be on the arm, up to the post, and let go. The block with the roll and the stand vary in place and yaw.
+    """The roll must be on the arm, at the post, and be released. The places and yaws of the roll's block and of the stand vary.
 
-    It is on the arm when both ends of its hole are around the arm.
+    The roll is on the arm if both ends of its hole are around the arm.
     """
 
     def init_task(self) -> None:
-        """The roll may be grasped; success is the roll on the arm, at the post, let go."""
+        """The roll may be grasped; success is the roll on the arm, at the post, and an empty gripper."""
         self.block, self.stand = self.world.body("block"), self.world.body("stand")
         self.patches = [SpawnBoundary([self.world.region(name)]) for name in ("block_patch", "stand_patch")]
         at_post = Detected(self.world.body("roll"), self.world.sensor("arm_root"))

@@ -1,4 +1,4 @@
-"""Move a cube onto a coloured square with a stick."""
+"""Drag a cube onto a coloured square with a stick."""
 
 from __future__ import annotations
 

@@ -8,7 +8,7 @@ from rlbench_pin.tasks import COLORS, NO_ROTATION, SpawnBoundary, Task, TipInsid
 
 
 class ReachTarget(Task):
-    """The ball of the asked colour is the goal; the tip has to be inside it. All three balls hang anywhere in a box."""
+    """The gripper tip must be inside the ball of the requested colour. All three balls are at random places in a box."""
 
     solved_by_chance = True
 
@@ -24,7 +24,7 @@ class ReachTarget(Task):
         return len(COLORS)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Colour and place the three balls, 20 cm apart at least."""
+        """Colour and place the three balls, at least 20 cm apart."""
         name, rgb = COLORS[variation]
         others = distractor_colors(rng, variation, len(self.distractors))
         self.boundary.clear()

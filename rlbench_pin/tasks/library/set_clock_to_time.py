@@ -1,4 +1,4 @@
-"""Set a clock to one of three times by the key at its back; a variant of `change_clock`, beside the paper's 106 tasks."""
+"""Set a clock to one of three times with the key on its back; a variant of `change_clock`, not one of the paper's 106 tasks."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from rlbench_pin.tasks import Detected, JointMoved, Task, Waypoint
 
 
 class TurnedForward(JointMoved):
-    """As `JointMoved`, and the joint is beyond its start, not before it."""
+    """`JointMoved` in the positive direction only."""
 
     def met(self) -> bool:
-        """Return whether the joint is far enough from its start now, forwards."""
+        """Return whether the joint is now far enough from its start in the positive direction."""
         return super().met() and self.joint.position > self.start
 
 
 class SetClockToTime(Task):
-    """The long hand must turn forward to three, six or nine: a quarter past, half past, a quarter to.
+    """The long hand must turn forward to three, six or nine: a quarter past, half past, or a quarter to.
 
-    The key is turned by a half at once; for a quarter to the hand then grips it again and turns it by the last quarter.
+    The demonstration turns the key by at most half a turn. For a quarter to, it grasps the key again for the last quarter turn.
     """
 
     times = ("quarter_past", "half_past", "quarter_to")
@@ -29,7 +29,7 @@ class SetClockToTime(Task):
     )
 
     def init_task(self) -> None:
-        """The way forward counts; the rounds of the waypoints turn by a half or by a quarter."""
+        """Create the condition for the forward rotation; each round turns the key by a half or a quarter turn."""
         self.forward = TurnedForward(self.world.joint("clock/hand"), 1.0)
         self.register_waypoint_ability_start(2, self._skip_unless_half)
 
@@ -38,7 +38,7 @@ class SetClockToTime(Task):
         return len(self.times)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Plan the rounds that the time asks for; success is that the long hand went forward and covers the mark of that time."""
+        """Register the rounds for the requested time; success is the long hand at its mark after a forward rotation."""
         self.quarters = ((1,), (2,), (2, 1))[variation]
         self.register_rounds(len(self.quarters))
         self._turn_by(self.quarters[0])
@@ -53,7 +53,7 @@ class SetClockToTime(Task):
         waypoint.skip = quarters == 1
 
     def _turn_by(self, quarters: int) -> None:
-        """Turn the waypoints after the grip by one quarter, or by one each."""
+        """Rotate the waypoints after the grasp: by a quarter turn in all, or by a quarter turn each."""
         quarter = [0.0, 0.0, 0.0, 0.0, 0.0, -np.sqrt(0.5), np.sqrt(0.5)]
         self.world.frame("waypoint2").set_local(quarter if quarters == 2 else [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
         self.world.frame("waypoint3").set_local(quarter)

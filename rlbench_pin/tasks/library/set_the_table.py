@@ -1,4 +1,4 @@
-"""Lay the table for one: a plate, a fork, a knife, a spoon and a glass."""
+"""Set the table for one person: a plate, a fork, a knife, a spoon and a glass."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ POINTS = (
 
 
 class SetTheTable(Task):
-    """The plate must lie in the middle, the fork to its left, knife and spoon to its right, the glass behind; all let go."""
+    """The plate must be in the middle, the fork at its left, knife and spoon at its right, and the glass behind it.
+
+    All pieces must be released.
+    """
 
     def init_task(self) -> None:
         """All pieces may be grasped; success is every point at its place and an empty gripper."""
@@ -24,5 +27,5 @@ class SetTheTable(Task):
         self.register_success_conditions([*placed, NothingGrasped(self.gripper)])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Return the sentences; only the place of the task varies."""
+        """Return the instructions; only the placement of the task varies."""
         return self.make_instructions()

@@ -7,13 +7,13 @@ import numpy as np
 from rlbench_pin.tasks import Condition, DetectedSeveral, NothingGrasped, Task, Waypoint
 
 FIRST, STEP = (-0.095, 0.319), 0.045
-"""Place of the first loose piece beside the board, and the way to each next one along x [m]."""
+"""Place of the first loose piece beside the board, and the distance to each next piece along x [m]."""
 
 
 class SetupCheckers(Task):
-    """All 24 pieces must lie on the squares that are theirs at the start of a game, let go.
+    """All 24 pieces must be on their squares for the start of a game, and be released.
 
-    One to three of them lie in a row beside the board; which ones varies. Those of one colour may change places.
+    One to three random pieces start in a row beside the board. Pieces of one colour may change places.
     """
 
     def init_task(self) -> None:
@@ -28,7 +28,7 @@ class SetupCheckers(Task):
         return 3
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Draw the loose pieces and put them beside the board; success is a piece of its colour on every square, let go."""
+        """Put random pieces beside the board; success is a piece of the right colour on every square, and an empty gripper."""
         count = variation + 1
         self.missing = sorted(int(i) for i in rng.choice(24, count, replace=False))
         self.register_rounds(count)
@@ -41,7 +41,7 @@ class SetupCheckers(Task):
         return self.make_instructions(**_words(count))
 
     def _occupied(self, square: int) -> Condition:
-        """Its own piece on a square; on one that is empty at first any loose piece of its colour, as they look the same."""
+        """Return the condition of one square: its own piece; if it was empty at the start, any loose piece of the same colour."""
         alike = [i for i in self.missing if (i < 12) == (square < 12)]
         pieces = [self.pieces[i] for i in (alike if square in self.missing else [square])]
         return DetectedSeveral(pieces, self.world.sensor(f"square{square}"), 1)
@@ -53,7 +53,7 @@ class SetupCheckers(Task):
 
 
 def _words(count: int) -> dict[str, str]:
-    """Return the words of the sentences for a number of loose pieces."""
+    """Return the words of the instructions for a number of loose pieces."""
     number = ("one", "two", "three")[count - 1]
     if count == 1:
         return {

@@ -1,4 +1,4 @@
-"""Push a block onto the square of one colour; a variant of `slide_block_to_target`, beside the paper's 106 tasks."""
+"""Push a block onto the square of one colour; a variant of `slide_block_to_target`, not one of the paper's 106 tasks."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from rlbench_pin.tasks import Detected, Task
 
 
 class SlideBlockToColorTarget(Task):
-    """The red block must reach the middle of the square of the asked colour; the squares lie around it in random order.
+    """The red block must reach the middle of the square of the requested colour. The squares are around it in random order.
 
-    It cannot be grasped.
+    The block cannot be grasped.
     """
 
     colors = ("green", "blue", "pink", "yellow")
 
     def init_task(self) -> None:
-        """The block is pushed; there is a square of each colour."""
+        """Find the squares; the block may only be pushed."""
         self.block = self.world.body("block")
         self.squares = [self.world.body(name) for name in self.colors]
 
@@ -25,7 +25,7 @@ class SlideBlockToColorTarget(Task):
         return len(self.colors)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Shuffle the squares; success is the block on the middle of the asked one."""
+        """Shuffle the squares; success is the block on the middle of the requested square."""
         color, places = self.colors[variation], rng.permutation([square.pose for square in self.squares])
         for square, place in zip(self.squares, places, strict=True):
             square.set_pose(place)

@@ -17,7 +17,7 @@ class SlideBlockToTarget(Task):
         self.register_success_conditions([Detected(self.block, self.world.sensor("target"))])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Return the sentences; only the place of the task varies."""
+        """Return the instructions; only the placement of the task varies."""
         return self.make_instructions()
 
     def reward(self) -> float:

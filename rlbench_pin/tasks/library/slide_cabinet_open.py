@@ -8,19 +8,19 @@ from rlbench_pin.tasks import JointMoved, NothingGrasped, Task
 
 
 class SlideCabinetOpen(Task):
-    """The asked door must slide by 6 cm towards the middle."""
+    """The requested door must slide by 6 cm towards the middle."""
 
     sides = ("right", "left")
 
     def init_task(self) -> None:
-        """Nothing is registered before the side is known."""
+        """Register nothing: the side is known only in `init_episode`."""
 
     def variation_count(self) -> int:
         """One for each door."""
         return len(self.sides)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Aim at the handle of the asked door and slide it to the middle; success is that it moves by 6 cm."""
+        """Aim at the handle of the requested door and slide it to the middle; success is that it moves by 6 cm."""
         side = self.sides[variation]
         self.world.frame("waypoint1").set_parent(f"{side}_handle")
         self.world.frame("waypoint2").set_parent(f"{side}_slid")

@@ -8,7 +8,7 @@ from rlbench_pin.tasks import Detected, JointMoved, NothingGrasped, Task
 
 
 class SlideCabinetOpenAndPlaceCups(Task):
-    """The cup must stand upright on the floor of the asked half, let go, and the door of that half must be open by 6 cm."""
+    """The cup must be upright on the floor of the requested half, released, and the door of this half must be open by 6 cm."""
 
     sides = ("left", "right")
 
@@ -21,7 +21,7 @@ class SlideCabinetOpenAndPlaceCups(Task):
         return len(self.sides)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Aim at the handle of the asked door and at the floor behind it; success is the cup there, let go, and the door open."""
+        """Aim at the requested door and at the floor behind it; success is the cup there, the door open, and an empty gripper."""
         side = self.sides[variation]
         for waypoint, place in (("waypoint1", "handle"), ("waypoint2", "slid"), ("waypoint8", "place")):
             self.world.frame(waypoint).set_parent(f"{side}_{place}")

@@ -9,15 +9,15 @@ from rlbench_pin.tasks import COLORS, DetectedSeveral, NothingGrasped, SpawnBoun
 CUBE = 0.05
 """Side of a block [m]."""
 NUMBER = {2: "two", 3: "three", 4: "four"}
-"""Heights of the tower in words [blocks]."""
+"""Number of blocks in the tower, in words."""
 CLEARANCE = 0.08
-"""Height of the gripper over the tower before it puts a block down [m]."""
+"""Height of the gripper above the tower before it releases a block [m]."""
 
 
 class StackBlocks(Task):
-    """Two to four of the four blocks of the asked colour must stand on the green square, one on another, and be let go.
+    """Two to four of the four blocks of the requested colour must be stacked on the green square, and be released.
 
-    Four more blocks share another colour. All eight lie anywhere in four patches around the square.
+    Four more blocks have another colour. All eight start at random places in four patches around the square.
     """
 
     def init_task(self) -> None:
@@ -35,7 +35,7 @@ class StackBlocks(Task):
         return 3 * len(COLORS)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Colour and scatter the blocks; success is one of them on each level of the tower, let go."""
+        """Colour and place the blocks; success is a requested block on each level of the tower, and an empty gripper."""
         color, self.height = variation // 3, 2 + variation % 3
         name, rgb = COLORS[color]
         other = distractor_colors(rng, color, 1)[0].rgb

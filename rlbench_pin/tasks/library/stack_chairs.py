@@ -18,7 +18,10 @@ from rlbench_pin.tasks import (
 
 
 class StackChairs(Task):
-    """Two chairs must be stacked on the one whose cushion has the asked colour, in either order, turned like it, and let go."""
+    """Two chairs must be stacked on the chair with the cushion of the requested colour, aligned with it, and be released.
+
+    Either order counts. The colours and the places of the chairs vary.
+    """
 
     def init_task(self) -> None:
         """All chairs may be grasped; each round puts the next one on the stack."""
@@ -37,7 +40,7 @@ class StackChairs(Task):
         return len(COLORS)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Colour and place the chairs, all turned alike."""
+        """Colour and place the chairs, all at the same yaw."""
         self.register_rounds(2)
         colors = [COLORS[variation], *distractor_colors(rng, variation, 2)]
         self.boundary.clear()
@@ -48,7 +51,7 @@ class StackChairs(Task):
         return self.make_instructions(color=colors[0].name)
 
     def _aim_at_next_chair(self, waypoint: Waypoint) -> None:
-        """Go for the chair of this round, and for the one that was put down last."""
+        """Aim at the chair of this round, and at the chair that was placed last."""
         self.world.frame("waypoint1").set_parent(f"chair{self.round}")
         self.world.frame("waypoint4").set_parent(("base", "chair0")[self.round])
 

@@ -19,11 +19,11 @@ from rlbench_pin.tasks import (
 HEADINGS = np.arange(16) * np.pi / 8.0
 """Directions from the finger outside a cup to the one inside, best first [rad]."""
 LANE, LENGTH = 0.06, 0.185
-"""Half width and length of the space beside a cup without the middle of another, for the hand over a stack [m]."""
+"""Half width and length of the space for the gripper beside a cup; no middle of another cup may be in it [m]."""
 
 
 class StackCups(Task):
-    """Two cups must sit upright in the cup of the asked colour, one in the other, in either order, and be let go."""
+    """Two cups must be nested upright in the cup of the requested colour, in either order, and be released."""
 
     def init_task(self) -> None:
         """All cups may be grasped; each round puts the next one on the stack."""
@@ -41,7 +41,7 @@ class StackCups(Task):
         return len(COLORS)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Colour and place the cups, and find a free side of each."""
+        """Colour and place the cups, and find a free side of each cup."""
         self.register_rounds(2)
         name, rgb = COLORS[variation]
         self.boundary.clear()
@@ -53,14 +53,14 @@ class StackCups(Task):
         return self.make_instructions(name=name)
 
     def _find_free_side(self, number: int) -> None:
-        """Turn the frame on a cup so that its x points where no other cup stands."""
+        """Turn the frame on a cup so that its x points to a side without another cup."""
         places = [cup.position[:2] for cup in self.cups]
         heading = free_direction(places[number], HEADINGS, places, LANE, LENGTH) or 0.0
         frame, half = self.world.frame(f"side{number}"), (heading + np.pi) / 2.0
         frame.set_pose([*frame.position, 0.0, 0.0, np.sin(half), np.cos(half)])
 
     def _aim_at_next_cup(self, waypoint: Waypoint) -> None:
-        """Go for the cup of this round, and for the next place in the base."""
+        """Aim at the cup of this round, and at the next place in the base."""
         self.world.frame("waypoint1").set_parent(f"side{self.round + 1}")
         self.world.frame("waypoint4").set_parent(f"nest{self.round}")
 

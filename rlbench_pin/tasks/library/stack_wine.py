@@ -1,4 +1,4 @@
-"""Lay a wine bottle into a rack."""
+"""Put a wine bottle into a rack."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from rlbench_pin.tasks import Detected, NothingGrasped, Task
 
 
 class StackWine(Task):
-    """The bottle must lie in one of the three notches of the upper row, let go."""
+    """The bottle must lie in one of the three notches of the upper row, and be released."""
 
     def init_task(self) -> None:
         """The bottle may be grasped; success is both ends of its belly at the height of the notches, and an empty gripper."""
@@ -18,5 +18,5 @@ class StackWine(Task):
         self.register_success_conditions([*ends, NothingGrasped(self.gripper)])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Return the sentences; only the place of the task varies."""
+        """Return the instructions; only the placement of the task varies."""
         return self.make_instructions()

@@ -8,7 +8,7 @@ from rlbench_pin.tasks import Detected, Task
 
 
 class StraightenRope(Task):
-    """Both ends of the rope must lie on their marks, which are nearly the length of the rope apart."""
+    """Both ends of the rope must be on their marks. The distance between the marks is nearly the length of the rope."""
 
     def init_task(self) -> None:
         """Success is each end of the rope on its mark."""
@@ -17,5 +17,5 @@ class StraightenRope(Task):
         self.register_success_conditions([head, tail])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Return the sentences; only the place of the task varies."""
+        """Return the instructions; only the placement of the task varies."""
         return self.make_instructions()

@@ -10,7 +10,7 @@ CRUMBS = 5
 
 
 class SweepToDustpan(Task):
-    """All five crumbs must lie in the dustpan."""
+    """All five crumbs must be in the dustpan."""
 
     def init_task(self) -> None:
         """The broom may be grasped; success is every crumb in the pan."""
@@ -19,5 +19,5 @@ class SweepToDustpan(Task):
         self.register_success_conditions([Detected(self.world.body(f"crumb{i}"), pan) for i in range(CRUMBS)])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Return the sentences; only the place of the task varies."""
+        """Return the instructions; only the placement of the task varies."""
         return self.make_instructions()

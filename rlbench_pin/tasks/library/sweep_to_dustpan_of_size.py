@@ -1,4 +1,4 @@
-"""Sweep crumbs into the tall or the short one of two dustpans; a variant of `sweep_to_dustpan`, beside the paper's 106 tasks."""
+"""Sweep crumbs into the tall or the short dustpan; a variant of `sweep_to_dustpan`, not one of the paper's 106 tasks."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ CRUMBS = 5
 
 
 class SweepToDustpanOfSize(Task):
-    """All five crumbs must lie in the asked dustpan. One stands on either side of them, drawn at random."""
+    """All five crumbs must be in the requested dustpan. There is one dustpan on each side of them; the sides are random."""
 
     sizes = ("tall", "short")
     words = ("high", "low")
@@ -26,7 +26,7 @@ class SweepToDustpanOfSize(Task):
         return len(self.sizes)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Draw the sides of the pans and sweep towards the asked one; success is every crumb in it."""
+        """Draw the sides of the pans and sweep towards the requested pan; success is every crumb in this pan."""
         places = rng.permutation([pan.pose for pan in self.pans])
         for pan, place in zip(self.pans, places, strict=True):
             pan.set_pose(place)

@@ -8,12 +8,12 @@ from rlbench_pin.tasks import Detected, NothingGrasped, Task
 
 
 class TakeCupOutFromCabinet(Task):
-    """The cup, behind one of two shut doors, must come to stand upright on the table, let go."""
+    """The cup must be upright on the table, and be released. It starts behind the requested one of two shut doors."""
 
     sides = ("left", "right")
 
     def init_task(self) -> None:
-        """The cup may be grasped; success is that it stands on the table outside the cabinet, let go."""
+        """The cup may be grasped; success is the cup upright on the table outside the cabinet, and an empty gripper."""
         self.cup, on_table = self.world.body("cup"), self.world.sensor("on_table")
         self.register_graspable_objects(["cup"])
         out = Detected(self.cup, self.world.sensor("inside"), negated=True)
@@ -25,7 +25,7 @@ class TakeCupOutFromCabinet(Task):
         return len(self.sides)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Put the cup into the asked half, and aim at the handle of its door."""
+        """Put the cup into the requested half, and aim at the handle of its door."""
         side = self.sides[variation]
         self.cup.set_pose(self.world.frame(f"{side}_place").pose)
         self.world.frame("waypoint1").set_parent(f"{side}_handle")

@@ -1,4 +1,4 @@
-"""Take a framed picture off its hook in the wall."""
+"""Take a framed picture off its hook on the wall."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from rlbench_pin.tasks import AllOf, Detected, Grasped, InOrder, NothingGrasped,
 
 
 class TakeFrameOffHanger(Task):
-    """The frame must be carried to the table in front of the wall, lie there, off the hook, and be let go.
+    """The frame must be carried to the table in front of the wall, lie there, and be released.
 
-    A frame that was knocked off the hook or dropped from above does not count.
-    It lies when the four corners of its back are within 3 cm of the table and 2 cm away from the wall.
+    A frame does not count if it was knocked off the hook or dropped.
+    It lies if the four corners of its back are within 3 cm of the table and 2 cm away from the wall.
     """
 
     def init_task(self) -> None:
-        """The frame may be grasped; success is that it was held at the table, and lies there, off the hook and let go."""
+        """The frame may be grasped; success is that it was held at the table, then lies there, off the hook and released."""
         frame, near_table = self.world.body("frame"), self.world.sensor("near_table")
         self.register_graspable_objects(["frame"])
         off = Detected(frame, self.world.sensor("hook"), negated=True)
@@ -25,5 +25,5 @@ class TakeFrameOffHanger(Task):
         self.register_success_conditions([carried, off, on_table, *lies, NothingGrasped(self.gripper)])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Return the sentences; only the place of the task varies."""
+        """Return the instructions; only the placement of the task varies."""
         return self.make_instructions()

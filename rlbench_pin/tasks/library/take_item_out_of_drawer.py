@@ -1,4 +1,4 @@
-"""Fetch a cube out of one drawer of a chest."""
+"""Take a cube out of one drawer of a chest."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from rlbench_pin.tasks import Detected, Task
 
 
 class TakeItemOutOfDrawer(Task):
-    """The cube must come from the asked one of three shut drawers to the top of the chest; it need not be let go."""
+    """The cube must be on top of the chest; it may still be held. It starts in the requested one of three shut drawers."""
 
     drawers = ("bottom", "middle", "top")
 
@@ -23,7 +23,7 @@ class TakeItemOutOfDrawer(Task):
         return len(self.drawers)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Put the cube into the asked drawer, and aim at its handle."""
+        """Put the cube into the requested drawer, and aim at the handle of this drawer."""
         drawer = self.drawers[variation]
         self.world.frame("waypoint1").move_to(f"handle_{drawer}")
         self.cube.set_pose(self.world.frame(f"inside_{drawer}").pose)

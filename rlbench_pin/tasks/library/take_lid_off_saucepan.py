@@ -8,16 +8,16 @@ from rlbench_pin.tasks import Detected, Grasped, Task
 
 
 class TakeLidOffSaucepan(Task):
-    """The lid must be held by its knob, well above the pan."""
+    """The gripper must hold the lid by its knob in a zone above the pan."""
 
     def init_task(self) -> None:
-        """The lid may be grasped; success is that it is held above the pan."""
+        """The lid may be grasped; success is that the gripper holds it above the pan."""
         self.lid, self.above = self.world.body("lid"), self.world.sensor("above")
         self.register_graspable_objects(["lid/knob"])
         self.register_success_conditions([Grasped(self.gripper, self.lid), Detected(self.lid, self.above)])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Return the sentences; only the place of the task varies."""
+        """Return the instructions; only the placement of the task varies."""
         return self.make_instructions()
 
     def reward(self) -> float:

@@ -7,13 +7,13 @@ import numpy as np
 from rlbench_pin.tasks import Detected, NothingGrasped, SpawnBoundary, Task
 
 TURN = 0.262
-"""How far the bundle is turned on the table at most, to either side [rad]."""
+"""Largest yaw of the bundle on the table, to either side [rad]."""
 
 
 class TakeMoneyOutSafe(Task):
-    """The bundle of the asked one of three levels must lie on the table in front of the open safe, let go.
+    """The bundle from the requested one of three levels must be on the table in front of the open safe, and be released.
 
-    Which level is asked for varies, and where the bundles lie on their levels.
+    The requested level and the places of the bundles on their levels vary.
     """
 
     levels = ("bottom", "middle", "top")
@@ -30,7 +30,7 @@ class TakeMoneyOutSafe(Task):
         return len(self.levels)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Lay out the bundles, and aim at the asked one; success is that it lies on the table, let go."""
+        """Place the bundles, and aim at the requested one; success is this bundle on the table, and an empty gripper."""
         level, bundle = self.levels[variation], self.bundles[variation]
         self.inside.clear()
         for other in self.bundles:

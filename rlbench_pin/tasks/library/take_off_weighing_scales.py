@@ -1,4 +1,4 @@
-"""Take the pepper of the asked colour off kitchen scales."""
+"""Take the pepper of the requested colour off kitchen scales."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ import numpy as np
 from rlbench_pin.tasks import Detected, NothingGrasped, SpawnBoundary, Task, Tray, easiest_top_grasp
 
 NEEDLE_TURN = 130.0
-"""Turn of the needle for the drop of the tray [rad/m]."""
+"""Rotation of the needle per displacement of the tray [rad/m]."""
 UNLOADED = 0.004
-"""Where the empty tray is in balance [m]; the needle points up then."""
+"""Rest position of the empty tray [m]; the needle then points up."""
 NO_WALLS = np.array([1.0, 1.0])
-"""Half size of a tray that is not an obstacle to the fingers: its rim is below them [m]."""
+"""Half size of the tray for the grasp search: so large that its rim, which is below the fingers, is no obstacle [m]."""
 
 
 class TakeOffWeighingScales(Task):
-    """The asked one of three peppers must lie on the table before the dial, let go; all start on the tray.
+    """The requested one of three peppers must be on the table in front of the dial, and be released; all start on the tray.
 
-    Which pepper is asked for varies, and where the three lie on the tray.
+    The requested pepper and the places of all three on the tray vary.
     """
 
     colors = ("green", "red", "yellow")
@@ -34,7 +34,7 @@ class TakeOffWeighingScales(Task):
         return len(self.colors)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Place the peppers; success is the asked one on the table, let go."""
+        """Place the peppers; success is the requested one on the table, and an empty gripper."""
         color, pepper = self.colors[variation], self.peppers[variation]
         self.boundary.scatter(self.peppers, rng, min_distance=0.09)
         self.step()
@@ -46,5 +46,5 @@ class TakeOffWeighingScales(Task):
         return self.make_instructions(color=color)
 
     def step(self) -> None:
-        """Turn the needle as far as the tray has sunk."""
+        """Rotate the needle in proportion to the displacement of the tray."""
         self.needle.set_position(NEEDLE_TURN * (UNLOADED - self.tray.position))

@@ -1,4 +1,4 @@
-"""Take a plate out of a dish rack and lay it on a mat."""
+"""Take a plate out of a dish rack and put it on a mat."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from rlbench_pin.tasks import COLORS, Detected, NothingGrasped, Task
 
 
 class TakePlateOffColoredDishRack(Task):
-    """The plate must be out of the rack and lie on the mat, let go.
+    """The plate must be out of the rack, lie on the mat, and be released.
 
-    It starts in one of three lanes, between black, red or purple pegs.
+    It starts in the requested one of three lanes, between black, red or purple pegs.
     """
 
     colors = ("black", "red", "purple")
 
     def init_task(self) -> None:
-        """The plate may be grasped; success is the plate out of the rack, its middle low on the mat, and an empty gripper."""
+        """The plate may be grasped; success is the plate out of the rack and flat on the mat, and an empty gripper."""
         plate = self.world.body("plate")
         self.register_graspable_objects(["plate"])
         off = Detected(plate, self.world.sensor("rack_space"), negated=True)
@@ -28,7 +28,7 @@ class TakePlateOffColoredDishRack(Task):
         return len(self.colors)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Colour the lanes, and stand the plate in the asked one."""
+        """Colour the lanes, and put the plate into the requested lane."""
         rgb = {color.name: color.rgb for color in COLORS}
         for number, color in enumerate(self.colors):
             self.world.body("rack").set_color(rgb[color], f"lane{number}")

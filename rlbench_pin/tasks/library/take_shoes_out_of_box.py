@@ -1,4 +1,4 @@
-"""Unpack a pair of shoes from their box, whose lid is shut."""
+"""Open a shoe box and take a pair of shoes out."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from rlbench_pin.tasks import Detected, DetectedSeveral, NothingGrasped, Task
 
 
 class TakeShoesOutOfBox(Task):
-    """Both shoes must lie on the table, whichever way up, outside the box, and be let go; the lid may stay open."""
+    """Both shoes must be on the table outside the box, either side up, and be released; the lid may stay open."""
 
     def init_task(self) -> None:
-        """Both shoes may be grasped; success is both heels and both toes low over the table, outside the box, let go."""
+        """Both shoes may be grasped; success is both heels and toes near the table, outside the box, and an empty gripper."""
         shoes = ("shoe_left", "shoe_right")
         self.register_graspable_objects(shoes)
         ends = [self.world.frame(name) for name in ("heel_left", "toe_left", "heel_right", "toe_right")]
@@ -20,5 +20,5 @@ class TakeShoesOutOfBox(Task):
         self.register_success_conditions([on_table, *unpacked, NothingGrasped(self.gripper)])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Return the sentences; only the place of the task varies."""
+        """Return the instructions; only the placement of the task varies."""
         return self.make_instructions()

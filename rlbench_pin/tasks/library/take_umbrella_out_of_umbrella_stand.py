@@ -17,5 +17,5 @@ class TakeUmbrellaOutOfUmbrellaStand(Task):
         self.register_success_conditions([Detected(self.world.body("umbrella"), inside, negated=True)])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Return the sentences; only the place of the task varies."""
+        """Return the instructions; only the placement of the task varies."""
         return self.make_instructions()

@@ -8,7 +8,7 @@ from rlbench_pin.tasks import Detected, NothingGrasped, Task
 
 
 class TakeUsbOutOfComputer(Task):
-    """The stick must be out of the port in the front of the computer, and let go."""
+    """The stick must be out of the port in the front of the computer, and be released."""
 
     def init_task(self) -> None:
         """The stick may be grasped; success is that it is out of the port, and an empty gripper."""
@@ -17,5 +17,5 @@ class TakeUsbOutOfComputer(Task):
         self.register_success_conditions([out, NothingGrasped(self.gripper)])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Return the sentences; only the place of the task varies."""
+        """Return the instructions; only the placement of the task varies."""
         return self.make_instructions()

@@ -9,20 +9,20 @@ from rlbench_pin.tasks.library.stack_blocks import StackBlocks
 
 
 class Tower4(StackBlocks):
-    """Four blocks of different colours must stand on the green square in the asked order, one on another, and be let go.
+    """Four blocks of different colours must be stacked on the green square in the requested order, and be released.
 
-    Four more blocks share a fifth colour. All eight lie anywhere in four patches around the square.
+    Four more blocks have a fifth colour. All eight start at random places in four patches around the square.
     """
 
     height, sets = 4, 5
     """Blocks of the tower, and sets of colours that differ altogether."""
 
     def variation_count(self) -> int:
-        """Each set of colours in its order, then each in the opposite order."""
+        """One for each set of colours in its order, then one for each in the reverse order."""
         return 2 * self.sets
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Colour and scatter the blocks; success is each of the four on its level of the tower, let go."""
+        """Colour and place the blocks; success is each of the four on its level of the tower, and an empty gripper."""
         asked = COLORS[variation % self.sets :: self.sets][:: 1 if variation < self.sets else -1]
         *_, other = fill_up_colors(rng, asked, self.height + 1, COLORS)
         for block, color in zip(self.blocks, asked, strict=True):

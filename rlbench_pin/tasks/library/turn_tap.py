@@ -10,9 +10,9 @@ RUNNING, SHUT = (0.60, 0.82, 0.96, 0.6), (0.60, 0.82, 0.96, 0.0)
 
 
 class TurnTap(Task):
-    """The asked handle must be turned by more than a quarter, either way; left and right are seen with the spout in front.
+    """The requested handle must rotate by more than a quarter turn in either direction.
 
-    Water runs while the asked handle is turned that far.
+    Left and right are seen with the spout in front. Water runs while the requested handle is turned that far.
     """
 
     sides = ("left", "right")
@@ -22,10 +22,10 @@ class TurnTap(Task):
         return len(self.sides)
 
     def init_task(self) -> None:
-        """Nothing can be taken."""
+        """Register nothing: the tap has no graspable object."""
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Aim at the asked handle; success is that it is turned."""
+        """Aim at the requested handle; success is its rotation."""
         side = self.sides[variation]
         self.world.frame("waypoint1").set_parent(f"{side}_grip")
         self.open = JointMoved(self.world.joint(f"tap/{side}"), 1.57)
@@ -34,5 +34,5 @@ class TurnTap(Task):
         return self.make_instructions(side=side)
 
     def step(self) -> None:
-        """Let the water run while the handle is open."""
+        """Show the water while the handle is open."""
         self.world.body("tap").set_color(RUNNING if self.open.met() else SHUT, "stream")

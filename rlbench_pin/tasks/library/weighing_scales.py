@@ -1,4 +1,4 @@
-"""Weigh the pepper of the asked colour."""
+"""Weigh the pepper of the requested colour."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ import numpy as np
 from rlbench_pin.tasks import Detected, NothingGrasped, SpawnBoundary, Task
 
 NEEDLE_TURN = 120.0
-"""Turn of the needle for the drop of the tray [rad/m]."""
+"""Rotation of the needle per displacement of the tray [rad/m]."""
 
 
 class WeighingScales(Task):
-    """The asked one of three peppers must lie on the tray, let go, with the needle at the weight of one pepper.
+    """The requested one of three peppers must be on the tray, released, with the needle at the weight of one pepper.
 
-    Which pepper is asked for varies, and where the three lie on the table.
+    The requested pepper and the places of all three on the table vary.
     """
 
     colors = ("green", "red", "yellow")
@@ -31,7 +31,7 @@ class WeighingScales(Task):
         return len(self.colors)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Place the peppers; success is the asked one on the tray, let go, and the needle at its weight."""
+        """Place the peppers; success is the requested one on the tray, the needle at its weight, and an empty gripper."""
         color, pepper = self.colors[variation], self.peppers[variation]
         self.boundary.scatter(self.peppers, rng, min_distance=0.12)
         self.world.frame("waypoint0").set_parent(pepper.name)
@@ -40,5 +40,5 @@ class WeighingScales(Task):
         return self.make_instructions(color=color)
 
     def step(self) -> None:
-        """Turn the needle as far as the tray has sunk."""
+        """Rotate the needle in proportion to the displacement of the tray."""
         self.needle.set_position(self.zero - NEEDLE_TURN * (self.tray.position - self.unloaded))

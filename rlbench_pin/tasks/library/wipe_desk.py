@@ -8,11 +8,11 @@ from rlbench_pin.tasks import NO_ROTATION, BodySpec, ListEmpty, SpawnBoundary, T
 
 STAINS = 50
 WIPING = 0.015
-"""The sponge wipes while its middle is less than this above where it lies on the table [m]."""
+"""The sponge removes stains while its underside is at most this height above the table [m]."""
 
 
 class WipeDesk(Task):
-    """Fifty stains in a patch of the table must all have been under the sponge, which takes them away."""
+    """The sponge must pass over all fifty stains in a patch of the table; it removes the stains under it."""
 
     def init_task(self) -> None:
         """The sponge may be grasped; success is that no stain is left."""
@@ -22,7 +22,7 @@ class WipeDesk(Task):
         self.register_success_conditions([ListEmpty(self.stains)])
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Spread the stains over the patch."""
+        """Place the stains at random in the patch."""
         self.boundary.clear()
         self.stains[:] = [f"stain{i}" for i in range(STAINS)]
         place = tuple(self.world.region("patch").local)
