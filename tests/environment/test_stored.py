@@ -85,9 +85,9 @@ def test_the_first_episode_is_an_index(stored: Path) -> None:
     with pytest.raises(DatasetError, match="3 demos.*holds 2 of its 4 from episode 2"):
         env.get_demos(TASK, 3, -1, random_selection=False, from_episode_number=2)
     for number in (4, -1):
-        with pytest.raises(DatasetError, match=f"no episode {number} of variation -1.*holds 4, counted from 0"):
+        with pytest.raises(DatasetError, match=f"no episode {number} of variation -1.*has 4. Pass .* from 0 to 3"):
             env.get_demos(TASK, 1, -1, random_selection=False, from_episode_number=number)
-    with pytest.raises(DatasetError, match="no episode 2 of variation.*holds 2, counted from 0"):
+    with pytest.raises(DatasetError, match="no episode 2 of variation.*has 2. Pass .* from 0 to 1"):
         env.get_demos(TASK, 1, variations(stored)[1], random_selection=False, from_episode_number=2)
 
 
