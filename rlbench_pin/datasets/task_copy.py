@@ -58,9 +58,7 @@ class KeptTask:
             )
         data = path.read_bytes()
         if digest(data) != self.files[name]:
-            raise EpisodeFileError(
-                path, f"'{path}' is not the stored file: the SHA-256 differs. Do not run it; restore it."
-            )
+            raise EpisodeFileError(path, f"'{path}' is not the stored file: the SHA-256 differs. Do not run it; restore it.")
         return data
 
 

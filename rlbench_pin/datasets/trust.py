@@ -59,9 +59,7 @@ class Inspector:
             problem = f"reading it did not end within {seconds:.0f} s"
         else:
             problem = f"reading it ended a process with {signal.Signals(-code).name if code < 0 else f'exit code {code}'}"
-        raise EpisodeFileError(
-            path, f"The episode '{path}' is damaged or harmful: {problem}. Delete it and record it again."
-        )
+        raise EpisodeFileError(path, f"The episode '{path}' is damaged or harmful: {problem}. Delete it and record it again.")
 
     def close(self) -> None:
         """End the process."""

@@ -85,7 +85,7 @@ def test_a_folder_where_the_file_belongs(words: tuple[str, ...], tmp_path: Path,
     """It is not replaced."""
     Path(at(tmp_path, words)[-1]).mkdir()
     assert exit_code(*at(tmp_path, words)) == 1
-    assert "There is a folder of that name: choose another name" in capsys.readouterr().err
+    assert "A folder has that name: choose another name" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("after", [0, 1])
