@@ -1,6 +1,6 @@
 """Light, shadows and textures on the room and on moving objects.
 
-Textures on moving objects are projected along the main axes of each link, whatever its mesh says.
+Textures on moving objects are projected along the main axes of each link; texture coordinates of meshes are ignored.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""Stationary links before stationary cameras: drawn and coloured once, with their shadows, until something of this changes.
+"""Cache of stationary links in front of stationary cameras: drawn and coloured once, with shadows, until a part of it changes.
 
-Afterwards they are a part of the room. Only what moves has to be drawn, and of what is stationary the pixels on which something
-that moves casts a shadow.
+Afterwards they are part of the room. Only moving links are drawn, and the pixels of stationary links on which a moving link casts
+a shadow.
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
-"""Which triangle each pixel of some cameras sees, and how far away.
+"""Visibility: the triangle in each pixel of some cameras, and its depth.
 
-All points are projected for all cameras in one go, and the few triangles that face one and hold the middle of a pixel are cut
-into spans of pixels, row by row. With P the matrix of the homogeneous image points (u z, v z, z) of its corners, 1/z is
-(1, 1, 1) P^-1 (u, v, 1), affine over a triangle, and any quantity q of the corners is q P^-1 (u, v, 1) z: perspective comes out
-right. What is stationary before a stationary camera is drawn once: keys of pixels, which merge by the greatest, are kept in
-layers.
+All points are projected for all cameras at once. The triangles that face a camera and cover the centre of a pixel are cut into
+spans of pixels, row by row. With P the matrix of the homogeneous image points (u z, v z, z) of its corners, 1/z is
+(1, 1, 1) P^-1 (u, v, 1), affine over a triangle, and any quantity q of the corners is q P^-1 (u, v, 1) z, which is correct in
+perspective. Stationary links in front of a stationary camera are drawn once: the keys of their pixels, which merge by the
+maximum, are cached in layers.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _SOLID = np.float32(0.999)
 
 @dataclass(frozen=True, eq=False)
 class Sight:
-    """Cameras that want the same."""
+    """Cameras with equal requests."""
 
     views: Sequence[CameraView]
     """The cameras."""
@@ -42,7 +42,7 @@ class Sight:
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """The pixels of some cameras that see a triangle, camera by camera; then those that see glass, which hides the others."""
+    """The pixels of some cameras that show a triangle, camera by camera; then those of glass in front of the others."""
 
     ends: NDArray[np.int64]
     """Which pixels are the first of each camera (c + 1,), or (2 c + 1,) where there is glass."""
@@ -89,7 +89,7 @@ class Drawn:
 
 @dataclass(frozen=True, eq=False)
 class Blocked:
-    """Where moving objects stand in a light, in a part of the image that it takes."""
+    """Where moving objects block a light, in a part of its image."""
 
     row: int
     """First row of the part."""
@@ -138,12 +138,12 @@ class Targets:
 
 
 class Drawing:
-    """All triangles as some cameras see them; an image is the same whatever other cameras look, and was drawn before.
+    """All triangles from some cameras; an image depends neither on the other cameras nor on earlier drawings.
 
     Args:
         placed: The triangles.
         layers: What was drawn before.
-        opacity: Of each (m,): 0 is not seen, 1 hides all, what lies between is glass, which casts no shadow.
+        opacity: Of each triangle (m,): 0 is invisible, 1 is opaque, values between are glass, which casts no shadow.
         views: The cameras.
         light: Camera of a light, if one is to be drawn.
     """

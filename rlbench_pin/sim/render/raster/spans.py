@@ -1,6 +1,6 @@
 """Triangles in the images of some cameras: projected, clipped at the near plane, and cut into runs of pixels.
 
-Triangles out of sight are left out. Of the triangles in a pixel the nearest is kept.
+Triangles outside of all images are left out. In each pixel the nearest triangle is kept.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Outlines:
 
 
 class Projection:
-    """Triangles as some cameras see them.
+    """Triangles projected into some cameras.
 
     Args:
         placed: The triangles.
