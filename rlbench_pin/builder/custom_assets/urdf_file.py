@@ -45,7 +45,7 @@ def parse_xml(name: str, data: bytes) -> ElementTree.Element:
     """Return the root element of a document.
 
     Raises:
-        UploadRefused: It is no XML, too large, too deep, or declares entities.
+        UploadRefused: It is not XML, is too large or nested too deeply, or declares entities.
     """
     if len(data) > MAX_TEXT_SIZE:
         raise UploadRefused(name, f"it has {len(data) / 2**20:.0f} MB of XML, the limit is {MAX_TEXT_SIZE // 2**20} MB")
@@ -56,7 +56,7 @@ def parse_xml(name: str, data: bytes) -> ElementTree.Element:
         parser.Parse(data, True)
         return ElementTree.fromstring(data)
     except (expat.ExpatError, ElementTree.ParseError, LookupError, ValueError) as error:
-        raise UploadRefused(name, f"it is no valid XML: {error}") from error
+        raise UploadRefused(name, f"it is not valid XML: {error}", "Correct the file.") from error
 
 
 class Numbers:
@@ -100,11 +100,11 @@ def checked_model(name: str, data: bytes) -> tuple[Element, dict[str, str], dict
     """Return the root element of a URDF file, and valid names of its links and joints by their given names.
 
     Raises:
-        UploadRefused: It is no URDF file, or its links and joints form no tree.
+        UploadRefused: It is not a URDF file, or its links and joints do not form a tree.
     """
     root = parse_xml(name, data)
     if root.tag != "robot":
-        raise UploadRefused(name, f"its first element is <{root.tag}>, not <robot>", "It is no URDF file.")
+        raise UploadRefused(name, f"its first element is <{root.tag}>, not <robot>", "Send a URDF file.")
     joints = root.findall("joint")
     links, joint_names = clean_names(name, root.findall("link")), clean_names(name, joints)
     check_tree(name, links, joints)
@@ -122,7 +122,7 @@ def clean_names(urdf: str, elements: Sequence[Element]) -> dict[str, str]:
         given = element.get("name", "").strip()
         if not given or given in names:
             problem = f"two <{element.tag}> are called '{given[:60]}'" if given else f"a <{element.tag}> has no name"
-            raise UploadRefused(urdf, problem, "Names are unique.")
+            raise UploadRefused(urdf, problem, "Give each its own name.")
         stem = _OTHER.sub("_", given)[:60].strip("_") or element.tag
         clean, number = stem, 2
         while clean in names.values():
@@ -169,7 +169,7 @@ def _check_path(urdf: str, link: str, parents: Mapping[str, str]) -> None:
     path = [link]
     while (parent := parents.get(path[-1])) is not None:
         if parent in path:
-            raise UploadRefused(urdf, f"its joints form a circle: {' -> '.join([*path[path.index(parent) :], parent][:8])}")
+            raise UploadRefused(urdf, f"its joints form a cycle: {' -> '.join([*path[path.index(parent) :], parent][:8])}")
         path.append(parent)
 
 

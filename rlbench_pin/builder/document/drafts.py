@@ -48,7 +48,7 @@ class DraftKeeper:
 
     Attributes:
         file: The file of the drafts.
-        offered: Earlier drafts that were neither taken nor dropped, the latest first.
+        offered: Earlier drafts that were neither applied nor discarded, the latest first.
         news: Message for the user about the file, such as that it could not be written; usually empty.
     """
 

@@ -82,7 +82,7 @@ def test_a_joint_beside_the_arm_is_named(tmp_path: Path) -> None:
     """The flange is above the jaw that moves."""
     text = Z1.read_text().replace('<parent link="gripperStator"/>', '<parent link="link05"/>')
     (tmp_path / "z1.urdf").write_text(text.replace("package://example-robot-data/robots/z1_description", str(Z1.parents[1])))
-    with pytest.raises(UploadRefused, match="joint 'jointGripper' moves, and is not on the way to 'link06'.*--flange"):
+    with pytest.raises(UploadRefused, match="joint 'jointGripper' moves, but is not in the chain to 'link06'.*--flange"):
         make_arm("z1", tmp_path / "z1.urdf", tmp_path / "out", flange="link06")
     assert not (tmp_path / "out").exists()
 
