@@ -258,7 +258,7 @@ def models() -> tuple[Model, ...]:
         f"inside: x -{DEPTH / 2.0}..{inside}, y -+{WIDTH / 2.0 - WALL}, floor at z = {FLOOR}, ceiling {CEILING}; "
         f"the grid's upper side is at z = {GRID}",
         f"link `knob_link` is the left-most of six knobs for a viewer in front, {tuple(round(v, 4) for v in place)}; "
-        "the joint `knob` increases anticlockwise in their view; its raised bar, 0.012 x 0.042, is upright at 0, x -0.030..-0.012",
+        "the joint `knob` increases anticlockwise in their view; its raised bar, 0.012 x 0.042, upright at 0, x -0.030..-0.012",
         f"link `glow` is not seen; coloured {GLOW} it shines: window of the closed door, pilot lamp, plate of the left-most knob",
     )
     links = (_body_link(), _door_link(), knob, _glow_link())
