@@ -361,7 +361,7 @@ def one_of(*choices: str) -> Rule:
 
     def rule(value: object, what: str) -> str:
         if not isinstance(value, str) or value not in choices:
-            raise InvalidValue(what, value, f"is one of {', '.join(choices)}")
+            raise InvalidValue(what, value, f"has to be one of {', '.join(choices)}")
         return value
 
     return rule

@@ -112,7 +112,7 @@ class WorldSnapshot:
         """
         held = as_names(attached, "attached")
         if unknown := [name for name in held if name not in boxes]:
-            raise InvalidValue("attached", unknown, f"has to name boxes: {', '.join(boxes) or 'there are none'}")
+            raise InvalidValue("attached", unknown, f"has to be names of boxes. Known: {', '.join(boxes) or 'none'}")
         bodies = tuple(_box(name, box, name in held) for name, box in boxes.items())
         return cls(bodies, np.array(arm, dtype=float), np.array(fingers, dtype=float), held)
 

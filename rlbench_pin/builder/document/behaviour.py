@@ -270,7 +270,7 @@ def _said(task: TaskClass) -> _Said | None:
 
 
 def _groups(node: ast.expr) -> list[ListNode]:
-    """Return the lists of a table with one for each variation, a list, a tuple or a dict; empty when it is none."""
+    """Return the lists of a table (list, tuple or dict) with one for each variation; empty if it is not such a table."""
     items: Sequence[ast.expr] = node.elts if isinstance(node, ListNode) else ()
     if isinstance(node, ast.Dict):
         keys = [key.value if isinstance(key, ast.Constant) else None for key in node.keys]
@@ -497,7 +497,7 @@ def _checked(name: str, value: Any) -> Any:
 
 
 def without_names(python: str, names: Collection[str]) -> str:
-    """Return the Python whose forms name none of these elements of the scene any more; what no form can edit stays."""
+    """Return the Python without these elements of the scene in its forms; parts that no form can edit do not change."""
     for name in _NAMING:
         behaviour = Behaviour.of(python)
         parts = getattr(behaviour, name)

@@ -360,7 +360,7 @@ class TaskDocument:
         return name
 
     def redo(self) -> str:
-        """Repeat the edit that was undone last, and return its name; empty when there is none."""
+        """Redo the edit that was undone last, and return its name; empty if there is none."""
         name = self._history.redo()
         self._read()
         return name

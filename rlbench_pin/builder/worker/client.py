@@ -230,13 +230,13 @@ class WorkerClient:
     # Life ---------------------------------------------------------------------------------------------------------------------
 
     def cancel(self, operation: str = "") -> bool:
-        """End what runs, from another thread; it raises WorkerStopped there.
+        """Stop the running operation from another thread; the operation raises WorkerStopped.
 
         Args:
             operation: End only this operation, such as `validate`; empty: all.
 
         Returns:
-            Whether something ran.
+            Whether an operation ran.
         """
         stopped = [process.stop() for process in (self._world, self._validator) if operation in ("", process.running)]
         return any(stopped)

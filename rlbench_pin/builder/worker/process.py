@@ -161,14 +161,14 @@ class PrivateFolder:
         )  # fmt: skip
 
     def write(self, part: str, text: TaskText) -> Path:
-        """Write a task into a part of the folder, with links to the files beside the real ones.
+        """Write a task into a part of the folder, with links to the other files in the real folder.
 
         Args:
             part: Name of the part, which is emptied first.
             text: The task.
 
         Returns:
-            The Python file, with its scene beside it.
+            The Python file; its scene is in the same folder.
 
         Raises:
             InvalidValue: The name of the task is not valid.
@@ -239,7 +239,7 @@ class WorkerProcess:
         limits: Times and memory.
 
     Attributes:
-        generation: Number of processes so far; what an earlier one had open is lost.
+        generation: Number of processes so far; the state of earlier ones is lost.
         python: The task file that it works on.
         pid: Process id; None before it has answered.
         running: Name of the present operation, or empty.

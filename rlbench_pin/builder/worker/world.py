@@ -441,7 +441,7 @@ class SceneOnly(Task):
 
 
 def scene_only(scene: Path) -> type[Task]:
-    """Return a task class with the name of a scene file and with that scene, without the code beside it."""
+    """Return a task class with the name and the scene of a scene file, without the code of the task."""
 
     def scene_file(cls: type[Task]) -> Path:
         return scene

@@ -396,7 +396,7 @@ def _between(fields: Sequence[NDArray], x: NDArray[np.float32], y: NDArray[np.fl
 
 @lru_cache(maxsize=4)
 def table_distance(view: CameraView, height: float) -> NDArray[np.float32]:
-    """Distance (n, n) along the light to which what is nearer casts a shadow on the table [m].
+    """Return the distance (n, n) along the light up to which objects cast a shadow on the table [m].
 
     Args:
         view: Camera of the light.

@@ -218,7 +218,7 @@ class Renderer:
     def _kept_links(
         self, shooting: Shooting, number: int, backdrops: Sequence[KeptBackdrop], room: Painter
     ) -> StationaryLinks | None:
-        """Stationary links before the room, from the second time on that nothing of it changed."""
+        """Stationary links in front of the room, cached from the second unchanged image on."""
         if not isinstance(shooting, NumpyShooting) or shooting.state is None or shooting.lamps or self._link_textures:
             return None
         ids = self._ids()
@@ -234,7 +234,7 @@ class Renderer:
         return self._stationary_links
 
     def _color(self, sheet: Sheet, shot: Shot, shadows: ShadowMap | None, lamps: Sequence[Lamp]) -> None:
-        """Put colours of what moves before those of the room, with shadows, fill lights and textures."""
+        """Draw the colours of moving objects over the room, with shadows, fill lights and textures."""
         normals = normals_of_depth(sheet.backdrops, shot) if shot.normals is None else shot.normals
         colors = colors_in_light(shot, normals, self.lighting, shadows, lamps)
         if self._link_textures:
@@ -264,7 +264,7 @@ class Renderer:
         return self._painter[1]
 
     def _backdrop(self, painter: Painter, view: CameraView) -> KeptBackdrop:
-        """The room as a camera sees it; kept from the second time on that the same is asked."""
+        """Image of the room from a camera; cached from the second equal request on."""
         key = view.key
         kept = self._backdrops.get(key)
         if kept is not None:
@@ -279,7 +279,7 @@ class Renderer:
 
 
 def _images(requests: Sequence[Request], sheet: Sheet) -> list[Images]:
-    """Return what is asked for of the images of some cameras."""
+    """Return the requested images of some cameras."""
     return [
         Images(
             sheet.part(sheet.bytes, n) if request.rgb else None,
@@ -291,7 +291,7 @@ def _images(requests: Sequence[Request], sheet: Sheet) -> list[Images]:
 
 
 def _joined(request: Request, parts: Sequence[Images]) -> Images:
-    """Return what a request is to deliver from the images of its parts."""
+    """Return the images of a request from those of its parts."""
     if parts[0].rgb is None or not request.fine:
         return parts[0]
     return replace(parts[-1], rgb=halved(parts[0].rgb))

@@ -67,7 +67,7 @@ class Shot:
     """How much of the ambient light reaches the points (n,), 0..1; all of it when None."""
 
     def parts(self, chosen: NDArray[np.int64] | None = None) -> Iterator[tuple[int, CameraView, slice]]:
-        """Yield each image that sees some, by number, with its camera and its part of the pixels, or of those `chosen`."""
+        """Yield each image with such pixels, by number, with its camera and its part of the pixels, or of those `chosen`."""
         ends = (self.ends if chosen is None else np.searchsorted(chosen, self.ends)).tolist()
         for n, (begin, end) in enumerate(zip(ends, ends[1:])):
             if end > begin:

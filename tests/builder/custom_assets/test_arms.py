@@ -106,7 +106,7 @@ def test_missing_numbers_are_listed(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "flange", "error", "says"),
     [
-        ("My Arm", "link06", TaskEnvironmentError, "is no name of an arm"),
+        ("My Arm", "link06", TaskEnvironmentError, "is not a name of an arm"),
         ("panda", "link06", TaskEnvironmentError, "an arm of the catalogue"),
         ("z1", "link99", UploadRefused, "it has no link 'link99'. Links: "),
         ("z1", "world", RobotModelError, "No joint of 'z1.urdf' moves"),
