@@ -249,7 +249,7 @@ def _read(path: Path) -> bytes:
         if not path.is_file():
             raise TaskFilesError(path, "it does not exist.", "A task is a pair `<task>.toml` and `<task>.py` in one folder.")
         if (size := path.stat().st_size) > MAX_FILE_SIZE:
-            raise TaskFilesError(path, f"it has {size} bytes.", f"The limit is {MAX_FILE_SIZE} bytes.")
+            raise TaskFilesError(path, f"it has {size} bytes.", f"Reduce it to at most {MAX_FILE_SIZE}.")
         return path.read_bytes()
     except OSError as error:
         raise StorageError(path, error) from error

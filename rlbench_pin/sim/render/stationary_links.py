@@ -50,7 +50,7 @@ class StationaryLinks:
             limit: Depth of the room in all their pixels (n,), which hides farther links [m].
 
         Returns:
-            The visible pixels, all shadows, and whether each block of the image of the key light has other shadows on the table, (n, n).
+            The visible pixels, all shadows, and which blocks of the image of the key light have other table shadows, (n, n).
         """
         blocked, changed = shooting.moving()
         shadows = ShadowMap(self.shadows.view, self.shadows.height, blocked, self.shadows)
