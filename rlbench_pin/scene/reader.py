@@ -360,7 +360,7 @@ def raw_scene(text: str, path: Path | str) -> Raw:
     try:
         return tomllib.loads(as_text(text, "text"))
     except (ValueError, RecursionError) as error:  # invalid TOML or UTF-8, too deep, or a number of too many digits
-        raise SceneFileError(as_path(path, "path"), "file", f"it is not valid TOML: {error}.") from error
+        raise SceneFileError(as_path(path, "path"), "file", f"it is not valid TOML: {error}.", "Correct the text.") from error
 
 
 def scene_from_raw(raw: Raw, path: Path) -> SceneSpec:
@@ -390,7 +390,7 @@ def _parse(path: Path) -> Raw:
     try:
         text = path.read_text(encoding="utf-8")
     except ValueError as error:
-        raise SceneFileError(path, "file", f"it is not valid TOML: {error}.") from error
+        raise SceneFileError(path, "file", f"it is not valid TOML: {error}.", "Correct the text.") from error
     except OSError as error:
         raise SceneFileError(path, "file", f"it cannot be read: {error.strerror}.", "Check its permissions.") from error
     return raw_scene(text, path)

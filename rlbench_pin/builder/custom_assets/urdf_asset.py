@@ -278,7 +278,8 @@ class _Builder:
     def _add_mimic(self, new: Element, mimic: Element, joints: dict[str, str]) -> None:
         leader = mimic.get("joint", "").strip()
         if leader not in joints:
-            raise UploadRefused(self._name, f"joint '{new.get('name')}' mimics the joint '{leader[:60]}', which does not exist")
+            problem = f"joint '{new.get('name')}' mimics the joint '{leader[:60]}', which does not exist"
+            raise UploadRefused(self._name, problem, "Correct its name.")
         ratio, offset = self._numbers.one(mimic, "multiplier", "1"), self._numbers.one(mimic, "offset", "0")
         SubElement(new, "mimic", joint=joints[leader], multiplier=f"{ratio:.9g}", offset=f"{offset:.9g}")
 

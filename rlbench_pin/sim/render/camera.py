@@ -42,7 +42,9 @@ class CameraView:
             as_number(getattr(self, name), f"CameraView.{name}", InvalidCamera)
         as_image_size(self.size, "CameraView.size", InvalidCamera)
         if not (0.0 < self.fov < np.pi and 0.0 < self.near < self.far):
-            raise CameraError(f"A camera needs 0 < fov < pi and 0 < near < far. Got {self.fov}, {self.near}, {self.far}.")
+            raise CameraError(
+                f"A camera needs 0 < fov < pi and 0 < near < far, not {self.fov}, {self.near}, {self.far}. Correct them."
+            )
 
     def intrinsics(self) -> FloatArray:
         """Matrix (3, 3) with negative focal lengths [px]: image u increases along the camera's -x, v along -y.

@@ -70,7 +70,9 @@ class Lighting:
 
     def __post_init__(self) -> None:
         if not isinstance(self.fills, tuple | list) or not all(isinstance(light, Light) for light in (self.key, *self.fills)):
-            raise CameraError("The key light and the fill lights of a `Lighting` have to be `Light` records.")
+            raise CameraError(
+                "The key light and the fill lights of a `Lighting` have to be `Light` records. Create them with `Light(...)`."
+            )
         as_number(self.ambient, "Lighting.ambient", InvalidCamera)
         if not 0.0 < self.ambient <= 1.0:
             raise CameraError(f"The ambient light has to be above 0 and at most 1. Got {self.ambient}.")

@@ -35,7 +35,7 @@ TEXTS = {
     "billion laughs": (f'{BOMB}<robot name="&i;"/>', "entities"),
     "external entity": ('<!DOCTYPE r [<!ENTITY x SYSTEM "file:///etc/passwd">]><robot name="a">&x;</robot>', "entities"),
     "external type": ('<!DOCTYPE robot SYSTEM "http://127.0.0.1:9/x.dtd"><robot name="a"/>', "document type"),
-    "deep": ("<robot>" + "<a>" * 5000 + "</a>" * 5000 + "</robot>", "inside one another"),
+    "deep": ("<robot>" + "<a>" * 5000 + "</a>" * 5000 + "</robot>", "nested ones"),
     "many": ("<robot>" + "<a/>" * 30_000 + "</robot>", "elements"),
     "long": ("<robot>" + " " * 5_000_000 + "</robot>", "MB of XML"),
     "no xml": ("<robot", "not valid XML"),
