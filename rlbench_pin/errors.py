@@ -1,7 +1,7 @@
-"""The errors that callers catch, by area; `RlbenchPinError` is the base of them all.
+"""The errors that callers catch, by area. `RlbenchPinError` is their base class.
 
-Each message names the object, the value, what was possible, and the next step. The evidence is attached as attributes.
-A few errors that one module alone raises are defined there, each derived from one of these.
+Each message names the object, the value, the valid values, and the next step. The evidence is in attributes.
+An error that only one module raises is defined in that module and derived from one of these.
 """
 
 from __future__ import annotations
@@ -72,12 +72,12 @@ __all__ = [
 class RlbenchPinError(Exception):
     """Base class of every error that this package raises on purpose.
 
-    All of them can be pickled, with their text and their evidence, so that they travel between processes. Evidence that belongs
-    to one process, such as a running task, arrives as a text that says what it was.
+    All of them can be pickled with text and evidence and sent to another process. Evidence that belongs to one process, such as a
+    running task, is replaced by a text that describes it.
     """
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Say how the error is made again: without its `__init__`, whose arguments are not its text."""
+        """Return how to recreate the error: without its `__init__`, whose arguments are not its text."""
         parts = super().__reduce__()
         evidence = parts[2] if len(parts) > 2 and isinstance(parts[2], dict) else {}
         return _made_again, (type(self), self.args), {name: _portable(value) for name, value in evidence.items()}
@@ -90,7 +90,7 @@ def _made_again(kind: type[RlbenchPinError], args: tuple[Any, ...]) -> RlbenchPi
 
 
 def _portable(value: object) -> object:
-    """Return the value where it can be pickled, the containers of it filled likewise, otherwise a text."""
+    """Return a value that can be pickled; other values, also within containers, are replaced by texts."""
     try:
         pickle.loads(pickle.dumps(value))
     except Exception:  # whatever the classes of others raise
@@ -103,13 +103,13 @@ def _portable(value: object) -> object:
 
 
 def nearest_name(name: str, known: Collection[str]) -> str | None:
-    """Return the known name most like `name`, or None when nothing is close."""
+    """Return the known name that is most similar to `name`, or None if none is similar."""
     near = difflib.get_close_matches(name, known, n=1)
     return near[0] if near else None
 
 
 class UnknownName(RlbenchPinError):
-    """A name is not in the catalogue it was looked up in."""
+    """A name is unknown."""
 
     def __init__(self, kind: str, name: str, known: Collection[str], command: str = "") -> None:
         if not isinstance(name, str):
@@ -128,7 +128,7 @@ def _listing(names: Sequence[str], limit: int = 12) -> str:
 
 
 class UnknownSetting(UnknownName, AttributeError):  # type: ignore[misc]  # both have a `name`
-    """A record of settings has no attribute of that name."""
+    """Settings have no attribute of that name."""
 
     def __init__(self, record: str, name: str, known: Collection[str]) -> None:
         self.record = record
@@ -136,22 +136,22 @@ class UnknownSetting(UnknownName, AttributeError):  # type: ignore[misc]  # both
         self.name = name  # AttributeError forgets it
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Say how the error is made again: `name` is kept by AttributeError, beside the other attributes."""
+        """Return how to recreate the error: AttributeError stores `name` apart from the other attributes."""
         return type(self), (self.record, self.name, self.known)
 
 
 class UnknownArgument(RlbenchPinError, TypeError):
-    """A function has no argument of that name; made from a text alone, because gymnasium raises TypeErrors again."""
+    """A function has no argument of that name. It is made of a text alone, because gymnasium raises TypeErrors again."""
 
 
 class InvalidValue(RlbenchPinError, ValueError):
-    """A value cannot be used: a wrong kind, shape or size, NaN, outside its range.
+    """A value is invalid: a wrong type, shape or size, NaN, or out of range.
 
     Args:
-        what: What was given, as users call it.
+        what: Name of the argument or setting.
         value: The value.
-        problem: What it has to be, or what is wrong with it.
-        hint: What to do.
+        problem: The requirement, or the fault.
+        hint: The next step.
     """
 
     def __init__(self, what: str, value: object, problem: str, hint: str = "") -> None:
@@ -160,7 +160,7 @@ class InvalidValue(RlbenchPinError, ValueError):
 
 
 def shown(value: object, most: int = 120) -> str:
-    """Return a value as text of about `most` letters on one line, whatever it is."""
+    """Return any value as text of about `most` characters on one line."""
     try:
         begins = _beginning(value, most)
         text = " ".join((str(begins) if isinstance(begins, _Words) else repr(begins)).split())
@@ -170,7 +170,7 @@ def shown(value: object, most: int = 120) -> str:
 
 
 def _beginning(value: object, most: int) -> object:
-    """Return as much of a long value as its text needs: the text of millions of numbers takes seconds."""
+    """Return only the part of a long value that its text needs, because the text of millions of numbers takes seconds."""
     if isinstance(value, str | bytes | list | tuple) and len(value) > most:
         return value[: most + 1]
     shape = getattr(value, "shape", ())
@@ -184,20 +184,20 @@ class _Words(str):
 
 
 class MissingExtra(RlbenchPinError, ImportError):
-    """An optional library is not installed; `extra` is the extra that brings it."""
+    """An optional library is not installed; `extra` is the extra that installs it."""
 
     def __init__(self, what: str, library: str, extra: str) -> None:
         self.library, self.extra = library, extra
-        super().__init__(f"{what} needs '{library}', which is not installed. {install_hint(extra)} brings it.")
+        super().__init__(f"{what} needs '{library}', which is not installed. Install it with {install_hint(extra)}.")
 
 
 def install_hint(extra: str) -> str:
-    """Return what installs an extra. rlbench_pin is on no package index, so that its name alone would find nothing."""
+    """Return the command that installs an extra. rlbench_pin is not on a package index, so its name alone does not suffice."""
     return f"`pip install -e '.[{extra}]'` in a clone of rlbench_pin"
 
 
 class SceneFileError(RlbenchPinError):
-    """A scene file cannot be used; says which file, which table and which key."""
+    """A scene file is invalid; the message names file, table and key."""
 
     def __init__(self, file: Path | str, where: str, problem: str, hint: str = "") -> None:
         self.file, self.where, self.problem, self.hint = Path(file), where, problem, hint
@@ -205,7 +205,7 @@ class SceneFileError(RlbenchPinError):
 
 
 class InvalidRecord(InvalidValue):
-    """A record of a scene, such as `FrameSpec`, was constructed with an invalid value; names the key."""
+    """A record of a scene, such as `FrameSpec`, was created with an invalid value; the message names the key."""
 
     def __init__(self, record: str, key: str, value: object, problem: str, hint: str = "") -> None:
         super().__init__(record, value, problem, hint)
@@ -214,7 +214,7 @@ class InvalidRecord(InvalidValue):
 
 
 class AssetNotFound(RlbenchPinError):
-    """A URDF or mesh that a scene refers to does not exist."""
+    """A URDF, mesh or texture of a scene does not exist."""
 
     def __init__(self, path: Path | str, needed_by: str) -> None:
         self.path, self.needed_by = Path(path), needed_by
@@ -225,11 +225,11 @@ class AssetNotFound(RlbenchPinError):
 
 
 class AssetInvalid(RlbenchPinError):
-    """A URDF was found but a simulator or Pinocchio could not load it."""
+    """A URDF exists, but cannot be loaded."""
 
     def __init__(self, path: Path | str, problem: str) -> None:
         self.path, self.problem = Path(path), problem
-        super().__init__(f"Asset '{path}' cannot be loaded: {problem}")
+        super().__init__(f"Asset '{path}' cannot be loaded: {problem.removesuffix('.')}. Correct the file.")
 
 
 class RobotModelError(RlbenchPinError):
@@ -237,15 +237,15 @@ class RobotModelError(RlbenchPinError):
 
 
 class ControlError(RlbenchPinError):
-    """A controller cannot do what it was asked."""
+    """A controller cannot follow a command."""
 
 
 class InvalidTarget(ControlError, InvalidValue):
-    """A controller was given a target or a state that is not valid: NaN, a wrong shape, a quaternion of norm zero."""
+    """A controller got an invalid target or state: NaN, a wrong shape, a quaternion of norm zero."""
 
 
 class InfeasibleControl(ControlError):
-    """No command satisfies the constraints of a controller; carries the problem that has no solution."""
+    """No command satisfies the constraints of a controller; the attributes are the problem without a solution."""
 
     def __init__(self, controller: str, cause: str, problem: object = None) -> None:
         self.controller, self.cause, self.problem = controller, cause, problem
@@ -253,7 +253,7 @@ class InfeasibleControl(ControlError):
 
 
 class PlanningError(RlbenchPinError):
-    """A motion could not be planned; `reason` is one of a fixed set of words."""
+    """A motion could not be planned; `reason` is one of a fixed set of texts."""
 
     reason: str = "planning"
 
@@ -264,13 +264,13 @@ class PlanningError(RlbenchPinError):
 
 
 class InvalidRequest(PlanningError, InvalidValue):
-    """The argument of a planner is not a configuration, pose or path: NaN, a wrong shape, text."""
+    """An argument of a planner is not a configuration, pose or path: NaN, a wrong shape, text."""
 
     reason = "invalid request"
 
 
 class OutsideJointLimits(PlanningError, ValueError):
-    """A configuration that a motion should begin or end in, or pass, is outside the joint limits."""
+    """A configuration at the start, at the end or on the way of a motion is outside the joint limits."""
 
     reason = "outside joint limits"
 
@@ -292,7 +292,7 @@ class NoIkSolution(PlanningError):
     ) -> None:
         self.pose, self.starts = np.array(pose), starts
         self.nearest = None if nearest is None else np.array(nearest)
-        """The most similar pose (7,) that was reached."""
+        """The nearest pose (7,) that was reached."""
         self.position_error, self.rotation_error = position_error, rotation_error
         super().__init__(
             f"The tip cannot reach {_pose_text(pose)}: after {starts} starts the best configuration is still "
@@ -302,24 +302,24 @@ class NoIkSolution(PlanningError):
 
 
 class StartInCollision(PlanningError):
-    """The motion would begin in a forbidden contact."""
+    """The start configuration of a motion is in a forbidden contact."""
 
     reason = "start in collision"
 
     def __init__(self, pairs: Sequence[tuple[str, str]], depths: Sequence[float] = ()) -> None:
         self.pairs, self.depths = tuple(pairs), tuple(depths)
-        """Names of what touches what, and how deep [m]."""
+        """Names of the links in contact, and the penetration depths [m]."""
         super().__init__(f"The start configuration is in collision: {_pairs_text(pairs, self.depths)}. Move the arm clear first.")
 
 
 class GoalInCollision(PlanningError):
-    """Every configuration that reaches the goal touches something."""
+    """All configurations that reach the goal are in contact."""
 
     reason = "goal in collision"
 
     def __init__(self, pairs: Sequence[tuple[str, str]], configurations: int, depths: Sequence[float] = ()) -> None:
         self.pairs, self.configurations, self.depths = tuple(pairs), configurations, tuple(depths)
-        """Names of what touches what in the nearest configuration, and how deep [m]."""
+        """Names of the links in contact in the nearest configuration, and the penetration depths [m]."""
         super().__init__(
             f"All {configurations} configurations that reach the goal are in collision: {_pairs_text(pairs, self.depths)}. "
             "Choose another pose, or ignore collisions for this motion."
@@ -348,7 +348,7 @@ class NotStraight(PlanningError):
 
 
 class RetimingError(PlanningError):
-    """A geometric path cannot be timed under the limits."""
+    """A geometric path cannot be timed within the joint limits."""
 
     reason = "timing"
 
@@ -359,11 +359,11 @@ class RetimingError(PlanningError):
 
 
 class ProblemFileError(RlbenchPinError):
-    """A file that should hold a planning problem cannot be used."""
+    """A file is not a valid planning problem."""
 
     def __init__(self, path: Path | str, problem: str) -> None:
         self.path, self.problem = Path(path), problem
-        super().__init__(f"'{path}' holds no planning problem: {problem}. `rlbench-pin problems export TASK` writes such files.")
+        super().__init__(f"'{path}' contains no planning problem: {problem}. Create one with `rlbench-pin problems export TASK`.")
 
 
 def _pairs_text(pairs: Sequence[tuple[str, str]], depths: Sequence[float] = ()) -> str:
@@ -378,12 +378,11 @@ def _pose_text(pose: np.ndarray) -> str:
 
 
 class InvalidActionError(RlbenchPinError):
-    """An action was refused; the world is as it was before.
+    """An action was refused; the world has not changed.
 
     Args:
-        message: What is wrong with it, and what to do.
-        cause: The kind of fault in a few words, the same for all of its kind; that of a motion that was not found is the
-            `reason` of the planner.
+        message: The fault, and the next step.
+        cause: The kind of the fault in a few words; for a motion that was not found, the `reason` of the planner.
     """
 
     def __init__(self, message: str = "", cause: str = "invalid") -> None:
@@ -392,29 +391,29 @@ class InvalidActionError(RlbenchPinError):
 
 
 class TaskEnvironmentError(RlbenchPinError):
-    """The environment was used in a way that it does not support."""
+    """The environment does not support a call."""
 
 
 class InvalidArgument(TaskEnvironmentError, InvalidValue):
-    """An environment was given a seed, a variation, a number or a setting that means nothing."""
+    """An environment got an invalid seed, variation, number or setting."""
 
 
 class NotReset(TaskEnvironmentError, RuntimeError):
-    """An episode was used before it was started."""
+    """An environment was used before the first reset."""
 
     def __init__(self, call: str) -> None:
         super().__init__(f"`{call}` was called before the first reset. Call `reset()` first.")
 
 
 class NoShapedReward(TaskEnvironmentError, RuntimeError):
-    """Shaped rewards were asked for, but the task gives none."""
+    """Shaped rewards were requested, but the task has none."""
 
     def __init__(self, task: str) -> None:
         super().__init__(f"Task '{task}' has no shaped reward. Use shaped_rewards=False, or give the task a `reward()`.")
 
 
 class ResetError(TaskEnvironmentError):
-    """No start state was found; carries why each attempt failed."""
+    """No start state was found; `causes` has the cause of each failed attempt."""
 
     def __init__(self, task: str, causes: Sequence[str]) -> None:
         self.causes = tuple(causes)
@@ -429,7 +428,7 @@ class UsedByTwoThreads(TaskEnvironmentError, RuntimeError):
     def __init__(self, call: str) -> None:
         super().__init__(
             f"`{call}` was called while another thread was in a call of the same environment, which simulates one world. "
-            "Give each thread an environment of its own, or better each process: threads share one core."
+            "Give each thread its own environment, or better each process: threads share one core."
         )
 
 
@@ -438,11 +437,11 @@ class EnvironmentClosed(TaskEnvironmentError, RuntimeError):
 
 
 class CameraError(RlbenchPinError):
-    """A camera was asked for something it cannot deliver."""
+    """A camera cannot render a requested image."""
 
 
 class InvalidCamera(CameraError, InvalidValue):
-    """A camera was given a size, a pose or a setting with which no image can be taken."""
+    """A camera got an invalid size, pose or setting."""
 
 
 class TaskError(RlbenchPinError):
@@ -454,7 +453,7 @@ class BoundaryError(RlbenchPinError):
 
 
 class WaypointError(RlbenchPinError):
-    """A waypoint is missing, out of reach, or cannot be travelled to."""
+    """A waypoint is missing or cannot be reached."""
 
     def __init__(self, message: str, task: object = None) -> None:
         self.task = task
@@ -462,7 +461,7 @@ class WaypointError(RlbenchPinError):
 
 
 class NoWaypointsError(WaypointError):
-    """A demonstration was asked of a task without waypoints."""
+    """A demonstration was requested of a task without waypoints."""
 
 
 class DemoError(RlbenchPinError):
@@ -474,11 +473,11 @@ class DemoError(RlbenchPinError):
 
 
 class DatasetError(RlbenchPinError, RuntimeError):
-    """A stored demonstration is missing, truncated, of another version, or more were asked for than exist."""
+    """A stored demonstration is missing, truncated or of another version, or more were requested than exist."""
 
 
 class EpisodeFileError(DatasetError):
-    """One file of a dataset is missing, truncated, altered or of another format; `path` says which."""
+    """A file of a dataset is missing, truncated, altered or of another format; `path` is the file."""
 
     def __init__(self, path: Path | str, message: str) -> None:
         self.path = Path(path)
@@ -486,13 +485,13 @@ class EpisodeFileError(DatasetError):
 
 
 class StorageError(DatasetError):
-    """The disk cannot be written to (full, read-only, no permission); what was stored before is still whole."""
+    """The disk cannot be written to (full, read-only, no permission); files stored before are complete."""
 
     def __init__(self, path: Path | str, cause: OSError) -> None:
         self.path, self.errno = Path(path), cause.errno
-        advice = _STORAGE_ADVICE.get(cause.errno or 0, "See whether the folder can be written to.")
+        advice = _STORAGE_ADVICE.get(cause.errno or 0, "Check whether the folder can be written to.")
         reason = cause.strerror or str(cause)
-        super().__init__(f"'{path}' cannot be written: {reason}. {advice} Everything stored before is whole.")
+        super().__init__(f"'{path}' cannot be written: {reason}. {advice} Everything stored before is complete.")
 
 
 _STORAGE_ADVICE = {
@@ -501,15 +500,15 @@ _STORAGE_ADVICE = {
     errno.EROFS: "The disk is read-only: choose another folder.",
     errno.EACCES: "You may not write there: choose another folder or change its rights.",
     errno.EPERM: "You may not write there: choose another folder or change its rights.",
-    errno.EISDIR: "There is a folder of that name: choose another name.",
+    errno.EISDIR: "A folder has that name: choose another name.",
     errno.ENAMETOOLONG: "Choose a shorter name.",
     errno.ENOTDIR: "A part of the path is a file: choose another folder.",
-    errno.EEXIST: "There is a file where a folder should be: choose another folder.",
+    errno.EEXIST: "A file is in the place of a folder: choose another folder.",
 }
 
 
 class UntrustedTaskFile(DatasetError):
-    """The task of stored demonstrations is code that came with them; it is run only when the user says so.
+    """The task of stored demonstrations is code from the dataset; it runs only if the user allows it.
 
     Attributes:
         task: Task name.
@@ -519,8 +518,8 @@ class UntrustedTaskFile(DatasetError):
     def __init__(self, task: str, path: Path | str, remark: str = "") -> None:
         self.task, self.path, self.remark = task, Path(path), remark
         super().__init__(
-            f"The task '{task}' is code that came with its episodes: '{path}'.{remark} It is not run unless you say so. Read it; "
-            "then pass `--trust-task-files` (`trust_task_files=True` in Python), or name your own file of it."
+            f"The task '{task}' is code that came with its episodes: '{path}'.{remark} It does not run without your permission. "
+            "Read it, then pass `--trust-task-files` (`trust_task_files=True` in Python), or name your own file of the task."
         )
 
     def __reduce__(self) -> tuple[type[UntrustedTaskFile], tuple[str, Path, str]]:
@@ -528,27 +527,27 @@ class UntrustedTaskFile(DatasetError):
 
 
 class DatasetConflict(DatasetError):
-    """Two sets of demonstrations, or a recording and what is stored, do not go together."""
+    """Two sets of demonstrations, or a recording and the stored demonstrations, are incompatible."""
 
 
 class EvaluationError(RlbenchPinError, RuntimeError):
-    """An evaluation cannot be made, read or compared."""
+    """An evaluation cannot be run, read or compared."""
 
 
 class ResultsFileError(EvaluationError):
-    """A results file is missing, damaged, altered or of another format; `path` says which."""
+    """A results file is missing, damaged, altered or of another format; `path` is the file."""
 
     def __init__(self, path: Path | str, problem: str, advice: str = "") -> None:
         self.path, self.problem = Path(path), problem
-        advice = advice or "Take it from where it was made again, or run the evaluation again: `rlbench-pin evaluate` writes it."
-        super().__init__(f"'{path}' is not a results file that can be used: {problem}. {advice}")
+        advice = advice or "Copy it again from its source, or create it again with `rlbench-pin evaluate`."
+        super().__init__(f"'{path}' is not a valid results file: {problem}. {advice}")
 
 
 class IncompatibleResults(EvaluationError):
-    """Two results files cannot be compared: they have other episodes, limits, protocols or versions of a task.
+    """Two results files cannot be compared: their episodes, limits, protocols or versions of a task differ.
 
     Attributes:
-        differences: What differs, one text each.
+        differences: The differences, one text each.
     """
 
     def __init__(self, first: str, second: str, differences: Sequence[str], advice: str) -> None:

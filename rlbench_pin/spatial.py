@@ -1,8 +1,8 @@
-"""The pose conventions, said once.
+"""Poses: conventions and conversions.
 
 A pose is a float64 array of shape (7,): `[x, y, z, qx, qy, qz, qw]`, metres and a unit Hamilton quaternion, w last.
 `T_a_b` maps coordinates of frame b to frame a, so inner names cancel: `T_world_tip = T_world_base * T_base_tip`.
-Inside the package poses may travel as `pin.SE3`; at public borders they are arrays.
+Internal functions may pass poses as `pin.SE3`; public functions use arrays.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ TABLE_HEIGHT = 0.752
 
 
 def above_table(height: float) -> float:
-    """Return the world z [m] of what is `height` [m] above the table top, without float dust."""
+    """Return the world z [m] of a point `height` [m] above the table top, without rounding noise."""
     return round(TABLE_HEIGHT + as_number(height, "height"), 12)
 
 
@@ -44,7 +44,7 @@ def pose_to_se3(pose: PoseLike) -> pin.SE3:
     norm = math.sqrt(turn @ turn)
     if not 0.0 < norm < np.inf:
         raise InvalidValue(
-            "A pose", pose, f"has a quaternion of norm {norm}", "No rotation is [0, 0, 0, 1]; the order is x, y, z, w."
+            "A pose", pose, f"has a quaternion of norm {norm}", "The identity is [0, 0, 0, 1]; the order is x, y, z, w."
         )
     unit = p.copy()
     unit[3:] /= norm
@@ -70,7 +70,7 @@ def matrix_to_pose(matrix: FloatArray) -> FloatArray:
     """Convert a homogeneous matrix (4, 4) to a pose (7,).
 
     Raises:
-        InvalidValue: It has another shape, or its rotation is none (also a ValueError).
+        InvalidValue: It has another shape, or no valid rotation (also a ValueError).
     """
     m = as_finite(as_array(matrix, "A matrix"), "A matrix")
     if m.shape != (4, 4) or not np.allclose(m[3], (0.0, 0.0, 0.0, 1.0), atol=1e-6):
@@ -81,7 +81,7 @@ def matrix_to_pose(matrix: FloatArray) -> FloatArray:
 
 
 def compose(*poses: PoseLike) -> FloatArray:
-    """Chain poses: `compose(T_a_b, T_b_c)` is T_a_c; of none it is the pose where nothing moves."""
+    """Return the product of poses: `compose(T_a_b, T_b_c)` is T_a_c; without arguments the identity."""
     if not poses:
         return IDENTITY.copy()
     result = pose_to_se3(poses[0])
@@ -96,25 +96,25 @@ def inverse(pose: PoseLike) -> FloatArray:
 
 
 def relative(pose: PoseLike, reference: PoseLike) -> FloatArray:
-    """Express a world pose in the frame of a world `reference`: inverse(reference) * pose."""
+    """Return a world pose in the frame of a world pose `reference`: inverse(reference) * pose."""
     return se3_to_pose(pose_to_se3(reference).actInv(pose_to_se3(pose)))
 
 
 def swept(pose: PoseLike, frame: PoseLike, axis: Sequence[float], angles: FloatArray, *, twist: bool = True) -> list[FloatArray]:
-    """Turn a world pose about an axis through the origin of a frame.
+    """Rotate a world pose about an axis through the origin of a frame.
 
     Args:
-        pose: What is turned (7,).
-        frame: World pose (7,) in which the axis is given.
+        pose: The pose to rotate (7,).
+        frame: World pose (7,) of the frame in which the axis is given.
         axis: Direction (3,), of any length.
-        angles: By how much, right-handed (m,), [rad].
-        twist: Whether the orientation turns too, or only the position.
+        angles: Right-handed angles (m,), [rad].
+        twist: Rotate the orientation too; otherwise only the position.
 
     Returns:
         A pose (7,) for each angle.
 
     Raises:
-        InvalidValue: No pose, no direction, or NaN (also a ValueError).
+        InvalidValue: The pose or the axis is invalid, or a number is NaN (also a ValueError).
     """
     T_world_frame, T_world_pose = pose_to_se3(frame), pose_to_se3(pose)
     T_frame_pose = T_world_frame.actInv(T_world_pose)
@@ -131,27 +131,27 @@ def swept(pose: PoseLike, frame: PoseLike, axis: Sequence[float], angles: FloatA
 
 
 def euler_to_quaternion(roll: float, pitch: float, yaw: float) -> FloatArray:
-    """Quaternion [qx, qy, qz, qw] of the rotation Rz(yaw) Ry(pitch) Rx(roll), angles in [rad]."""
+    """Return the quaternion [qx, qy, qz, qw] of the rotation Rz(yaw) Ry(pitch) Rx(roll), angles in [rad]."""
     roll, pitch, yaw = as_number(roll, "roll"), as_number(pitch, "pitch"), as_number(yaw, "yaw")
     return np.asarray(pin.Quaternion(pin.rpy.rpyToMatrix(roll, pitch, yaw)).coeffs())
 
 
 def quaternion_yaw(quaternion: PoseLike) -> float:
-    """Heading of the rotated x axis about world z [rad]."""
+    """Return the heading of the rotated x axis about world z [rad]."""
     q = as_vector(quaternion, 4, "A quaternion [qx, qy, qz, qw]")
     if not 0.0 < (norm := float(np.linalg.norm(q))) < np.inf:
-        raise InvalidValue("A quaternion", quaternion, f"has norm {norm}", "No rotation is [0, 0, 0, 1].")
+        raise InvalidValue("A quaternion", quaternion, f"has norm {norm}", "The identity is [0, 0, 0, 1].")
     rotation = pin.Quaternion(q / norm).toRotationMatrix()
     return float(np.arctan2(rotation[1, 0], rotation[0, 0]))
 
 
 def pose_at(position: Sequence[float], roll: float = 0.0, pitch: float = 0.0, yaw: float = 0.0) -> FloatArray:
-    """Build a pose (7,) from a position [m] and Euler angles [rad]."""
+    """Return the pose (7,) of a position [m] and Euler angles [rad]."""
     return np.concatenate([as_vector(position, 3, "A position"), euler_to_quaternion(roll, pitch, yaw)])
 
 
 def rotation_distance(a: PoseLike, b: PoseLike) -> float:
-    """Angle [rad] between the orientations of two poses."""
+    """Return the angle [rad] between the orientations of two poses."""
     dot = abs(float(np.dot(as_pose(a)[3:], as_pose(b)[3:])))
     return 2.0 * float(np.arccos(min(1.0, dot)))
 

@@ -1,6 +1,6 @@
-"""URDF and SRDF files as frozen records of plain numbers; each file is read once.
+"""URDF and SRDF files as frozen records of plain numbers; a file is read again only after it has changed.
 
-Units are those of URDF: metres, radians, kilograms. No mesh is opened and no model is built.
+Units are those of URDF: metres, radians, kilograms. Meshes are not opened.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 @dataclass(frozen=True)
 class UrdfOrigin:
-    """A placement in the frame of a link or joint."""
+    """A pose in the frame of a link or joint."""
 
     xyz: Vector = ZERO
     """[m]."""
@@ -85,7 +85,7 @@ class UrdfInertial:
 
 @dataclass(frozen=True)
 class UrdfLink:
-    """One rigid part."""
+    """One link: a rigid body."""
 
     name: str
     """Unique in a valid file."""
@@ -99,7 +99,7 @@ class UrdfLink:
 
 @dataclass(frozen=True)
 class Follows:
-    """How a joint follows another: its position is `ratio` times that of the other, plus `offset`."""
+    """Coupling to another joint: position = `ratio` * position of the other + `offset`."""
 
     joint: str
     """Name of the other."""
@@ -110,7 +110,7 @@ class Follows:
 
 @dataclass(frozen=True)
 class UrdfJoint:
-    """One connection of two links."""
+    """One joint: a connection of two links."""
 
     name: str
     """Unique in a valid file."""
@@ -158,24 +158,24 @@ class Urdf:
 
     @property
     def base_link(self) -> str:
-        """Name of the first link that is not a joint's child.
+        """Name of the first link that is not the child of a joint.
 
         Raises:
-            AssetInvalid: There is none.
+            AssetInvalid: There is no such link.
         """
         children = {joint.child for joint in self.joints}
         if set(self.link_names) <= children:
-            raise AssetInvalid(self.path, "every link is a joint's child")
+            raise AssetInvalid(self.path, "every link is the child of a joint")
         return next(name for name in self.link_names if name not in children)
 
     @property
     def joint_limits(self) -> dict[str, tuple[float, float]]:
-        """Movable joint -> smallest and largest position [rad] or [m]."""
+        """Name of a movable joint -> smallest and largest position [rad] or [m]."""
         return {joint.name: joint.limits for joint in self.joints if joint.kind != "fixed"}
 
 
 def read_urdf(path: Path, needed_by: str = "a model") -> Urdf:
-    """Return what a URDF file says; it is read again only after it was written again.
+    """Return the content of a URDF file, which is read again only after it has changed.
 
     Args:
         path: The file.
@@ -211,7 +211,7 @@ def format_srdf(robot: str, pairs: Iterable[tuple[str, str, str]]) -> str:
 def kinematic_urdf(path: Path, fixed: Collection[str] = ()) -> str:
     """Return the text of a URDF file without visual and collision elements, with the joints named in `fixed` fixed at zero.
 
-    A `continuous` joint becomes a revolute one with the range `CONTINUOUS`, so that one number says where every joint is.
+    A `continuous` joint becomes a revolute joint with the range `CONTINUOUS`, so that the position of every joint is one number.
 
     Raises:
         AssetNotFound: The file does not exist.
@@ -240,7 +240,7 @@ def solid_urdf(path: Path) -> str:
 
 
 def _without_shapes(path: Path, *roles: str) -> ET.Element:
-    """Return a URDF file without the shapes of its links in these roles, `visual` or `collision`."""
+    """Return a URDF file without the elements of its links in these roles, `visual` or `collision`."""
     _time_of(path, "a model")
     root = _parse(path)
     for link in root.iterfind("link"):
@@ -253,7 +253,7 @@ def _without_shapes(path: Path, *roles: str) -> ET.Element:
 
 
 def _time_of(path: Path, needed_by: str) -> int:
-    """Return when a file was written [ns]."""
+    """Return the modification time of a file [ns]."""
     if not path.is_file():
         raise AssetNotFound(path, needed_by)
     return path.stat().st_mtime_ns
@@ -342,7 +342,7 @@ def _finish(path: Path, element: ET.Element) -> Finish:
 
 
 def _size(shape: ET.Element) -> tuple[float, ...]:
-    """Return what `UrdfShape.size` says; empty for a shape that is not known."""
+    """Return the value of `UrdfShape.size`; empty for an unknown shape."""
     if shape.tag == "box":
         return _vector(shape, "size", "")
     if shape.tag == "mesh":

@@ -1,7 +1,7 @@
-"""Checks of values where they enter: numbers, whole numbers, switches, arrays, poses, seeds, sizes, settings.
+"""Checks of arguments: numbers, whole numbers, switches, arrays, poses, seeds, sizes, settings.
 
-Every check returns the value as the package uses it, or raises `InvalidValue` (or the subclass that it is given), which names
-what was given, its value, and what would do. Nothing is turned into a number that is none: no text, no truth value, no date.
+Every check returns the value in the form that the package uses, or raises `InvalidValue` or a given subclass. The error names
+the argument, its value and the valid values. Texts, booleans and dates are never converted to numbers.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ _NO_NUMBERS = (bool, np.bool_, np.timedelta64)
 """Types that numpy or Python treat as integers and this package does not."""
 _NUMBERS = (float, int, np.floating, np.integer)
 _MADE_BY = {
-    "Generator": "`np.random.default_rng(seed)` makes one.",
-    "Demo": "`task.get_demos(1)` and `read_demo(path)` return some.",
+    "Generator": "Create one with `np.random.default_rng(seed)`.",
+    "Demo": "Get one from `task.get_demos(1)` or `read_demo(path)`.",
 }
-"""Class -> function that makes one, for error messages."""
+"""Class -> how to create an instance, for error messages."""
 
 
 def as_number(
@@ -50,16 +50,16 @@ def as_number(
     """Return `value` as a float.
 
     Args:
-        value: A number of Python or numpy; truth values and text are none.
-        what: What it is called.
-        error: What to raise.
-        least: Smallest value allowed.
-        most: Largest value allowed.
-        above: Values have to be larger than this.
-        finite: Whether infinity is refused. NaN always is.
+        value: A number of Python or numpy; booleans and texts are refused.
+        what: Name of the argument, for the error.
+        error: Class of the error.
+        least: Smallest valid value.
+        most: Largest valid value.
+        above: Exclusive lower bound.
+        finite: Refuse infinity. NaN is always refused.
 
     Raises:
-        InvalidValue: It is not a number, or outside the range.
+        InvalidValue: The value is not a number, or out of range.
     """
     good = isinstance(value, _NUMBERS) and not isinstance(value, _NO_NUMBERS)
     try:
@@ -73,24 +73,24 @@ def as_number(
 
 
 def is_whole(value: object) -> TypeGuard[int | np.integer[Any]]:
-    """Whether a value is a whole number of Python or numpy; True, 1.0, "1" and a stretch of time are none."""
+    """Whether a value is a whole number of Python or numpy; True, 1.0, "1" and a time difference are not."""
     return isinstance(value, int | np.integer) and not isinstance(value, _NO_NUMBERS)
 
 
 def as_whole(
     value: object, what: str, error: type[InvalidValue] = InvalidValue, *, least: int | None = None, most: int | None = None
 ) -> int:
-    """Return `value` as an int of Python, which no addition wraps around.
+    """Return `value` as an int of Python, which cannot overflow.
 
     Args:
-        value: A whole number of Python or numpy; 1.5, True and "1" are none.
-        what: What it is called.
-        error: What to raise.
-        least: Smallest value allowed.
-        most: Largest value allowed.
+        value: A whole number of Python or numpy; 1.5, True and "1" are refused.
+        what: Name of the argument, for the error.
+        error: Class of the error.
+        least: Smallest valid value.
+        most: Largest valid value.
 
     Raises:
-        InvalidValue: It is not a whole number, or outside the range.
+        InvalidValue: The value is not a whole number, or out of range.
     """
     whole = is_whole(value)
     number = int(value) if is_whole(value) else 0
@@ -101,17 +101,17 @@ def as_whole(
 
 
 def as_flag(value: object, what: str, error: type[InvalidValue] = InvalidValue) -> bool:
-    """Return a truth value of Python or numpy, or 0 or 1, as a bool; or raise InvalidValue."""
+    """Return a boolean of Python or numpy, or 0 or 1, as a bool; or raise InvalidValue."""
     if isinstance(value, np.timedelta64) or not isinstance(value, bool | np.bool_ | int | np.integer) or value not in (0, 1):
         raise error(what, value, "has to be True or False")
     return bool(value)
 
 
 def as_choice(value: object, what: str, choices: Collection[str]) -> str:
-    """Return one of some words.
+    """Return `value` if it is one of the choices.
 
     Raises:
-        UnknownName: It is none of them; names the nearest.
+        UnknownName: It is not a choice; the message names the nearest one.
     """
     if not isinstance(value, str) or value not in choices:
         raise UnknownName(what, value, tuple(choices))  # type: ignore[arg-type] # it shows whatever it is
@@ -123,7 +123,7 @@ ResultT = TypeVar("ResultT")
 
 
 def names_arguments(function: Callable[ParamsT, ResultT]) -> Callable[ParamsT, ResultT]:
-    """Return the function; called with an argument that it does not have, it raises UnknownArgument, which names the nearest."""
+    """Return a function that raises UnknownArgument for an unknown argument; the message names the nearest known one."""
     known = tuple(name for name in signature(function).parameters if name != "self")
     owner = function.__qualname__.removesuffix(".__init__")
 
@@ -138,14 +138,14 @@ def names_arguments(function: Callable[ParamsT, ResultT]) -> Callable[ParamsT, R
 
 
 def as_seed(value: object, what: str = "seed", error: type[InvalidValue] = InvalidValue) -> int:
-    """Return a seed as an int, 0 <= seed < 2^63, the range that episode files hold; or raise InvalidValue."""
+    """Return a seed as an int, 0 <= seed < 2^63, the range of episode files; or raise InvalidValue."""
     return as_whole(value, what, error, least=0, most=LARGEST_SEED)
 
 
 def as_interval(
     value: object, what: str, error: type[InvalidValue] = InvalidValue, *, finite: bool = True
 ) -> tuple[float, float]:
-    """Return a lower and an upper bound, of which the upper is not below the lower; or raise InvalidValue."""
+    """Return a lower and an upper bound with lower <= upper, or raise InvalidValue."""
     bounds = items_of(value)
     if len(bounds) != 2:
         raise error(what, value, "has to be two numbers, the lower bound and the upper bound")
@@ -165,12 +165,12 @@ def as_image_size(value: object, what: str, error: type[InvalidValue] = InvalidV
 
 
 def as_names(value: object, what: str, error: type[InvalidValue] = InvalidValue) -> tuple[str, ...]:
-    """Return a list of names as a tuple, or raise InvalidValue; a single text would mean its letters."""
+    """Return a list of names as a tuple, or raise InvalidValue; a single text is refused."""
     names = tuple(value) if isinstance(value, set | frozenset | dict) else items_of(value)
     if not all(isinstance(name, str) for name in names) or (not names and not _is_empty(value)):
         raise error(what, value, "has to be a list of names")
     if isinstance(value, str | bytes):
-        raise error(what, value, "has to be a list of names", f"Write [{value!r}] for one.")
+        raise error(what, value, "has to be a list of names", f"Write [{value!r}] for one name.")
     return tuple(str(name) for name in names)
 
 
@@ -179,14 +179,14 @@ def _is_empty(value: object) -> bool:
 
 
 def items_of(value: object) -> tuple[object, ...]:
-    """Return the items of a list, a tuple or a one-dimensional array; nothing for everything else, text among it."""
+    """Return the items of a list, a tuple or a one-dimensional array; empty for other types, such as text."""
     if isinstance(value, np.ndarray):
         return tuple(value) if value.ndim == 1 else ()
     return tuple(value) if isinstance(value, Sequence) and not isinstance(value, str | bytes) else ()
 
 
 def as_text(value: object, what: str, error: type[InvalidValue] = InvalidValue) -> str:
-    """Return a text, or raise InvalidValue; no number is written out."""
+    """Return a text, or raise InvalidValue; numbers are not converted."""
     if not isinstance(value, str):
         raise error(what, value, "has to be a text")
     return value
@@ -195,13 +195,13 @@ def as_text(value: object, what: str, error: type[InvalidValue] = InvalidValue) 
 def as_path(value: object, what: str, error: type[InvalidValue] = InvalidValue) -> Path:
     """Return a path, from a text or a path; or raise InvalidValue."""
     if not isinstance(value, str | PathLike) or isinstance(text := fspath(value), bytes) or "\0" in text:
-        raise error(what, value, "has to be a path: a text without the character 0, or a Path")
+        raise error(what, value, "has to be a path: a Path, or a text without null characters")
     try:
         lengths = [len(part) for part in fsencode(text).split(b"/")]
     except UnicodeEncodeError as failure:
         raise error(what, value, f"cannot be the name of a file: {failure.reason}") from failure
     if max(lengths) > LONGEST_NAME or sum(lengths) + len(lengths) > LONGEST_PATH:
-        raise error(what, value, f"is too long: names have {LONGEST_NAME} bytes at most, paths {LONGEST_PATH}")
+        raise error(what, value, f"is too long: names have at most {LONGEST_NAME} bytes, paths {LONGEST_PATH}")
     return Path(text)
 
 
@@ -212,7 +212,7 @@ def as_function(value: object, what: str, error: type[InvalidValue] = InvalidVal
 
 
 def as_several(value: object, what: str, error: type[InvalidValue] = InvalidValue) -> tuple[Any, ...]:
-    """Return what a list, a set or a generator holds, or raise InvalidValue; a text would be its letters."""
+    """Return the items of a list, a set or a generator, or raise InvalidValue; a text is refused."""
     if not isinstance(value, Iterable) or isinstance(value, str | bytes | np.ndarray):
         raise error(what, value, "has to be a list")
     return tuple(value)
@@ -226,7 +226,7 @@ def as_record(value: object, kind: type[KindT], what: str, error: type[InvalidVa
 
 
 def _one(kind: type) -> str:
-    """Return what one of a class is called, with its article."""
+    """Return the name of a class with its article."""
     if kind in (bytes, dict):
         return kind.__name__
     return f"{'an' if kind.__name__[0] in 'AEIO' else 'a'} {kind.__name__}"
@@ -240,7 +240,7 @@ def _range_text(least: float, most: float, above: float = -math.inf) -> str:
 
 FloatArray = NDArray[np.float64]
 SMALLEST_NORM = 1e-3
-"""A quaternion shorter than this has no direction worth trusting."""
+"""Smallest norm of a quaternion whose direction is reliable."""
 _FLOAT = np.dtype(float)
 _NUMERIC = "biuf"
 _BROKEN = (TypeError, ValueError, OverflowError, AttributeError, RuntimeError, MemoryError)
@@ -251,7 +251,7 @@ def as_array(value: object, what: str, error: type[InvalidValue] = InvalidValue)
     """Return `value` as a float64 array of any shape; the caller's array itself when it is one.
 
     Raises:
-        InvalidValue: It is complex, text, dates, objects, ragged, or an array of which something is masked.
+        InvalidValue: It has complex numbers, texts, dates, objects or masked numbers, or is ragged.
     """
     if type(value) is np.ndarray and value.dtype is _FLOAT:
         return value
@@ -283,7 +283,7 @@ def as_vector(
     """Return `value` as a finite float64 vector of shape (size,); the caller's array itself when it is one.
 
     Raises:
-        InvalidValue: It is not an array of numbers, has another shape, or holds NaN, infinity or a number beyond +-`most`.
+        InvalidValue: It is not an array of numbers, has another shape, or contains NaN, infinity or a number beyond +-`most`.
     """
     if type(value) is np.ndarray and value.dtype is _FLOAT and value.shape == (size,):
         numbers = value.tolist()  # NaN and infinity show in any sum, and in any length
@@ -294,7 +294,7 @@ def as_vector(
         raise error(what, value, f"has to have shape ({size},), not {vector.shape}")
     as_finite(vector, what, error)
     if most is not None and size and np.abs(vector).max() > most:
-        raise error(what, value, f"has to hold numbers from {-most:g} to {most:g}")
+        raise error(what, value, f"has to have numbers from {-most:g} to {most:g}")
     return vector
 
 
@@ -307,7 +307,7 @@ def as_rows(value: ArrayLike, size: int, what: str, error: type[InvalidValue] = 
 
 
 def as_finite(array: FloatArray, what: str, error: type[InvalidValue] = InvalidValue) -> FloatArray:
-    """Return `array` itself, or raise InvalidValue when it holds NaN or infinity; names the first places."""
+    """Return `array` itself, or raise InvalidValue if it has NaN or infinity; the message names the first indices."""
     good = np.isfinite(array)
     if not good.all():
         places = [place[0] if len(place) == 1 else tuple(place) for place in np.argwhere(~good)[:8].tolist()]
@@ -323,12 +323,12 @@ def as_pose(
 
     Args:
         value: Position and quaternion x, y, z, w.
-        what: What it is called.
-        error: What to raise.
-        tolerance: By how much the length of the quaternion may differ from 1; any length but zero without one.
+        what: Name of the argument, for the error.
+        error: Class of the error.
+        tolerance: Largest difference of the norm of the quaternion from 1; by default any norm but zero is valid.
 
     Raises:
-        InvalidValue: It has another shape, holds NaN or infinity, or its quaternion has a wrong length.
+        InvalidValue: It has another shape, contains NaN or infinity, or its quaternion has a wrong norm.
     """
     pose = as_vector(value, 7, what, error)
     norm = float(np.linalg.norm(pose[3:]))
@@ -340,7 +340,7 @@ def as_pose(
 
 
 Rule = Callable[[object, str], object]
-"""Takes a value and what it is called; returns the value as it is kept, or raises InvalidValue."""
+"""Function of a value and its name: returns the value to store, or raises InvalidValue."""
 FINITE: Rule = as_number
 POSITIVE: Rule = partial(as_number, above=0.0)
 NOT_NEGATIVE: Rule = partial(as_number, least=0.0)
@@ -348,7 +348,7 @@ FLAG: Rule = as_flag
 
 
 LARGEST_COUNT = 2**31 - 1
-"""Settings that count something are at most this."""
+"""Largest value of settings that are counts."""
 
 
 def counted(least: int, most: int = LARGEST_COUNT) -> Rule:
@@ -357,11 +357,11 @@ def counted(least: int, most: int = LARGEST_COUNT) -> Rule:
 
 
 def one_of(*choices: str) -> Rule:
-    """Return the rule of a word that is one of some."""
+    """Return the rule of a word that is one of the choices."""
 
     def rule(value: object, what: str) -> str:
         if not isinstance(value, str) or value not in choices:
-            raise InvalidValue(what, value, f"is one of {', '.join(choices)}")
+            raise InvalidValue(what, value, f"has to be one of {', '.join(choices)}")
         return value
 
     return rule
@@ -377,20 +377,21 @@ def record_of(kind: type) -> Rule:
 
 
 def ruled(*rules: tuple[Rule, str]) -> dict[str, Rule]:
-    """Return name -> rule from pairs of a rule and the names it is for, separated by blanks."""
+    """Return name -> rule from pairs of a rule and its names, separated by blanks."""
     return {name: rule for rule, names in rules for name in names.split()}
 
 
 def check_settings(settings: object, rules: Mapping[str, Rule]) -> None:
-    """Raise InvalidValue unless every attribute of a record keeps its rule; frozen records call this after `__init__`."""
+    """Raise InvalidValue unless every attribute of a record follows its rule; frozen records call this after `__init__`."""
     for name, rule in rules.items():
         rule(getattr(settings, name), f"{type(settings).__name__}.{name}")
 
 
 class Settings:
-    """Base of settings that may be changed at any time: unknown attributes are refused, values are checked when they are set.
+    """Base of settings that may change at any time: unknown attributes are refused, values are checked when they are set.
 
-    What is known are the fields of the dataclass, what the classes define or annotate, and names with an underscore.
+    Known attributes are the fields of the dataclass, attributes that the classes define or annotate, and names with an
+    underscore.
     """
 
     rules: ClassVar[Mapping[str, Rule]] = {}
@@ -402,8 +403,8 @@ class Settings:
         """Set an attribute.
 
         Raises:
-            UnknownSetting: There is none of that name; names the nearest (also an AttributeError).
-            InvalidValue: The value makes no sense.
+            UnknownSetting: There is no such setting; the message names the nearest one (also an AttributeError).
+            InvalidValue: The value is invalid.
         """
         rule = self.rules.get(name)
         if rule is not None:
@@ -422,7 +423,7 @@ def _known_settings(kind: type) -> tuple[str, ...]:
 
 
 class InvalidNumbers(InvalidValue):
-    """An array has the wrong shape, or holds NaN or infinity."""
+    """An array has the wrong shape, or contains NaN or infinity."""
 
 
 def finite_vector(value: ArrayLike, size: int, what: str) -> FloatArray:
@@ -444,10 +445,10 @@ def pose_vector(pose: ArrayLike, what: str) -> FloatArray:
 
 
 def color_values(color: ArrayLike) -> tuple[float, float, float, float]:
-    """Return red, green, blue and alpha, which is 1 where it is not given.
+    """Return red, green, blue and alpha; the default of alpha is 1.
 
     Raises:
-        InvalidNumbers: It is not 3 or 4 numbers in 0..1.
+        InvalidNumbers: They are not 3 or 4 numbers in 0..1.
     """
     array = as_array(color, "A colour", InvalidNumbers)
     if array.shape not in ((3,), (4,)) or not ((array >= 0.0) & (array <= 1.0)).all():
@@ -457,10 +458,10 @@ def color_values(color: ArrayLike) -> tuple[float, float, float, float]:
 
 
 def whole_ratio(control_dt: float, timestep: float) -> int:
-    """Return how many physics steps of length `timestep` [s] a control tick of length `control_dt` [s] has.
+    """Return the number of physics steps of length `timestep` [s] in a control tick of length `control_dt` [s].
 
     Raises:
-        InvalidValue: It is not a whole number, or a time is not finite and > 0 (also a ValueError).
+        InvalidValue: The ratio is not a whole number, or a time is not finite and > 0 (also a ValueError).
     """
     control_dt, timestep = (as_number(t, what, above=0.0) for t, what in ((control_dt, "control_dt"), (timestep, "timestep")))
     ratio = round(control_dt / timestep) if control_dt < 1e6 * timestep else 0

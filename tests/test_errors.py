@@ -205,7 +205,7 @@ TEXTS = [
 def test_the_hint_installs_from_a_clone() -> None:
     """The package is on no index, so its name alone would find nothing; every error has the same text."""
     assert install_hint("rl") == "`pip install -e '.[rl]'` in a clone of rlbench_pin"
-    assert str(MissingExtra("This", "torch", "rl")).endswith(f"which is not installed. {install_hint('rl')} brings it.")
+    assert str(MissingExtra("This", "torch", "rl")).endswith(f"which is not installed. Install it with {install_hint('rl')}.")
 
 
 def test_pages_and_programs_say_the_same() -> None:

@@ -1,4 +1,4 @@
-"""Data only: objects, robots, textures. `asset_path` turns a name in a scene file into a file."""
+"""Assets: objects, robots, textures. `asset_path` returns the file of a name in a scene file."""
 
 from __future__ import annotations
 

@@ -59,14 +59,14 @@ class AccessRules:
         """Remove the token from the path of an allowed request; return why another one is refused."""
         hosts, origins = request.headers.get_all("Host"), request.headers.get_all("Origin")
         if len(hosts) != 1 or _split(f"//{hosts[0]}").hostname not in self.names:
-            return Refusal(http.HTTPStatus.FORBIDDEN, f"The builder answers only to the names {', '.join(self.names)}.")
+            return Refusal(http.HTTPStatus.FORBIDDEN, f"The builder accepts only the host names {', '.join(self.names)}.")
         if len(origins) > 1 or any(_site(origin) != hosts[0].lower() for origin in origins):
-            message = "The request comes from a page of another site. Open the address in a tab of its own."
+            message = "The request comes from a page of another site. Open the address in a new tab."
             return Refusal(http.HTTPStatus.FORBIDDEN, message)
         target = request.path.removeprefix("/")
         given = target.partition("/")[0].partition("?")[0]
         if not hmac.compare_digest(given.encode(errors="replace"), self.token.encode()):
-            message = "The address lacks its token. Open the whole address that the builder printed."
+            message = "The address has no valid token. Open the full address that the builder printed."
             return Refusal(http.HTTPStatus.FORBIDDEN, message)
         rest = target[len(given) :]
         if not rest and "Upgrade" not in request.headers:
@@ -110,7 +110,7 @@ class LocalServer:
     """A viser page whose address contains a random token; a request without the token is refused.
 
     Args:
-        port: TCP port; 0 takes a free one.
+        port: TCP port; 0 is any free port.
         host: Address of this machine to listen on. Any other than 127.0.0.1 lets other machines connect.
         title: Title of the page.
 
@@ -130,7 +130,7 @@ class LocalServer:
             self.viser = ViserServer(self._host, wanted, title, verbose=False)
         if wanted not in (0, self.port):
             self.stop()
-            raise ServerError(f"Port {wanted} is in use. Give another, or 0 for any that is free.")
+            raise ServerError(f"Port {wanted} is in use. Give another port, or 0 for a free one.")
 
     @property
     def port(self) -> int:

@@ -1,4 +1,4 @@
-"""One episode file, read only as far as it is asked: the head at once, frames and fields when they are used."""
+"""Reader of episode files: attributes are read when a file is opened, frames and fields on demand."""
 
 from __future__ import annotations
 
@@ -52,10 +52,10 @@ class Head:
 
 
 def read_head(attributes: dict[str, Any]) -> Head:
-    """Check the attributes of an episode, of which the texts in JSON have been read.
+    """Check the attributes of an episode, with their JSON texts parsed.
 
     Raises:
-        ValueError: One is missing, or not what it must be; names it and its value.
+        ValueError: An attribute is missing or invalid; the message names it and its value.
     """
     task, instructions, versions = (attributes.get(name) for name in ("task", "instructions", "versions"))
     if not isinstance(task, str) or len(task) > _LONGEST_NAME:
@@ -122,18 +122,19 @@ _JSON = ("instructions", "versions", "joint_names", "random_state")
 
 
 class Episode:
-    """An open episode file. Use it in a `with` block; `len(episode)` frames, `episode[i]` is one observation.
+    """An open episode file. Use it in a `with` block; `len(episode)` is the number of frames, `episode[i]` one observation.
 
-    A file is opened when its SHA-256 is the one that its manifest lists, or when another process has survived reading it. Either
-    is done once in a process, for as long as size and modification time of the file stay the same. Only what is used is read.
+    A file is opened if its SHA-256 equals that in its manifest, or if a subprocess has read it without a crash. A process does
+    this check once for each file, and again when size or modification time of the file change. Only requested data is read.
 
     Args:
         path: The file.
-        sha256: What its bytes must add up to. With None it is looked up in the manifest of the dataset that the file lies in.
-        inspector: Reads the file first when no manifest lists it; a process of its own does when None.
+        sha256: Expected SHA-256 of the file. None takes it from the manifest of the dataset that contains the file.
+        inspector: Reads the file first if no manifest lists it. None starts a subprocess for that.
 
     Raises:
-        EpisodeFileError: The file is missing, truncated, damaged, altered, harmful, or of another format or version; names it.
+        EpisodeFileError: The file is missing, truncated, damaged, altered, harmful, or of another format or version. The
+            message names the file.
     """
 
     def __init__(self, path: Path, sha256: str | None = None, inspector: Inspector | None = None) -> None:
@@ -141,7 +142,7 @@ class Episode:
         if sha256 is not None:
             as_text(sha256, "sha256")
         if not self.path.is_file():
-            raise EpisodeFileError(self.path, f"The episode '{self.path}' does not exist.")
+            raise EpisodeFileError(self.path, f"The episode '{self.path}' does not exist. Check the path.")
         with self._named():
             stamp = file_stamp(self.path)
             check_file(self.path, sha256, inspector)
@@ -205,17 +206,17 @@ class Episode:
 
     @property
     def instructions(self) -> tuple[str, ...]:
-        """Sentences that describe the goal."""
+        """Instructions: sentences that describe the goal."""
         return self._head.instructions
 
     @property
     def fields(self) -> tuple[str, ...]:
-        """Names of the fields of observations that are stored."""
+        """Names of the stored observation fields."""
         with self._named():
             return self._fields
 
     def shape(self, field: str) -> tuple[int, ...]:
-        """Return the shape that a field of arrays has in one frame; DatasetError when it is not stored."""
+        """Return the shape of an array field in one frame; raise DatasetError if the field is not stored."""
         self._check_held(field)
         with self._named():
             return tuple(self._dataset("observations", field).shape[1:])
@@ -223,20 +224,21 @@ class Episode:
     # Reading ----------------------------------------------------------------------------------------------------
 
     def __getitem__(self, index: int) -> Observation:
-        """Read one frame; images are stored by four frames, so this reads at most three others."""
+        """Read one frame. Images are stored in chunks of four frames, so this reads at most three other frames."""
         if not -self._length <= index < self._length:
-            raise IndexError(f"There is no frame {index}: the episode has {self._length}.")
+            most = self._length - 1
+            raise IndexError(f"There is no frame {index}: the episode has {self._length}. Choose an index up to {most}.")
         return self.observations(range(index % self._length, index % self._length + 1))[0]
 
     def __iter__(self) -> Iterator[Observation]:
         return (self[i] for i in range(self._length))
 
     def series(self, field: str, frames: range | None = None) -> list[Any]:
-        """Read one field of some frames that follow each other, all when None; a frame without it has None.
+        """Read one field of consecutive frames, by default of all; the value is None for a frame without the field.
 
         Raises:
             DatasetError: The field is not stored.
-            InvalidValue: There are no such frames.
+            InvalidValue: The episode does not have these frames.
         """
         self._check_held(field)
         frames = self._checked_frames(frames)
@@ -255,7 +257,7 @@ class Episode:
         return np.stack([np.asarray(v) for v in values])
 
     def misc(self, key: str) -> list[Any]:
-        """Read one key of `misc` for all frames; None where a frame has none, or all when no frame has it."""
+        """Read one key of `misc` for all frames; the value is None for a frame without the key."""
         as_text(key, "key")
         with self._named():
             if key == DESCRIPTIONS and self._head.describes:
@@ -263,7 +265,7 @@ class Episode:
             return self._read("misc", key) if key in self._groups["misc"] else [None] * self._length
 
     def observations(self, frames: range | None = None, fields: Collection[str] | None = None) -> list[Observation]:
-        """Read frames, all when None, with some fields, all when None; `misc` always comes along."""
+        """Read some fields of some frames, by default all fields of all frames; `misc` is always read."""
         frames = self._checked_frames(frames)
         fields = None if fields is None else as_names(fields, "fields")
         with self._named():
@@ -275,7 +277,7 @@ class Episode:
         return [_observation(columns, extras, i) for i in range(len(frames))]
 
     def demo(self, fields: Collection[str] | None = None) -> Demo:
-        """Read everything, or everything but some fields."""
+        """Read the whole demonstration, or only some of its fields; `misc` is always read."""
         head, observations = self._head, self.observations(fields=fields)
         with self._named():
             return Demo(
@@ -304,20 +306,20 @@ class Episode:
     # What is asked for ------------------------------------------------------------------------------------------
 
     def _check_held(self, field: str) -> None:
-        """Refuse a field that is not stored, which is no damage of the file."""
+        """Raise DatasetError for a field that is not stored; the file is not damaged."""
         if as_text(field, "field") not in self.fields:
             raise self._not_held(field)
 
     def _not_held(self, field: str, where: str = "") -> DatasetError:
-        held = f"It holds {', '.join(self.fields)}." if self.fields else "It holds no fields at all."
-        return DatasetError(f"'{self.path}' does not hold '{field}'{where}. {held}")
+        held = f"Stored fields: {', '.join(self.fields)}." if self.fields else "It has no fields. Record the field."
+        return DatasetError(f"'{self.path}' has no field '{field}'{where}. {held}")
 
     def _checked_frames(self, frames: range | None) -> range:
         """Return the frames to be read, all for None; or raise InvalidValue."""
         if frames is None:
             return range(self._length)
         if as_record(frames, range, "frames").step != 1 or not 0 <= frames.start <= frames.stop <= self._length:
-            raise InvalidValue("frames", frames, f"has to be a range of step 1 within the {self._length} frames of the episode")
+            raise InvalidValue("frames", frames, f"has to be a range with step 1 in the {self._length} frames of the episode")
         return frames
 
     # Trust ------------------------------------------------------------------------------------------------------
@@ -325,7 +327,7 @@ class Episode:
     def _check_version(self, attributes: dict[str, Any]) -> None:
         if attributes.get("format") != FORMAT:
             raise EpisodeFileError(
-                self.path, f"'{self.path}' is an HDF5 file, but not an episode. `rlbench-pin record` makes some."
+                self.path, f"'{self.path}' is an HDF5 file, but not an episode. Use `rlbench-pin record` to create episodes."
             )
         version = attributes.get("version", -1)
         if not isinstance(version, int | np.integer):
@@ -344,20 +346,20 @@ class Episode:
         groups = {name: self._file[name] for name in self._file}
         for name in {*groups, *_GROUPS}:
             if not isinstance(groups.get(name), h5py.Group):
-                raise ValueError(f"'{name}' is missing, or no group")
+                raise ValueError(f"'{name}' is missing, or is not a group")
         return groups
 
     def _dataset(self, place: str, name: str) -> h5py.Dataset:
-        """Return a dataset, unless it would read other files, or more than is there: links, external storage, false sizes."""
+        """Return a dataset; raise an error for links, external storage and false sizes, which read other files or too much."""
         group = self._groups[place]
         if (place, name) in self._sound:
             return group[name]
         self._check_link(group, name)
         dataset = group[name]
         if not isinstance(dataset, h5py.Dataset):
-            raise ValueError(f"'{name}' is not what belongs there")
+            raise ValueError(f"'{name}' is missing, or is not a dataset")
         if dataset.external or dataset.is_virtual:
-            raise EpisodeFileError(self.path, f"'{self.path}' keeps '{name}' in another file. Do not trust it.")
+            raise EpisodeFileError(self.path, f"'{self.path}' stores '{name}' in another file. Do not trust it: delete it.")
         if is_oversized(dataset):
             raise ValueError(f"'{name}' claims more values than are stored")
         self._sound.add((place, name))
@@ -371,11 +373,12 @@ class Episode:
 
     def _check_link(self, group: h5py.Group, name: str) -> None:
         if not isinstance(group.get(name, getlink=True), h5py.HardLink):
-            raise EpisodeFileError(self.path, f"'{self.path}' has a link at '{name}' that leads elsewhere. Do not trust it.")
+            problem = f"'{self.path}' has a link at '{name}' that leads elsewhere"
+            raise EpisodeFileError(self.path, f"{problem}. Do not trust it: delete it.")
 
     @contextmanager
     def _named(self) -> Iterator[None]:
-        """Turn whatever a damaged file raises into an error that names it; refuse to read what was closed."""
+        """Convert any error of a damaged file to an EpisodeFileError that names the file; refuse to read a closed file."""
         if self._is_closed:
             raise EpisodeFileError(
                 self.path, f"The episode '{self.path}' was closed. Read it inside its `with` block, or open it again."

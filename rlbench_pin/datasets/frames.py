@@ -1,4 +1,4 @@
-"""Frames of stored demonstrations with the actions that follow them, for training: a map-style dataset, as PyTorch calls it."""
+"""Map-style dataset for PyTorch: frames of stored demonstrations with the actions that follow them."""
 
 from __future__ import annotations
 
@@ -31,26 +31,26 @@ class FrameDataset:
 
     `len(dataset)` samples, `dataset[i]` is one: a dict with an array for each field and
 
-    * `action` (horizon, n): the actions that follow the frame; after the last one of the episode, that one is repeated. Between
-      frames an action is absolute joint positions [rad] and the gripper (1 open): n = 8 for the Panda. Between key frames it is a
-      tip pose in the world, the gripper, and whether collisions are ignored: n = 9, as `EndEffectorPoseViaPlanning` takes it.
-    * `action_is_pad` (horizon,): where `action` is repeated.
-    * `instruction`: the first sentence that describes the goal.
+    * `action` (horizon, n): the actions that follow the frame, padded with the last action of the episode. Between frames an
+      action is absolute joint positions [rad] and the gripper (1 open): n = 8 for the Panda. Between key frames it is a tip pose
+      in the world, the gripper, and whether collisions are ignored: n = 9, the format of `EndEffectorPoseViaPlanning`.
+    * `action_is_pad` (horizon,): True for the padding.
+    * `instruction`: the first instruction.
     * `episode`, `frame`: the number of the episode in this dataset, and of the frame in the episode.
 
-    The last frame of an episode is no sample, because no action follows it. `torch.utils.data.DataLoader` takes a dataset as it
-    is, also with worker processes: each process opens files of its own and keeps the 64 it has used last open.
+    The last frame of an episode is not a sample, because no action follows it. `torch.utils.data.DataLoader` accepts the dataset,
+    also with worker processes: each process opens the files itself and keeps the 64 most recently used ones open.
 
     Args:
         root: Folder of the dataset.
-        tasks: Only these tasks; all when none is named.
+        tasks: Only these tasks; all if empty.
         fields: Names of the `Observation` fields of a sample.
-        horizon: How many actions a sample has.
+        horizon: Number of actions of a sample.
         key_frames_only: Only first frames and key frames, and one action from each to the next key frame.
 
     Raises:
-        DatasetError: Nothing is stored, a task or a field is not, or episodes hold no actions.
-        InvalidValue: An argument is out of type or range.
+        DatasetError: The dataset is empty, a task or a field is not stored, or episodes have no actions.
+        InvalidValue: An argument has the wrong type or is out of range.
     """
 
     def __init__(
@@ -76,15 +76,15 @@ class FrameDataset:
         return self._ends[-1]
 
     def __getitem__(self, index: int) -> Sample:
-        """Return a sample; negative numbers count from the end.
+        """Return a sample; a negative index counts from the end.
 
         Raises:
-            IndexError: There is no such sample.
+            IndexError: The index is out of range.
             DatasetError: The file is missing, was altered, or lacks a field at this frame.
         """
         number = as_whole(index, "index")
         if not -len(self) <= number < len(self):
-            raise IndexError(f"There is no sample {index}: the dataset has {len(self)}.")
+            raise IndexError(f"There is no sample {index}: the dataset has {len(self)}. Choose an index up to {len(self) - 1}.")
         number %= len(self)
         place = bisect_right(self._ends, number)
         moments = self._moments[place]
@@ -101,7 +101,7 @@ class FrameDataset:
         }
 
     def __getstate__(self) -> dict[str, Any]:
-        """Leave open files out: another process opens its own."""
+        """Leave out open files; another process opens them itself."""
         return {**vars(self), "_opened": None, "_process": None}
 
     def _moments_of(self, stored: StoredEpisode) -> Sequence[int]:
@@ -123,7 +123,7 @@ class FrameDataset:
     def _value(self, episode: Episode, name: str, frame: int) -> np.ndarray:
         value = episode.series(name, range(frame, frame + 1))[0]
         if value is None:
-            raise DatasetError(f"'{episode.path}' holds no '{name}' of frame {frame}. Leave it out of `fields`.")
+            raise DatasetError(f"'{episode.path}' has no '{name}' in frame {frame}. Leave it out of `fields`.")
         return np.asarray(value)
 
 

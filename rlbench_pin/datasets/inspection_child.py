@@ -1,8 +1,8 @@
-"""A program that reads everything in HDF5 files, so that it may crash or hang where its parent must not.
+"""A program that reads all of an HDF5 file in a subprocess: a harmful file crashes or blocks it instead of its parent.
 
-It needs nothing of this package and is started as a file. Each line that it is given says a file and how many seconds it may
-take, as JSON; for each it answers with a line, whatever the file says: an error of h5py is one in the parent as well. What
-matters is that it answers at all.
+It imports nothing of this package and is started as a file. Each input line is JSON: a file and its time limit [s]. The program
+answers each line with one line, also if h5py raises an error, because the parent gets the same error. Only a missing answer
+counts as a failure.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ _MAX_INFLATION, _SMALL = 1100, 1 << 20
 
 
 def is_oversized(dataset: Any) -> bool:
-    """Whether an array claims more bytes than what is stored of it can hold."""
+    """Whether an array declares more bytes than its stored data can expand to."""
     return bool(dataset.nbytes > _MAX_INFLATION * dataset.id.get_storage_size() + _SMALL)
 
 
 def read_all(path: str) -> None:
-    """Read every attribute and every value of a file; raises whatever h5py raises at its structure."""
+    """Read every attribute and every value of a file; pass on errors that h5py raises for its structure."""
     with h5py.File(path, "r") as file:
         _read_attributes(file)
         file.visititems(_read)
@@ -61,7 +61,7 @@ def _read_attributes(item: Any) -> None:
 
 
 def _try(read: Any, *args: Any) -> None:
-    """Go on after an error: what follows it is read by others."""
+    """Continue after an error, because the parent reads the rest as well."""
     try:
         read(*args)
     except Exception:
@@ -69,7 +69,7 @@ def _try(read: Any, *args: Any) -> None:
 
 
 def main() -> None:
-    """Answer every line until there are no more."""
+    """Answer every input line until the input ends."""
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)  # what libraries print is not an answer

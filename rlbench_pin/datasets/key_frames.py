@@ -1,4 +1,4 @@
-"""Key frames: the few frames of a demonstration that agents learn to reach."""
+"""Key frames: the few frames of a demonstration that key-frame agents learn to reach."""
 
 from __future__ import annotations
 
@@ -12,25 +12,25 @@ from rlbench_pin.values import as_number, as_record, as_whole
 
 
 def key_frames(demo: Sequence[Observation], *, max_speed: float = 0.1, frames_between_stops: int = 4) -> list[int]:
-    """Return the indices of the key frames of a demonstration, by the rule that published agents use.
+    """Return the indices of the key frames of a demonstration, by the rule of published agents.
 
     A frame is a key frame when it is not the first and
 
     * `gripper_open` differs from the frame before, or
     * it is the last frame, or
     * the arm has stopped there. Frame i is a stop when no joint is faster than `max_speed`, `gripper_open` is the same in the
-      frames i - 2 to i + 1, it is none of the last two frames, and none of the `frames_between_stops` frames before is a stop.
+      frames i - 2 to i + 1, it is not one of the last two frames, and none of the `frames_between_stops` frames before is a stop.
 
-    Where the last two key frames follow each other directly, the earlier of them is left out. Frames of a
-    disturbance are no key frames: agents should not learn to reach them.
+    If the last two key frames are consecutive, the earlier one is left out. Frames of a disturbance are not key frames, because
+    agents should not learn to reach them.
 
-    As in those programs, the frames before the first are the last ones (frame -1 is the last frame), and the first frame can be
-    a stop that keeps those after it from being one, although it is never a key frame.
+    As in the published programs, frame -1 is the last frame. The first frame is never a key frame, but it can be a stop and then
+    excludes the frames after it.
 
     Args:
         demo: Observations with `joint_velocities` and `gripper_open`.
-        max_speed: Speed up to which a joint is at rest [rad/s].
-        frames_between_stops: How many frames after a stop cannot be one.
+        max_speed: Largest speed of a stationary joint [rad/s].
+        frames_between_stops: Number of frames after a stop that cannot be stops.
 
     Raises:
         DatasetError: An observation lacks one of the two fields.

@@ -1,4 +1,4 @@
-"""Where files are: `<root>/<task>/variation<k>/episodes/episode<j>.h5`, and one `manifest.json` per task."""
+"""Layout of a dataset: `<root>/<task>/variation<k>/episodes/episode<j>.h5`, and one `manifest.json` per task."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ _TASK = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,127}")
 
 
 def checked_task_name(task: str) -> str:
-    """Return the name of a task when it can name a folder.
+    """Return the name of a task if it is a valid name of a folder.
 
     Raises:
-        DatasetError: It has a slash, dots or anything else that leads out of the dataset.
+        DatasetError: It has a slash, a dot or another character that is not allowed.
     """
     if not isinstance(task, str) or _TASK.fullmatch(task) is None:
-        raise DatasetError(f"{shown(task)} is not a task name: letters, digits, '_' and '-' only, at most 128 of them.")
+        raise DatasetError(f"{shown(task)} is not a task name. Use letters, digits, '_' and '-', at most 128 of them.")
     return task
 
 
@@ -48,7 +48,7 @@ def manifest_path(root: Path, task: str) -> Path:
 
 
 def is_episode_place(path: Path) -> bool:
-    """Whether a path ends like one that `episode_path` gives."""
+    """Whether a path ends like a path from `episode_path`."""
     parts = path.parts[-4:]
     checks = (_TASK, _VARIATION, re.compile("episodes"), _EPISODE)
     return len(path.parts) > 4 and all(check.fullmatch(part) for check, part in zip(checks, parts))
@@ -58,7 +58,7 @@ def episode_number(path: Path) -> int:
     """Return j of `episode<j>.h5`."""
     match = _EPISODE.fullmatch(as_path(path, "path").name)
     if match is None:
-        raise DatasetError(f"'{path}' is not called like an episode; expected episode<number>{EPISODE_SUFFIX}.")
+        raise DatasetError(f"'{path}' is not the name of an episode. Rename it to episode<number>{EPISODE_SUFFIX}.")
     return int(match[1])
 
 
@@ -70,7 +70,7 @@ def stored_tasks(root: Path, *, at_least_one: bool = False) -> tuple[str, ...]:
         at_least_one: Whether a folder without tasks is an error.
 
     Raises:
-        DatasetError: The root does not exist, holds no task where there must be one, or the folder of a task is a link out of it.
+        DatasetError: The root does not exist, it has no tasks, or the folder of a task is a link out of it.
     """
     at_least_one = as_flag(at_least_one, "at_least_one")
     folders = [p for p in _root_folder(root).iterdir() if p.is_dir() and _TASK.fullmatch(p.name)]
@@ -78,12 +78,12 @@ def stored_tasks(root: Path, *, at_least_one: bool = False) -> tuple[str, ...]:
     for task in tasks:
         check_inside(root, as_path(root, "root") / task)
     if at_least_one and not tasks:
-        raise DatasetError(f"'{root}' holds no demonstrations. `rlbench-pin record TASK --out {root}` makes some.")
+        raise DatasetError(f"'{root}' contains no demonstrations. Record some with `rlbench-pin record TASK --out {root}`.")
     return tuple(tasks)
 
 
 def chosen_tasks(place: Path, stored: Sequence[str], tasks: Sequence[str]) -> tuple[str, ...]:
-    """Return the tasks that were named, each once, or all that are stored at a place when none was.
+    """Return the named tasks, each once, or all stored tasks if none is named.
 
     Raises:
         DatasetError: One of them is not stored.
@@ -117,10 +117,10 @@ def episode_files(root: Path, task: str, variation: int = ALL_VARIATIONS) -> tup
 
 
 def check_variation(root: Path, task: str, variation: int, stored: Collection[int]) -> None:
-    """Raise DatasetError unless the variation is one of those stored, or all (-1)."""
+    """Raise DatasetError unless the variation is stored, or is -1 (all)."""
     variation = as_whole(variation, "variation, -1 for all,")
     if variation != ALL_VARIATIONS and variation not in stored:
-        raise DatasetError(f"'{root}' holds no variation {variation} of '{task}', only {sorted(stored)}.")
+        raise DatasetError(f"'{root}' has no variation {variation} of '{task}'. Choose one of {sorted(stored)}, or -1 for all.")
 
 
 def _episodes_in(folder: Path) -> list[Path]:
@@ -131,7 +131,7 @@ def _episodes_in(folder: Path) -> list[Path]:
 def _root_folder(root: Path) -> Path:
     root = as_path(root, "root")
     if not root.is_dir():
-        raise DatasetError(f"The dataset folder '{root}' does not exist. Make one with `rlbench-pin record TASK --out {root}`.")
+        raise DatasetError(f"The dataset folder '{root}' does not exist. Create it with `rlbench-pin record TASK --out {root}`.")
     return root
 
 
@@ -146,11 +146,11 @@ def _task_folder(root: Path, task: str) -> Path:
 def _unknown_task(place: Path, task: str, stored: Sequence[str]) -> DatasetError:
     near = nearest_name(task, stored)
     guess = f"Did you mean '{near}'?" if near else "Name one of these, or record it with `rlbench-pin record`."
-    return DatasetError(f"'{place}' holds no task '{task}', only {list(stored)}. {guess}")
+    return DatasetError(f"'{place}' has no task '{task}', only {list(stored)}. {guess}")
 
 
 def check_inside(root: Path, path: Path) -> None:
     """Raise EpisodeFileError when a link leads from a path below `root` out of it; the root itself may be a link."""
     real = os.path.realpath(path)
     if not Path(real).is_relative_to(os.path.realpath(root)):
-        raise EpisodeFileError(path, f"'{path}' leads out of '{root}', to '{real}'. Do not trust this dataset.")
+        raise EpisodeFileError(path, f"'{path}' is a link out of '{root}', to '{real}'. Do not trust this dataset.")

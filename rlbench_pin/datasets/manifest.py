@@ -1,7 +1,7 @@
 """The manifest of a task: seed, variation, versions and SHA-256 of every episode.
 
-`manifest.json` lists the episodes. While many are being written, each new entry becomes one line of `.manifest.journal` beside
-it, so that the hundred-thousandth episode costs no more than the first; readers of the manifest read the journal as well.
+`manifest.json` lists the episodes. During a recording each new entry is appended as one line to `.manifest.journal` next to it.
+So the cost of an entry does not grow with the number of episodes. Readers of the manifest read the journal as well.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ _SHOWN = 60
 
 
 def parse_json(text: str | bytes) -> Any:
-    """Return what a JSON text says.
+    """Return the value of a JSON text.
 
     Raises:
-        ValueError: It is not JSON, is nested too deeply, or holds NaN or infinity.
+        ValueError: It is not JSON, is nested too deeply, or contains NaN or infinity.
     """
     try:
         return json.loads(text, parse_constant=_refuse)
@@ -43,7 +43,7 @@ def parse_json(text: str | bytes) -> Any:
 
 
 def is_whole(value: object, low: int = 0, high: int = LARGEST) -> bool:
-    """Whether a value is a whole number in a range, both ends included; true and false are none."""
+    """Whether a value is a whole number in a range that includes both ends; booleans are not numbers."""
     return type(value) is int and low <= value <= high
 
 
@@ -53,12 +53,12 @@ def is_texts(value: object) -> bool:
 
 
 def is_text_map(value: object) -> bool:
-    """Whether a value is a table of texts by name."""
+    """Whether a value is a dict of texts."""
     return isinstance(value, dict) and all(isinstance(item, str) for pair in value.items() for item in pair)
 
 
 def short(value: object) -> str:
-    """Return a value as a text that fits into a message."""
+    """Return a value as text, short enough for a message."""
     try:
         text = repr(value)
     except (ValueError, RecursionError):  # a number with thousands of digits; a list that is too deep
@@ -67,7 +67,7 @@ def short(value: object) -> str:
 
 
 def _refuse(constant: str) -> NoReturn:
-    raise ValueError(f"it holds {constant}, which is not a number")
+    raise ValueError(f"it contains {constant}, which is not a finite number")
 
 
 VERSION = 1
@@ -102,7 +102,7 @@ class EpisodeEntry:
     """Version of the task; 1 in manifests that do not record it."""
 
     def check(self, manifest: Path) -> None:
-        """Raise EpisodeFileError when the entry points anywhere but to its own place in the folder of the task."""
+        """Raise EpisodeFileError if the entry names another file than that of its episode."""
         for name, is_right in _FIELDS.items():
             if not is_right(value := getattr(self, name)):
                 raise EpisodeFileError(
@@ -150,31 +150,31 @@ def file_digest(path: Path) -> str:
 
 
 def read_manifest(root: Path, task: str) -> tuple[EpisodeEntry, ...]:
-    """Return the entries in the manifest of a task, by variation and episode; none where its episodes have no manifest.
+    """Return the entries in the manifest of a task, by variation and episode; empty if there is no manifest.
 
     Raises:
-        DatasetError: The folder is no dataset, holds no episodes of the task, or the manifest is damaged, of another version or
-            task, or points out of its folder.
+        DatasetError: The folder is not a dataset, has no episodes of the task, or the manifest is damaged, of another version
+            or task, or names files outside of its folder.
     """
     if not has_manifest(root, task) and not stored_variations(root, task):
         raise EpisodeFileError(
             manifest_path(root, task),
-            f"'{root}' is no dataset with episodes of '{task}': it has neither a manifest nor variations of it. "
-            f"`rlbench-pin record {task} --out {root}` records some.",
+            f"'{root}' is not a dataset with episodes of '{task}': it has neither a manifest nor variations of it. "
+            f"Record some with `rlbench-pin record {task} --out {root}`.",
         )
     entries = _read(manifest_path(root, task), task)
     return tuple(entries[key] for key in sorted(entries))
 
 
 def has_manifest(root: Path, task: str) -> bool:
-    """Whether a task has a manifest, or the beginning of one."""
+    """Whether a task has a manifest or a journal."""
     path = manifest_path(root, task)
     return path.exists() or journal_path(path).exists()
 
 
 @contextmanager
 def locked_manifest(root: Path, task: str) -> Iterator[Entries]:
-    """Yield the entries of a manifest, to be changed; they are written when the block ends. One process at a time."""
+    """Yield the entries of a manifest for changes; they are written at the end of the block. Locks out other processes."""
     path = manifest_path(root, task)
     with _lock(path):
         entries = _read(path, task)
@@ -184,7 +184,7 @@ def locked_manifest(root: Path, task: str) -> Iterator[Entries]:
 
 
 def append_entry(root: Path, task: str, entry: EpisodeEntry) -> None:
-    """Note one more episode at the end of the journal; `fold_journal` puts it into the manifest.
+    """Append one episode to the journal; `fold_journal` moves it to the manifest.
 
     Raises:
         StorageError: The disk cannot be written to; the episode does not count.
@@ -204,14 +204,14 @@ def append_entry(root: Path, task: str, entry: EpisodeEntry) -> None:
 
 
 def fold_journal(root: Path, task: str) -> None:
-    """Put what the journal lists into the manifest."""
+    """Move the entries of the journal to the manifest."""
     if journal_path(manifest_path(root, task)).exists():
         with locked_manifest(root, task):
             pass
 
 
 def journal_path(manifest: Path) -> Path:
-    """Return the journal of a manifest."""
+    """Return the path of the journal of a manifest."""
     return manifest.with_name(_JOURNAL)
 
 
@@ -227,7 +227,7 @@ def _lock(path: Path) -> Iterator[None]:
 
 
 def _check_place(manifest: Path) -> None:
-    """Refuse links out of the dataset, before anything is read or written."""
+    """Refuse links out of the dataset before the first access to a file."""
     for path in (manifest, journal_path(manifest)):
         check_inside(manifest.parents[1], path)
 
@@ -259,12 +259,12 @@ def _read_file(path: Path, task: str) -> list[EpisodeEntry]:
             "Read it with the release of rlbench_pin that wrote it, or record again.",
         )
     if named != task:
-        raise EpisodeFileError(path, f"The manifest '{path}' is of the task {short(named)}. Name the folder like the task.")
+        raise EpisodeFileError(path, f"The manifest '{path}' is of the task {short(named)}. Name the folder like its task.")
     return entries
 
 
 def _read_journal(manifest: Path) -> list[EpisodeEntry]:
-    """Read the whole lines of the journal; a last line that was cut off never counted."""
+    """Read the complete lines of the journal; an incomplete last line is ignored."""
     path = journal_path(manifest)
     if not path.exists():
         return []
@@ -279,7 +279,7 @@ def _read_journal(manifest: Path) -> list[EpisodeEntry]:
 
 
 def _length_of_whole_lines(path: Path) -> int:
-    """Return where the last whole line ends; what follows it was cut off by a crash."""
+    """Return the end of the last complete line; the rest was cut off by a crash."""
     with open(path, "rb") as file:
         end = file.seek(0, os.SEEK_END)
         while end > 0:

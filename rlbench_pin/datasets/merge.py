@@ -1,4 +1,4 @@
-"""Several datasets become one: everything is checked before anything is written."""
+"""Merge of several datasets into one; all checks come before the first write."""
 
 from __future__ import annotations
 
@@ -29,16 +29,16 @@ class Move:
 
 
 def merge_datasets(roots: Sequence[Path], out: Path, on_episode: Callable[[Move], None] | None = None) -> tuple[Move, ...]:
-    """Copy the episodes of several datasets into one; it may exist, its own episodes keep their numbers.
+    """Copy the episodes of several datasets into one. The result may exist; its own episodes keep their numbers.
 
-    An episode that is there already, byte for byte, is not copied again. A merge that was killed is completed by the next one,
-    which deletes what was left of a file.
+    An episode is not copied if the result has a byte-identical one. A repeated merge deletes incomplete files of a killed merge
+    and completes it.
 
     Raises:
-        DatasetConflict: The same seed shows something else, images differ in kind or size, a task has another version, or the
-            result is being written to. Nothing was written.
-        EpisodeFileError: A file is missing or not what its manifest says.
-        StorageError: The disk cannot be written to. Every episode stored before is whole; merging again completes the rest.
+        DatasetConflict: Two episodes of one seed differ, images differ in kind or size, a task has another version, or another
+            process writes to the result. Nothing was written.
+        EpisodeFileError: A file is missing or differs from its manifest.
+        StorageError: The disk cannot be written to. All episodes stored before are complete; merge again for the rest.
     """
     out = as_path(out, "out")
     as_function(on_episode, "on_episode")
@@ -60,17 +60,17 @@ def merge_datasets(roots: Sequence[Path], out: Path, on_episode: Callable[[Move]
 
 
 def _is_unfinished(out: Path) -> bool:
-    """Whether something was killed while it wrote into a dataset: a journal or a part of a file is left."""
+    """Whether a killed process left a journal or an incomplete file in a dataset."""
     if not out.is_dir():
         return False
     return any(journal_path(manifest_path(out, task)).exists() for task in stored_tasks(out)) or any(out.rglob(".*.part"))
 
 
 def plan_merge(roots: Sequence[Path], out: Path) -> tuple[Move, ...]:
-    """Return what `merge` would copy, having checked that it all goes together."""
+    """Check that the datasets are compatible, and return the episodes that `merge_datasets` copies."""
     roots = [as_path(root, "root") for root in items_of(roots)]
     if not roots:
-        raise DatasetError("No dataset was named to merge.")
+        raise DatasetError("No dataset was named to merge. Name at least one folder.")
     out = as_path(out, "out")
     moves: list[Move] = []
     tasks = sorted({task for root in roots for task in stored_tasks(root)})
@@ -117,7 +117,7 @@ def _is_known(known: dict[tuple[int, int | None], tuple[EpisodeEntry, Path]], en
     if same[0].sha256 == entry.sha256:
         return True
     raise DatasetConflict(
-        f"'{source}' and '{same[1]}' both show variation {entry.variation} from seed {entry.random_seed}, but differ. "
+        f"'{source}' and '{same[1]}' both have variation {entry.variation} and seed {entry.random_seed}, but differ. "
         "Leave one of them out, or rerender one dataset like the other."
     )
 
@@ -127,7 +127,7 @@ def _same_images(before: tuple[dict[str, tuple[int, ...]], Path] | None, path: P
     if before is not None and before[0] != shapes:
         raise DatasetConflict(
             f"'{path}' has images of {shapes}, '{before[1]}' of {before[0]}. "
-            "Make them alike with `rlbench-pin dataset rerender` first."
+            "Rerender one dataset with `rlbench-pin dataset rerender` first."
         )
     return shapes, path
 
@@ -142,6 +142,6 @@ def _checked_bytes(move: Move) -> bytes:
     data = move.source.read_bytes()
     if digest(data) != move.entry.sha256:
         raise EpisodeFileError(
-            move.source, f"'{move.source}' is not the file its manifest describes: the SHA-256 differs. Record it again first."
+            move.source, f"'{move.source}' differs from its manifest: the SHA-256 is another one. Record it again first."
         )
     return data

@@ -1,4 +1,4 @@
-"""Reading demonstrations back, equal to what was written, and summaries of what a dataset holds."""
+"""Reading of stored demonstrations, without any loss, and summaries of datasets."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ def read_demo(
 
     Args:
         path: An episode file.
-        fields: Names of `Observation` fields to read; None reads all. `misc` always comes along.
-        sha256: What the bytes of the file must add up to; None looks it up in the manifest of the dataset that the file lies in.
-        image_paths: Put into image fields a text that `read_image` turns into the image, and leave the images unread.
-        inspector: Reads the file first when no manifest lists it; a process of its own does when None.
+        fields: Names of `Observation` fields to read; None reads all. `misc` is always read.
+        sha256: Expected SHA-256 of the file; None takes it from the manifest of the dataset that contains the file.
+        image_paths: Put a reference for `read_image` into each image field and do not read the images.
+        inspector: Reads the file first if no manifest lists it. None starts a subprocess for that.
 
     Raises:
-        DatasetError: The file is missing, truncated, damaged, or of another format or version; names the file.
+        DatasetError: The file is missing, truncated, damaged, or of another format or version; the message names the file.
     """
     with Episode(path, sha256, inspector) as episode:
         if not as_flag(image_paths, "image_paths"):
@@ -53,20 +53,20 @@ def read_demo(
 
 
 def read_image(reference: str) -> np.ndarray:
-    """Return the image that a text from `image_paths=True` stands for, as it was recorded.
+    """Return the recorded image of a reference from `image_paths=True`.
 
     Raises:
-        DatasetError: The text names no stored image.
+        DatasetError: The text is not a reference to a stored image.
     """
     path, _, inside = as_text(reference, "reference").rpartition("#")
     name, _, frame = inside.partition("/")
     if not path or name not in IMAGE_FIELDS or not frame.isdigit():
         raise DatasetError(
-            f"{reference!r} is not a reference to an image; expected '<file>#<field>/<frame>', as image_paths=True gives."
+            f"{reference!r} is not a reference to an image. Give '<file>#<field>/<frame>', as from image_paths=True."
         )
     with Episode(as_path(path, "path")) as episode:
         if name not in episode.fields or int(frame) >= len(episode):
-            raise DatasetError(f"'{path}' holds no {name} of frame {frame}; it has {len(episode)} frames of {episode.fields}.")
+            raise DatasetError(f"'{path}' has no {name} of frame {frame}. Choose from {len(episode)} frames of {episode.fields}.")
         image = episode.series(name, range(int(frame), int(frame) + 1))[0]
     return np.asarray(image)
 
@@ -83,24 +83,23 @@ def stored_demos(
     rng: np.random.Generator | None = None,
     fields: Collection[str] | None = None,
 ) -> list[Demo]:
-    """Read several episodes of a task: those that its manifest lists, each with the SHA-256 it says.
+    """Read several episodes of a task: those in its manifest, each checked against its SHA-256.
 
-    A task without a manifest is read, too, file by file as they lie there.
+    Without a manifest, all episode files of the task are read.
 
     Args:
         root: Folder of the dataset.
         task: Snake-case task name.
         amount: How many, or -1 for all.
         variation: Variation, or -1 for all.
-        image_paths: Leave images unread and put texts for `read_image` in their place.
-        random_selection: Pick at random, without repeats; otherwise in natural order.
-        from_episode_number: First episode when taken in order, counted from 0 through all that there are, also over variations.
-        rng: Draws the random selection; needed when there is one.
+        image_paths: Put a reference for `read_image` into each image field and do not read the images.
+        random_selection: Draw at random without replacement; otherwise take them in natural order.
+        from_episode_number: First episode in natural order, counted from 0 over all variations. Not for a random selection.
+        rng: Draws the random selection; required for one.
         fields: Names of `Observation` fields to read; None reads all.
 
     Raises:
-        DatasetError: More are asked for than are stored, or from a later one on, or a file cannot be read, or a listed one is
-            missing.
+        DatasetError: There are fewer episodes than requested, or a file is missing or cannot be read.
     """
     root = as_path(root, "root")
     sums = counted_files(root, task, variation)
@@ -113,13 +112,13 @@ def stored_demos(
 
 
 def counted_files(root: Path, task: str, variation: int = ALL_VARIATIONS) -> dict[Path, str | None]:
-    """Return the episodes that count, in natural order, and the SHA-256 that each must have.
+    """Return the files of the episodes in natural order, each with its expected SHA-256.
 
-    With a manifest these are the ones that it lists, there or not: whatever else lies there was never finished, or does not
-    belong there. Without one, every episode file counts.
+    With a manifest these are the listed files, also missing ones; other files are incomplete or foreign. Without a manifest,
+    these are all episode files.
 
     Raises:
-        DatasetError: The root, the task or the variation is not stored there, or the manifest is damaged.
+        DatasetError: The root, the task or the variation is not stored, or the manifest is damaged.
     """
     if not has_manifest(root, task):
         return dict.fromkeys(episode_files(root, task, variation))
@@ -130,13 +129,13 @@ def counted_files(root: Path, task: str, variation: int = ALL_VARIATIONS) -> dic
 
 
 def check_there(path: Path) -> None:
-    """Raise EpisodeFileError unless a listed file is there, and in its dataset: no link that leads elsewhere."""
+    """Raise EpisodeFileError if a listed file does not exist, or is a link out of its dataset."""
     path = as_path(path, "path")
     if not path.is_file():
         raise EpisodeFileError(
             path,
-            f"'{path}' is listed in its manifest but does not exist. `rlbench-pin dataset verify` names all that are missing, "
-            "`rlbench-pin record --resume` makes them again.",
+            f"'{path}' is listed in its manifest but does not exist. `rlbench-pin dataset verify` lists all missing files, "
+            "`rlbench-pin record --resume` records them again.",
         )
     check_inside(path.parents[3], path)
 
@@ -165,29 +164,29 @@ def select(
     """Choose `amount` episodes, -1 for all.
 
     Args:
-        episodes: What there is, in natural order.
-        what: What that is, for errors.
-        amount: How many.
-        random_selection: Draw them without repeats; otherwise they are taken in order.
-        from_episode_number: Index in `episodes` of the first one that is taken in order.
-        rng: Draws them.
+        episodes: All episodes in natural order.
+        what: Where the episodes are, for errors.
+        amount: Number of episodes, or -1 for all.
+        random_selection: Draw them without replacement; otherwise take them in order.
+        from_episode_number: Index in `episodes` of the first one to take in order.
+        rng: Draws the random selection.
 
     Raises:
         DatasetError: There are too few.
     """
     amount, random_selection = as_whole(amount, "amount, -1 for all,"), as_flag(random_selection, "random_selection")
     if amount < -1:
-        raise DatasetError(f"{amount} demos cannot be read; ask for 0 or more, or for all with -1.")
+        raise DatasetError(f"{amount} demos cannot be read. Ask for 0 or more, or for all with -1.")
     first = 0 if random_selection else _checked_first(from_episode_number, len(episodes), what)
     chosen = list(episodes[first:])
     if amount > len(chosen):
         held = f"{len(chosen)} of its {len(episodes)} from episode {first} on" if first else str(len(chosen))
         raise DatasetError(
-            f"{amount} demos {what} were asked for, but it holds {held}. Ask for fewer, or record more with `rlbench-pin record`."
+            f"{amount} demos {what} were asked for, but it has {held}. Ask for fewer, or record more with `rlbench-pin record`."
         )
     if random_selection:
         if rng is None:
-            raise DatasetError("A random selection needs a generator: pass `rng`, or random_selection=False.")
+            raise DatasetError("A random selection needs a random generator. Pass `rng`, or random_selection=False.")
         as_record(rng, np.random.Generator, "rng")
         chosen = [chosen[i] for i in rng.permutation(len(chosen))]
     return chosen if amount < 0 else chosen[:amount]
@@ -198,8 +197,8 @@ def _checked_first(number: int, count: int, what: str) -> int:
     number = as_whole(number, "from_episode_number")
     if number == 0 or 0 < number < count:
         return number
-    stored = f"it holds {count}, counted from 0" if count else "it holds none"
-    raise DatasetError(f"There is no episode {number} {what}: {stored}. `from_episode_number` is an index of these.")
+    stored = f"it has {count}. Pass `from_episode_number` from 0 to {count - 1}" if count else "it has none. Record some first"
+    raise DatasetError(f"There is no episode {number} {what}: {stored}.")
 
 
 @dataclass(frozen=True)
@@ -227,7 +226,7 @@ class TaskInfo:
 
 
 def task_info(root: Path, task: str) -> TaskInfo:
-    """Sum up the stored episodes of a task.
+    """Return a summary of the stored episodes of a task.
 
     Raises:
         DatasetError: The manifest is missing, or it or the first file cannot be read.

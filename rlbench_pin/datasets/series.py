@@ -1,20 +1,20 @@
-"""One value per frame, as HDF5: arrays are stacked, the rest becomes JSON. Nothing is pickled, nothing is rounded.
+"""Series of one value per frame in HDF5: arrays are stacked, other values are JSON. Nothing is pickled or rounded.
 
-A series is a list with one value per frame; None means that the frame has no such value. Each series becomes one HDF5
-dataset whose attribute `kind` says how to read it back:
+A series is a list with one value per frame; None means that the frame has no value. Each series is one HDF5 dataset. Its
+attribute `kind` is the encoding:
 
 * `array`: arrays of one shape and type, stacked along the first axis;
-* `arrays`: lists of equally many such arrays, stacked along the first two axes;
+* `arrays`: lists of such arrays, all of one length, stacked along the first two axes;
 * `float`: python floats, as float64;
-* `json`: anything else, one JSON text per frame.
+* `json`: all other values, one JSON text per frame.
 
-A dataset with the attribute `constant` holds one value for all frames; `frames` lists the frames that have one.
+A dataset with the attribute `constant` has one value for all frames; `frames` lists the frames that have a value.
 
-Images are stored as chunks of some frames each, shuffled and deflated here, so that HDF5 only has to store them. Deflate finds
-what repeats within 32 kB. A chunk holds a few frames of as many rows as fit into that, so that what a camera at rest sees again
-costs next to nothing. Any HDF5 reader undoes it: the filters are the standard ones, shuffle, gzip and Fletcher-32.
+Images are stored in chunks of a few frames, which this module shuffles and deflates before HDF5 stores them. Deflate finds
+repetitions within 32 kB. A chunk has as many rows of each frame as fit into 32 kB, so that the static parts of images of a
+stationary camera take almost no space. Any HDF5 reader can decode them: the filters are shuffle, gzip and Fletcher-32.
 
-Every chunk ends with its Fletcher-32 checksum. HDF5 compares it whenever it reads the chunk: a flipped bit is an error.
+Every chunk ends with its Fletcher-32 checksum. HDF5 checks it when it reads the chunk, so that a flipped bit is an error.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _MIN_BYTES = 4096
 
 
 def are_images(values: Sequence[object]) -> bool:
-    """Whether these are large arrays of two or more dimensions, one per frame, all of one kind that can be stacked."""
+    """Whether values are large arrays of two or more dimensions, one per frame, all of one shape and type."""
     first = values[0]
     return isinstance(first, np.ndarray) and first.ndim >= 2 and first.nbytes >= _MIN_BYTES
 
@@ -68,14 +68,14 @@ def write_images(group: h5py.Group, name: str, frames: Sequence[NDArray]) -> h5p
 
 
 def _chunk(shape: tuple[int, ...], frames: int) -> tuple[int, ...]:
-    """Return the shape of a chunk: some frames of as many rows as deflate sees again in the next frame."""
+    """Return the shape of a chunk: some frames, each with as many rows as fit into the window of deflate."""
     height, row = shape[0], int(np.prod(shape[1:]))
     parts = -(-height * row // _REACH)
     return (min(FRAMES, frames), max(1, -(-height // parts)), *shape[1:])
 
 
 def _filled(block: NDArray, frames: Sequence[NDArray], top: int) -> NDArray:
-    """Return the block with the rows from `top` on of some frames; zeros where there are none."""
+    """Return the block with the rows from `top` on of some frames, padded with zeros."""
     rows = min(block.shape[1], frames[0].shape[0] - top)
     if len(frames) < len(block) or rows < block.shape[1]:
         block[:] = 0
@@ -119,7 +119,7 @@ _WIDEST = 1 << 20
 
 
 def write_series(group: h5py.Group, name: str, values: Sequence[Value], compression: str) -> None:
-    """Store one value per frame under `name`; does nothing when every value is None."""
+    """Store one value per frame under `name`; do nothing if every value is None."""
     frames = [i for i, v in enumerate(values) if v is not None]
     if not frames:
         return
@@ -140,13 +140,13 @@ def write_series(group: h5py.Group, name: str, values: Sequence[Value], compress
 
 
 def read_series(stored: h5py.Dataset, beside: h5py.Dataset | None, length: int, wanted: range | None = None) -> list[Value]:
-    """Read back what `write_series` stored, None where a frame has none.
+    """Read the values that `write_series` stored; None for a frame without a value.
 
     Args:
         stored: The dataset.
-        beside: Its neighbour `<name>@frames`, None where there is none.
-        length: How many frames the episode has.
-        wanted: The frames to read, consecutive ones; all when None. Only they are read from the file.
+        beside: The dataset `<name>@frames`, or None.
+        length: Number of frames of the episode.
+        wanted: The frames to read, consecutive ones; None reads all. Only these are read from the file.
     """
     attributes = dict(stored.attrs)
     frames = range(length) if beside is None else _frames(beside[()], length)
@@ -168,7 +168,7 @@ def _frames(stored: np.ndarray, length: int) -> list[int]:
     """Return the frames that have a value.
 
     Raises:
-        ValueError: They are not the numbers of frames, ascending.
+        ValueError: They are not ascending frame numbers of the episode.
     """
     ends = np.concatenate([[-1], np.atleast_1d(stored), [length]])
     if stored.ndim != 1 or stored.dtype.kind != "i" or not (np.diff(ends) > 0).all():
@@ -178,12 +178,12 @@ def _frames(stored: np.ndarray, length: int) -> list[int]:
 
 
 def to_json(value: Value) -> str:
-    """Write a value as JSON; arrays, tuples, numpy scalars and dicts with other keys than texts survive."""
+    """Return a value as JSON without loss of arrays, tuples, numpy scalars and keys of dicts that are not texts."""
     return json.dumps(_plain(value))
 
 
 def from_json(text: str | bytes) -> Value:
-    """Read back what `to_json` wrote.
+    """Return the value of a text from `to_json`.
 
     Raises:
         ValueError: It is not JSON, or is nested too deeply.
@@ -223,7 +223,7 @@ def _pack(kind: str, values: Sequence[Value]) -> np.ndarray:
 
 
 def _texts(values: Sequence[Value]) -> list[str]:
-    """Write values as JSON; one like the last is not written again."""
+    """Return values as JSON; repeated values share one text."""
     texts = [to_json(values[0])]
     for last, value in zip(values, values[1:]):
         texts.append(texts[-1] if _is_same(last, value) else to_json(value))
@@ -231,7 +231,7 @@ def _texts(values: Sequence[Value]) -> list[str]:
 
 
 def _is_same(a: Value, b: Value) -> bool:
-    """Whether two values surely give the same text: the same texts, whole numbers and None, and lists and dicts of them."""
+    """Whether two values certainly have the same JSON: equal texts, whole numbers and None, and lists and dicts of these."""
     if type(a) is not type(b):
         return False
     if isinstance(a, list | tuple):
@@ -262,7 +262,7 @@ def _are_equal(rows: Sequence[Value] | np.ndarray) -> bool:
 
 
 def _create(group: h5py.Group, name: str, data: np.ndarray, compression: str) -> h5py.Dataset:
-    """Make a dataset; what is not small is shuffled and compressed in one piece, which ends with its checksum."""
+    """Create a dataset; a large one is shuffled and compressed as one chunk that ends with its checksum."""
     if data.dtype == object:
         return group.create_dataset(name, data=data, dtype=h5py.string_dtype("utf-8"))
     if data.nbytes < _SMALL or data.size == 0:
@@ -271,7 +271,7 @@ def _create(group: h5py.Group, name: str, data: np.ndarray, compression: str) ->
 
 
 def _create_images(group: h5py.Group, name: str, frames: Sequence[np.ndarray], compression: str) -> h5py.Dataset:
-    """Make a dataset of images in chunks of some frames."""
+    """Create a dataset of images in chunks of some frames."""
     if compression == "gzip":
         return write_images(group, name, frames)
     data, chunk = np.stack(frames), (1, *frames[0].shape)
@@ -279,7 +279,7 @@ def _create_images(group: h5py.Group, name: str, frames: Sequence[np.ndarray], c
 
 
 def _plain(value: Value) -> Value:
-    """Replace what JSON cannot hold by marked dicts."""
+    """Replace values that JSON cannot express by marked dicts."""
     if isinstance(value, np.ndarray):
         return {_ARRAY: value.tolist(), "dtype": str(value.dtype), "shape": list(value.shape)}
     if isinstance(value, np.generic):

@@ -1,4 +1,4 @@
-"""Writing to a disk that may be full, read-only or removed, or to a folder in use: a file is whole or not there."""
+"""Atomic writes: a file is complete or absent, also if the disk is full, read-only or removed; and the lock of a folder."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from rlbench_pin.values import as_path, as_record
 
 @contextmanager
 def storing(path: Path) -> Iterator[None]:
-    """Turn an error of the operating system into a StorageError that names `path`."""
+    """Convert an OSError to a StorageError that names `path`."""
     try:
         yield
     except OSError as error:
@@ -26,10 +26,10 @@ def storing(path: Path) -> Iterator[None]:
 
 @contextmanager
 def hold(root: Path) -> Iterator[None]:
-    """Hold the folder of a dataset against a second recording or merge; the lock of a killed one is released by itself.
+    """Lock the folder of a dataset against a second recording or merge; the system unlocks it if the process is killed.
 
     Raises:
-        DatasetConflict: Another one holds it.
+        DatasetConflict: Another process has locked it.
         StorageError: The disk cannot be written to.
     """
     with storing(root):
@@ -46,12 +46,12 @@ def hold(root: Path) -> Iterator[None]:
 
 
 def write_whole(path: Path, data: bytes) -> Path:
-    """Write a file that appears whole or not at all, also when the machine stops.
+    """Write a file atomically: it is complete or absent, also if the machine stops.
 
-    The bytes go to a temporary file beside it, which is synced to the disk and then renamed.
+    The bytes go to a temporary file in the same folder, which is synced to the disk and then renamed.
 
     Raises:
-        StorageError: The disk cannot be written to; nothing is left behind and an earlier file of that name is as it was.
+        StorageError: The disk cannot be written to; the temporary file is removed and an earlier file does not change.
     """
     path, data = as_path(path, "path"), as_record(data, bytes, "data")
     if not path.name:
@@ -71,7 +71,7 @@ def write_whole(path: Path, data: bytes) -> Path:
 
 
 def remove_leftovers(folder: Path) -> int:
-    """Delete the temporary files that killed writers left below a folder; return how many there were."""
+    """Delete the temporary files of killed writers in a folder and its subfolders; return their number."""
     folder = as_path(folder, "folder")
     with storing(folder):
         parts = [part for part in folder.rglob(".*.part") if part.is_symlink() or not part.is_dir()]
@@ -81,9 +81,9 @@ def remove_leftovers(folder: Path) -> int:
 
 
 class DeferredErrorFile(io.FileIO):
-    """A file for libraries that do not survive a full disk, as HDF5 does not: it raises an error only at the end.
+    """A file for libraries that crash on a full disk, such as HDF5: it raises an error of the disk only at the end.
 
-    Use it in a `with` block, which raises the first error of the disk. `check` raises it earlier.
+    Use it in a `with` block, whose end raises the first error of the disk. `check` raises it earlier.
     """
 
     def __init__(self, path: Path) -> None:
@@ -96,7 +96,7 @@ class DeferredErrorFile(io.FileIO):
             raise self.refused
 
     def write(self, data: Any) -> int:
-        """Write all, or keep the error."""
+        """Write all bytes, or store the error."""
         view = memoryview(data).cast("B")
         done = 0
         try:
@@ -107,7 +107,7 @@ class DeferredErrorFile(io.FileIO):
         return len(view)
 
     def truncate(self, size: int | None = None) -> int:
-        """Change the length, or keep the error."""
+        """Change the length, or store the error."""
         try:
             return super().truncate(size)
         except OSError as error:

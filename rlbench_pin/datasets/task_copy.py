@@ -1,6 +1,6 @@
-"""The files of a task that is not in the library, kept beside its episodes: `<root>/<task>/task_file/`, each with its SHA-256.
+"""Copies of the files of a user's task, stored with its episodes in `<root>/<task>/task_file/`, each with its SHA-256.
 
-They are code. They run only when the user allows it.
+They are code and run only if the user allows it.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _MAX_INDEX = 1 << 20
 
 @dataclass(frozen=True)
 class KeptTask:
-    """The files of one task in a dataset."""
+    """The stored files of one task in a dataset."""
 
     task: str
     """Task name."""
@@ -43,10 +43,10 @@ class KeptTask:
         return self.folder / self.file
 
     def contents(self) -> dict[str, bytes]:
-        """Read all files, and check each.
+        """Read and check all files.
 
         Raises:
-            EpisodeFileError: One is missing, leads out of the folder, or is not what was kept.
+            EpisodeFileError: A file is missing, outside of the folder, or differs from its SHA-256.
         """
         return {name: self._checked(name) for name in self.files}
 
@@ -58,17 +58,15 @@ class KeptTask:
             )
         data = path.read_bytes()
         if digest(data) != self.files[name]:
-            raise EpisodeFileError(
-                path, f"'{path}' is not the file that was kept: the SHA-256 differs. Do not run it; restore it."
-            )
+            raise EpisodeFileError(path, f"'{path}' is not the stored file: the SHA-256 differs. Do not run it; restore it.")
         return data
 
 
 def kept_task(root: Path, task: str) -> KeptTask | None:
-    """Return what is kept of a task, unread, or None when nothing is.
+    """Return the stored files of a task, unread; None if there are none.
 
     Raises:
-        EpisodeFileError: The list of files is damaged, or names anything but files of its own folder.
+        EpisodeFileError: The list of files is damaged, or names files outside of its folder.
     """
     folder = as_path(root, "root") / checked_task_name(task) / FOLDER
     index = folder / _INDEX
@@ -76,7 +74,7 @@ def kept_task(root: Path, task: str) -> KeptTask | None:
         return None
     try:
         if index.stat().st_size > _MAX_INDEX:
-            raise ValueError("it is far too long")
+            raise ValueError("it is too long")
         content = json.loads(index.read_text(encoding="utf-8"))
         if content["version"] != _VERSION:
             raise ValueError(f"it has version {content['version']!r}, this package reads version {_VERSION}")
@@ -90,16 +88,16 @@ def kept_task(root: Path, task: str) -> KeptTask | None:
 
 
 def keep_files(root: Path, task: str, file: str, contents: Mapping[str, bytes]) -> KeptTask:
-    """Keep the files of a task in a dataset; does nothing when they are there already.
+    """Store the files of a task in a dataset; do nothing if the same files are stored.
 
     Args:
         root: Folder of the dataset.
         task: Task name.
-        file: Which of them is the Python file.
-        contents: Path below the folder of that file, with slashes -> bytes.
+        file: Name of the Python file.
+        contents: Path relative to the folder of that file, with slashes -> bytes.
 
     Raises:
-        DatasetConflict: Other files are kept there.
+        DatasetConflict: Other files are stored there.
         StorageError: The disk cannot be written to.
     """
     as_text(file, "file")
@@ -121,7 +119,7 @@ def keep_files(root: Path, task: str, file: str, contents: Mapping[str, bytes]) 
 
 
 def check_same(kept: KeptTask, files: Mapping[str, str], other: str) -> None:
-    """Raise DatasetConflict unless the files of a task are those that are kept."""
+    """Raise DatasetConflict if the files of a task differ from the stored ones."""
     names = sorted(name for name in {*kept.files, *files} if kept.files.get(name) != files.get(name))
     if names:
         raise DatasetConflict(
@@ -131,13 +129,13 @@ def check_same(kept: KeptTask, files: Mapping[str, str], other: str) -> None:
 
 
 def check_alike(roots: Sequence[Path], task: str) -> None:
-    """Raise DatasetConflict unless several datasets keep the same files of a task, or none of them keeps any."""
+    """Raise DatasetConflict unless all datasets store the same files of a task, or none stores any."""
     kept = [kept_task(root, task) for root in roots]
     for root, mine in zip(roots, kept, strict=True):
         if (mine is None) != (kept[0] is None):
             with_files, without = (roots[0], root) if mine is None else (root, roots[0])
             raise DatasetConflict(
-                f"'{with_files}' keeps the files of its task '{task}', '{without}' keeps none: they may be different tasks. "
+                f"'{with_files}' stores the files of its task '{task}', '{without}' stores none: they may be different tasks. "
                 "Leave one of them out."
             )
         if kept[0] is not None and mine is not None:
@@ -145,11 +143,11 @@ def check_alike(roots: Sequence[Path], task: str) -> None:
 
 
 def copy_kept(root: Path, task: str, out: Path) -> None:
-    """Let another dataset keep the files of a task that this one keeps, if it does.
+    """Copy the stored files of a task, if any, to another dataset.
 
     Raises:
-        EpisodeFileError: One of them is missing or not what was kept.
-        DatasetConflict: The other keeps other files.
+        EpisodeFileError: A file is missing or differs from its SHA-256.
+        DatasetConflict: The other dataset stores other files.
         StorageError: The disk cannot be written to.
     """
     kept = kept_task(root, task)
@@ -158,7 +156,7 @@ def copy_kept(root: Path, task: str, out: Path) -> None:
 
 
 def kept_faults(root: Path, task: str) -> list[DatasetError]:
-    """Return what is wrong with the kept files of a task; nothing when all is well or none are kept."""
+    """Return the faults of the stored files of a task; empty if there are no faults or no files."""
     try:
         kept = kept_task(root, task)
         if kept is not None:
@@ -169,11 +167,11 @@ def kept_faults(root: Path, task: str) -> list[DatasetError]:
 
 
 def _fault(kept: KeptTask, task: str) -> str:
-    """Say what is wrong with a list of files, or nothing."""
+    """Return the fault of a list of files, or an empty text."""
     if kept.task != task:
         return f"it is of the task {kept.task!r}"
     if not all(isinstance(name, str) and isinstance(sha256, str) for name, sha256 in kept.files.items()):
-        return "names and checksums are texts"
+        return "names or checksums are not texts"
     for name in kept.files:
         if not name or PurePosixPath(name).is_absolute() or ".." in PurePosixPath(name).parts or "\0" in name or name == _INDEX:
             return f"{name!r} leads out of its folder"

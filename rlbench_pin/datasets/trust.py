@@ -1,4 +1,4 @@
-"""Trust in episode files: a SHA-256 that a manifest lists, or another process that survives reading them first."""
+"""Checks of episode files before they are opened: the SHA-256 in a manifest, or a read in a subprocess first."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ _Stamp = tuple[int, int, int] | None
 
 
 class Inspector:
-    """A process that reads files before this one does; use it in a `with` block. It starts with the first file.
+    """A subprocess that reads files before this process does. Use it in a `with` block; it starts at the first file.
 
-    The HDF5 library does not survive every damaged file: one flipped bit can crash it, zeros can make it loop for ever. Where a
-    manifest lists a file, its SHA-256 says whether it is still as it was written; any other file goes through this.
+    Damaged files can crash the HDF5 library, or make it loop for ever. A file in a manifest is checked by its SHA-256; any other
+    file is read by this subprocess first.
 
     Args:
-        command: What is started; it answers each line with a line.
-        seconds: How long it may take for a file, beside a microsecond for each of its bytes [s].
+        command: Command line of the subprocess, which answers each line with a line.
+        seconds: Time limit for a file [s]; one microsecond is added for each of its bytes.
     """
 
     def __init__(self, command: tuple[str, ...] = (sys.executable, "-P", str(_CHILD)), seconds: float = _SECONDS) -> None:
@@ -42,16 +42,16 @@ class Inspector:
         self._process: subprocess.Popen[bytes] | None = None
 
     def inspect(self, path: Path) -> None:
-        """Let the process read a file.
+        """Let the subprocess read a file.
 
         Raises:
-            EpisodeFileError: It did not survive that, or did not finish in time.
+            EpisodeFileError: The subprocess crashed or exceeded the time limit.
         """
         seconds = self._seconds + _SECONDS_PER_BYTE * path.stat().st_size
         try:
             answered = self._ask(path, seconds)
         except OSError as error:
-            raise EpisodeFileError(path, f"'{path}' could not be examined before it is read: {error}.") from error
+            raise EpisodeFileError(path, f"'{path}' could not be examined before it is read: {error}. Try it again.") from error
         if answered:
             return
         code = self._end()
@@ -59,9 +59,7 @@ class Inspector:
             problem = f"reading it did not end within {seconds:.0f} s"
         else:
             problem = f"reading it ended a process with {signal.Signals(-code).name if code < 0 else f'exit code {code}'}"
-        raise EpisodeFileError(
-            path, f"The episode '{path}' is damaged, or made to do harm: {problem}. Delete it and record it again."
-        )
+        raise EpisodeFileError(path, f"The episode '{path}' is damaged or harmful: {problem}. Delete it and record it again.")
 
     def close(self) -> None:
         """End the process."""
@@ -94,7 +92,7 @@ class Inspector:
         return False
 
     def _end(self) -> int | None:
-        """End the process and return the code that it had ended with by itself, None when it had not."""
+        """End the process. Return its exit code if it had ended by itself, else None."""
         process, self._process = self._process, None
         assert process is not None
         code = process.poll()
@@ -108,10 +106,10 @@ class Inspector:
 
 
 def inspect_once(path: Path) -> None:
-    """Let another process read a file, once for as long as it does not change.
+    """Let a subprocess read a file; again only after the file has changed.
 
     Raises:
-        EpisodeFileError: It did not survive that, or did not finish in time.
+        EpisodeFileError: The subprocess crashed or exceeded the time limit.
     """
     _inspect(path, file_stamp(path))
 
@@ -123,15 +121,15 @@ def _inspect(path: Path, stamp: _Stamp) -> None:
 
 
 def check_file(path: Path, sha256: str | None = None, inspector: Inspector | None = None) -> None:
-    """Make sure that a file can be opened: it is what its manifest lists, or another process has survived reading it.
+    """Check that a file can be opened: its SHA-256 equals that in its manifest, or a subprocess has read it without a crash.
 
     Args:
         path: An episode file.
-        sha256: Expected checksum; None looks it up in the manifest of the dataset that the file lies in.
-        inspector: Reads a file that no manifest lists; a process of its own does when None.
+        sha256: Expected SHA-256; None takes it from the manifest of the dataset that contains the file.
+        inspector: Reads a file that no manifest lists. None starts a subprocess for that.
 
     Raises:
-        EpisodeFileError: It is another file than the manifest describes, or reading it crashes or hangs.
+        EpisodeFileError: The file differs from its manifest, or reading it crashes or hangs.
     """
     sha256 = listed_digest(path) if sha256 is None else sha256
     if sha256 is not None:
@@ -144,14 +142,14 @@ def check_file(path: Path, sha256: str | None = None, inspector: Inspector | Non
 
 
 def altered(path: Path) -> EpisodeFileError:
-    """Return the error of a file that is not what its manifest lists."""
+    """Return the error of a file that differs from its manifest."""
     return EpisodeFileError(
         path, f"'{path}' is not the file its manifest describes: the SHA-256 differs. Delete it and record it again."
     )
 
 
 def listed_digest(path: Path) -> str | None:
-    """Return the SHA-256 that the manifest of a dataset has for a file, None where no manifest lists it."""
+    """Return the SHA-256 of a file in the manifest of its dataset; None if no manifest lists it."""
     path = Path(os.path.abspath(path))
     if not is_episode_place(path):
         return None
@@ -165,7 +163,7 @@ def listed_digest(path: Path) -> str | None:
 
 @lru_cache(maxsize=16)
 def _listed(folder: Path, manifest: _Stamp, journal: _Stamp) -> dict[str, str]:
-    """Read a manifest; one that is damaged, or of another task, lists nothing that could be believed."""
+    """Return file -> SHA-256 of a manifest; empty if it is damaged or of another task."""
     try:
         return {entry.file: entry.sha256 for entry in read_manifest(folder.parent, folder.name)}
     except DatasetError:
@@ -178,7 +176,7 @@ def _digest(path: Path, stamp: _Stamp) -> str:
 
 
 def file_stamp(path: Path) -> _Stamp:
-    """Return what changes with a file, None where there is none."""
+    """Return inode, size and modification time of a file; None if it does not exist."""
     try:
         status = path.stat()
     except OSError:

@@ -1,4 +1,4 @@
-"""Verifies a dataset: every file against its SHA-256, its manifest entry and its structure."""
+"""Verification of a dataset: SHA-256, manifest entry and structure of every file."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from rlbench_pin.values import as_flag
 
 
 def task_faults(root: Path, task: str, *, structure: bool = True) -> list[DatasetError]:
-    """Return what is wrong with the stored episodes of a task and its kept files, one error per file; nothing when all is well.
+    """Return the faults of the stored episodes and task files of a task, one error per file; empty if there are none.
 
     Args:
         root: Folder of the dataset.
         task: Task name.
-        structure: Also open every file and read every value; False only compares checksums.
+        structure: Also open every file and read every value. False compares only checksums.
     """
     structure = as_flag(structure, "structure")
     manifest = manifest_path(root, task)
@@ -42,7 +42,7 @@ def verify_task(root: Path, task: str, *, structure: bool = False) -> None:
     """Check every stored episode of a task against its manifest.
 
     Raises:
-        DatasetError: Naming the first file that is missing, altered or not listed.
+        DatasetError: A file is missing, altered or not listed; the message names the first one.
     """
     faults = task_faults(root, task, structure=structure)
     if faults:
@@ -60,17 +60,17 @@ def _fault(folder: Path, entry: EpisodeEntry, task: str, structure: bool) -> Dat
         if structure:
             check_structure(path, entry, task)
     except OSError as error:
-        return EpisodeFileError(path, f"'{path}' cannot be read: {error}.")
+        return EpisodeFileError(path, f"'{path}' cannot be read: {error}. Check the disk and the permissions.")
     except DatasetError as error:
         return error
     return None
 
 
 def check_structure(path: Path, entry: EpisodeEntry, task: str) -> None:
-    """Compare the SHA-256 of a file, then read every value of it and hold it against its entry in the manifest.
+    """Compare the SHA-256 of a file, read all its values, and compare them with its entry in the manifest.
 
     Raises:
-        EpisodeFileError: Something cannot be read or differs; names the file.
+        EpisodeFileError: A value cannot be read or differs; the message names the file.
     """
     with Episode(path, entry.sha256) as episode:
         demo = episode.demo()
@@ -78,5 +78,5 @@ def check_structure(path: Path, entry: EpisodeEntry, task: str) -> None:
     found = (demo.task_name, demo.variation_number, len(demo), demo.seed, demo.attempt)
     if listed != found:
         raise EpisodeFileError(
-            path, f"'{path}' holds (task, variation, frames, seed, attempt) {found}, its manifest says {listed}."
+            path, f"'{path}' has (task, variation, frames, seed, attempt) {found}, its manifest {listed}. Record it again."
         )

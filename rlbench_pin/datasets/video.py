@@ -1,4 +1,4 @@
-"""Films: a sequence of images becomes an MP4 that players and browsers open."""
+"""Videos: writes images to an MP4 file that players and browsers can open."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ _CODECS: tuple[tuple[str, dict[str, str]], ...] = (
 
 
 class VideoWriter:
-    """Writes images to an MP4; the file appears when the writer is closed without an error.
+    """Writer of an MP4 file, which is created when the writer is closed without an error.
 
     Args:
-        path: The file, replaced when it exists.
+        path: The file; an existing one is replaced.
         size: Width and height [px], both even.
         fps: Images per second [1/s].
-        key_frames: Every so many images can be read without those before it; None leaves it to the encoder.
+        key_frames: Interval of the key frames of the video, in images; None is the default of the encoder.
         quality: Constant rate factor of H.264, lower is better.
     """
 
@@ -44,7 +44,7 @@ class VideoWriter:
             raise DatasetError(f"A video of {size[0]} x {size[1]} px cannot be encoded; choose an even width and height.")
         self.path, self.size, self.frames = as_path(path, "path"), size, 0
         if not self.path.name:
-            raise DatasetError(f"A video cannot be called '{path}'. Name a file, such as 'out/video.mp4'.")
+            raise DatasetError(f"'{path}' is not a name of a video. Name a file, such as 'out/video.mp4'.")
         with storing(self.path):
             self.path.parent.mkdir(parents=True, exist_ok=True)
         self._temporary = self.path.with_name(f".{self.path.stem}.{os.getpid()}.part.mp4")
@@ -84,7 +84,7 @@ class VideoWriter:
         """Finish the file and return its path."""
         if self.frames == 0:
             self.discard()
-            raise DatasetError(f"The video '{self.path}' has no images.")
+            raise DatasetError(f"The video '{self.path}' has no images. Add at least one.")
         try:
             for packet in self._stream.encode(None):
                 self._mux(packet)
@@ -96,7 +96,7 @@ class VideoWriter:
         return self.path
 
     def discard(self) -> None:
-        """Throw away what was written."""
+        """Delete the unfinished file."""
         for _ in range(2):  # on a full disk the first may end with what is still to be written, before the file is closed
             with suppress(OSError, av.error.FFmpegError):
                 self._container.close()
@@ -113,7 +113,7 @@ class VideoWriter:
 
 
 def _available_codec() -> tuple[str, dict[str, str]]:
-    """Return the first encoder that this build of FFmpeg has, with its options."""
+    """Return the first encoder that FFmpeg supports here, with its options."""
     for name, options in _CODECS:
         if name in av.codecs_available:
             return name, options

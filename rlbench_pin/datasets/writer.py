@@ -1,4 +1,4 @@
-"""Writing demonstrations: to a temporary file, which is renamed when it is whole; with a checksum in the manifest."""
+"""Writing of demonstrations: each to a temporary file that is renamed when complete, with a checksum in the manifest."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from rlbench_pin.values import LARGEST_SEED, as_choice, as_names, as_path, as_re
 FORMAT = "rlbench_pin.episode"
 VERSION = 1
 DESCRIPTIONS = "descriptions"
-"""Key of `misc` that holds the instructions."""
+"""Key of the instructions in `misc`."""
 
 
 Compression = Literal["gzip", "lzf"]
@@ -31,16 +31,16 @@ def encode_demo(demo: Demo, compression: Compression = "gzip") -> bytes:
     """Return one demonstration as the bytes of an episode file; equal demonstrations give equal bytes.
 
     Args:
-        demo: What to write.
+        demo: The demonstration.
         compression: `gzip` is small, `lzf` is fast; both keep every bit.
 
     Raises:
-        DatasetError: The demo is empty or holds something that cannot be stored.
+        DatasetError: The demonstration is empty or has a value that cannot be stored.
     """
     _check_demo(demo)
     as_choice(compression, "compression", get_args(Compression))
     if len(demo) == 0:
-        raise DatasetError("A demonstration without observations cannot be written.")
+        raise DatasetError("A demonstration without observations cannot be written. Record at least one observation.")
     buffer = io.BytesIO()
     with h5py.File(buffer, "w") as file:
         _write_head(file, demo)
@@ -48,12 +48,13 @@ def encode_demo(demo: Demo, compression: Compression = "gzip") -> bytes:
             _write_observations(file, demo, compression)
             _write_state(file, demo, compression)
         except TypeError as error:
-            raise DatasetError(f"The demonstration of '{demo.task_name}' cannot be written: {error}.") from error
+            problem = f"The demonstration of '{demo.task_name}' cannot be written: {error}"
+            raise DatasetError(f"{problem}. Change that value.") from error
     return buffer.getvalue()
 
 
 def _check_demo(demo: Demo) -> None:
-    """Raise InvalidValue unless it is a demonstration whose numbers an episode file can hold."""
+    """Raise InvalidValue unless it is a demonstration whose numbers fit into an episode file."""
     as_record(demo, Demo, "demo")
     if demo.seed is not None:
         as_seed(demo.seed, "Demo.random_seed")
@@ -67,15 +68,15 @@ def _check_demo(demo: Demo) -> None:
 
 
 def write_demo(demo: Demo, path: Path, compression: Compression = "gzip") -> Path:
-    """Write one demonstration to one file; the file appears whole or not at all.
+    """Write one demonstration to one file, atomically.
 
     Args:
-        demo: What to write.
-        path: The file, replaced when it exists.
+        demo: The demonstration.
+        path: The file; an existing one is replaced.
         compression: `gzip` is small, `lzf` is fast; both keep every bit.
 
     Raises:
-        DatasetError: The demo is empty or holds something that cannot be stored.
+        DatasetError: The demonstration is empty or has a value that cannot be stored.
         StorageError: The disk cannot be written to.
     """
     return write_whole(as_path(path, "path"), encode_demo(demo, compression))
@@ -117,7 +118,7 @@ def _write_observations(file: h5py.File, demo: Demo, compression: str) -> None:
 
 
 def _further_fields(demo: Demo) -> list[str]:
-    """Return the attributes beside the declared ones: what extra cameras see."""
+    """Return the attributes that are not declared fields: images of extra cameras."""
     return _checked({name for obs in demo for name in vars(obs)} - {*FIELDS, "misc"})
 
 
@@ -154,10 +155,10 @@ class DatasetWriter:
     def add(self, demo: Demo) -> Path:
         """Store a demonstration and return its file.
 
-        A demo of the same variation and seed is replaced, so that running a command twice leaves no duplicates.
+        It replaces a stored demonstration of the same variation and seed, so that a repeated command makes no duplicates.
         """
         if not as_record(demo, Demo, "demo").task_name:
-            raise DatasetError("A demonstration without a task name cannot be stored; set `Demo.task_name`.")
+            raise DatasetError("A demonstration without a task name cannot be stored. Set `Demo.task_name`.")
         data = encode_demo(demo, self.compression)
         with locked_manifest(self.root, demo.task_name) as entries:
             number = _episode_number(entries, demo)
@@ -168,13 +169,13 @@ class DatasetWriter:
         return path
 
     def put(self, task: str, data: bytes, entry: EpisodeEntry) -> Path:
-        """Store an encoded episode under the number that its entry has, and return its file.
+        """Store an encoded episode under the number in its entry, and return its file.
 
-        The file is whole on the disk before it is listed; call `fold_journal` when many have been put.
+        The file is complete on the disk before the manifest lists it. Call `fold_journal` after the last episode.
 
         Raises:
-            DatasetError: The entry names another place than that of its episode, or a link leads out of the dataset.
-            StorageError: The disk cannot be written to; the episode does not count.
+            DatasetError: The entry names another file than that of its episode, or a link leads out of the dataset.
+            StorageError: The disk cannot be written to; the episode is not listed.
         """
         as_record(data, bytes, "data")
         as_record(entry, EpisodeEntry, "entry").check(manifest_path(self.root, task))
@@ -186,7 +187,7 @@ class DatasetWriter:
 
 
 def episode_entry(demo: Demo, data: bytes, number: int, failures: Sequence[str] = ()) -> EpisodeEntry:
-    """Return the line of the manifest that describes a demonstration encoded as `data`."""
+    """Return the manifest entry of a demonstration encoded as `data`."""
     _check_demo(demo)
     number, data = as_whole(number, "number", least=0), as_record(data, bytes, "data")
     failures = as_names(failures, "failures")
@@ -208,7 +209,7 @@ def episode_entry(demo: Demo, data: bytes, number: int, failures: Sequence[str] 
 
 
 def _episode_number(entries: dict[tuple[int, int], EpisodeEntry], demo: Demo) -> int:
-    """Return the number of the same demo when it is stored, else the first after all stored ones."""
+    """Return the number of the same demonstration if it is stored, else the next free number."""
     stored = [e for (variation, _), e in entries.items() if variation == demo.variation_number]
     same = [e.episode for e in stored if demo.seed is not None and e.random_seed == demo.seed]
     return same[0] if same else max((e.episode for e in stored), default=-1) + 1

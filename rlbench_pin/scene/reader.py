@@ -1,4 +1,4 @@
-"""TOML scene file -> frozen `SceneSpec`: parsing, short forms of format 2, and checks between the tables of a scene."""
+"""Reader of TOML scene files: parsing to a frozen `SceneSpec`, short forms of format 2, and checks between tables."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ from rlbench_pin.values import as_path, as_text
 
 
 def resolve_asset(source: SceneSpec | Path | str, asset: str) -> Path:
-    """Return the file of an asset: below `assets/`, or beside the scene file when `asset` starts with `./`.
+    """Return the file of an asset: in `assets/`, or next to the scene file if `asset` starts with `./`.
 
     Args:
         source: The scene that names the asset, or the path of its file.
@@ -57,7 +57,7 @@ def check_scene(spec: SceneSpec) -> None:
     """Check one scene as a whole.
 
     Raises:
-        SceneFileError: Names the table and the key that are wrong.
+        SceneFileError: A key is wrong; the message names table and key.
         AssetNotFound: A URDF, mesh or texture does not exist.
     """
     _check_names(spec)
@@ -75,7 +75,7 @@ def check_scene(spec: SceneSpec) -> None:
 
 
 def table_of(item: PosedSpec) -> str:
-    """Return how the table of a record is written in the file: `[[body]]`, `[[frame]]`, ..."""
+    """Return the heading of the table of a record: `[[body]]`, `[[frame]]`, ..."""
     return f"[[{type(item).__name__.removesuffix('Spec').lower()}]]"
 
 
@@ -95,7 +95,7 @@ def _check_names(spec: SceneSpec) -> None:
             raise _error(spec, item, "name", f"'{item.name}' is reserved for the room.", "Choose another name.")
         if item.name in seen:
             other = table_of(seen[item.name])
-            raise _error(spec, item, "name", f"'{item.name}' is used twice, first in {other}.", "Names are unique in a file.")
+            raise _error(spec, item, "name", f"'{item.name}' is used twice, first in {other}.", "Rename one of them.")
         seen[item.name] = item
 
 
@@ -118,7 +118,7 @@ def _check_asset(spec: SceneSpec, body: BodySpec, asset: str) -> Urdf:
 
 
 def _is_file(path: Path) -> bool:
-    """Whether there is such a file; a name that no file can have is that of none."""
+    """Whether a file exists; False for a name that is not a valid file name."""
     try:
         return path.is_file()
     except OSError:
@@ -134,7 +134,7 @@ def _check_parents(spec: SceneSpec, models: dict[str, Urdf]) -> None:
         if not link:
             continue
         if owner not in models:
-            raise _error(spec, item, "parent", f"'{owner}' is not a body, so it has no link '{link}'.")
+            raise _error(spec, item, "parent", f"'{owner}' is not a body and has no link '{link}'.", f"Write '{owner}' alone.")
         links = models[owner].link_names
         if link not in links:
             raise _error(spec, item, "parent", f"body '{owner}' has no link '{link}'.", _guess(link, links))
@@ -147,7 +147,7 @@ def _check_cycles(spec: SceneSpec) -> None:
         while (parent := parents.get(chain[-1])) is not None:
             if parent in chain:
                 loop = " -> ".join([*chain[chain.index(parent) :], parent])
-                raise _error(spec, item, "parent", f"the parents form a circle: {loop}.")
+                raise _error(spec, item, "parent", f"the parents form a cycle: {loop}.", "Give one of them another parent.")
             chain.append(parent)
 
 
@@ -163,18 +163,19 @@ def _check_joints(spec: SceneSpec, models: dict[str, Urdf]) -> None:
             hint = _guess(name, limits)
             raise SceneFileError(spec.file, where, f"body '{body}' has no movable joint '{name}'.", hint)
         if joint.name in seen:
-            raise SceneFileError(spec.file, where, "it is described twice.")
+            raise SceneFileError(spec.file, where, "it is described twice.", "Remove one of the entries.")
         seen.add(joint.name)
         lower, upper = limits[name]
         if not lower - 1e-9 <= joint.position <= upper + 1e-9:
-            raise SceneFileError(spec.file, f"{where}, key 'position'", f"{joint.position} is outside [{lower}, {upper}].")
+            problem = f"{joint.position} is outside [{lower}, {upper}]."
+            raise SceneFileError(spec.file, f"{where}, key 'position'", problem, "Choose a position in the joint limits.")
 
 
 def _check_sensor(spec: SceneSpec, sensor: SensorSpec) -> None:
     meaning = SENSOR_SIZES[sensor.shape]
     if len(sensor.size) != len(meaning):
         problem = f"a {sensor.shape} has {len(meaning)} numbers ({', '.join(meaning)}), not {len(sensor.size)}."
-        raise _error(spec, sensor, "size", problem)
+        raise _error(spec, sensor, "size", problem, "Write the sizes in this order.")
 
 
 def _check_waypoints(spec: SceneSpec) -> None:
@@ -183,8 +184,8 @@ def _check_waypoints(spec: SceneSpec) -> None:
     for waypoint in spec.waypoint:
         digits = waypoint.name.removeprefix("waypoint")
         if not waypoint.name.startswith("waypoint") or digits != str(int(digits) if digits.isdigit() else -1):
-            problem = "a waypoint is called 'waypoint' and its number."
-            raise _error(spec, waypoint, "name", problem, "Use a [[frame]] for other places.")
+            problem = "the name of a waypoint is 'waypoint' and its number."
+            raise _error(spec, waypoint, "name", problem, "Use a [[frame]] for other poses.")
     missing = [name for name in expected if name not in present]
     if missing:
         raise SceneFileError(spec.file, "[[waypoint]]", f"'{missing[0]}' is missing.", "Number waypoints from 0 without gaps.")
@@ -195,7 +196,7 @@ def _check_waypoints(spec: SceneSpec) -> None:
 def _check_curve(spec: SceneSpec, waypoint: WaypointSpec) -> None:
     described = int(bool(waypoint.points)) + int(waypoint.arc is not None)
     if waypoint.path == "curve" and described != 1:
-        raise _error(spec, waypoint, "path", "a curve needs either 'points' or 'arc'.")
+        raise _error(spec, waypoint, "path", "a curve needs either 'points' or 'arc'.", "Give one of them.")
     if waypoint.path != "curve" and described:
         raise _error(spec, waypoint, "path", "'points' and 'arc' belong to a curve.", 'Write path = "curve".')
     if waypoint.compliant and waypoint.path == "curve":
@@ -207,20 +208,21 @@ def _check_curve(spec: SceneSpec, waypoint: WaypointSpec) -> None:
 def _check_bounds(spec: SceneSpec) -> None:
     low, high = spec.placement.yaw
     if low > high:
-        raise SceneFileError(spec.file, "[placement], key 'yaw'", f"the lower bound {low} is above the upper bound {high}.")
+        problem = f"the lower bound {low} is above the upper bound {high}."
+        raise SceneFileError(spec.file, "[placement], key 'yaw'", problem, "Exchange the two.")
 
 
 def _check_described_once(spec: SceneSpec, table: str) -> None:
     names = [entry.name for entry in getattr(spec, table)]
     for name in names:
         if names.count(name) > 1:
-            raise SceneFileError(spec.file, f"[[{table}]] '{name}'", "it is described twice.")
+            raise SceneFileError(spec.file, f"[[{table}]] '{name}'", "it is described twice.", "Remove one of the entries.")
 
 
 def _check_history(spec: SceneSpec) -> None:
     for expected, entry in enumerate(spec.history, start=2):
         if entry.version != expected:
-            problem = f"version {entry.version} stands where version {expected} belongs."
+            problem = f"version {entry.version} is in the place of version {expected}."
             raise SceneFileError(spec.file, "[[history]], key 'version'", problem, "Number the entries 2, 3, ... in their order.")
 
 
@@ -246,7 +248,7 @@ class TablePlacement(PlacementSpec):
 
 
 class ShortFormError(ValueError):
-    """A short form cannot be written out; says which key is wrong and why."""
+    """A short form cannot be expanded; the attributes are the wrong key and the cause."""
 
     def __init__(self, key: str, problem: str, hint: str = "") -> None:
         self.key, self.problem, self.hint = key, problem, hint
@@ -254,7 +256,7 @@ class ShortFormError(ValueError):
 
 
 def short_keys(table: str) -> frozenset[str]:
-    """Return the keys that entries of a table may have in a file of format 2, beside those of its record."""
+    """Return the additional keys that entries of a table may have in a file of format 2."""
     arrays = {"poses"} if table in ARRAY_TABLES else set()
     return frozenset({"rpy", *arrays} if table in POSED_TABLES else ())
 
@@ -267,7 +269,7 @@ def write_out(table: str, entry: Entry) -> list[Entry]:
         entry: Its keys as in the file.
 
     Raises:
-        ShortFormError: `rpy` or `poses` is not what it should be.
+        ShortFormError: `rpy` or `poses` is invalid.
     """
     keys = short_keys(table)
     entries = _array(entry) if "poses" in keys & entry.keys() else [entry]
@@ -275,7 +277,7 @@ def write_out(table: str, entry: Entry) -> list[Entry]:
 
 
 def placement_from_file(placement: PlacementSpec) -> PlacementSpec:
-    """Return a placement whose height counts from the table top as one in the world."""
+    """Return a placement in the world, of one whose height counts from the table top."""
     if "pose" not in placement.model_fields_set:
         return placement
     x, y, z, *quaternion = placement.pose
@@ -283,36 +285,37 @@ def placement_from_file(placement: PlacementSpec) -> PlacementSpec:
 
 
 def placement_for_file(placement: PlacementSpec) -> TablePlacement:
-    """Return a placement in the world as a file of format 2 says it."""
+    """Return a placement for a file of format 2, whose height counts from the table top."""
     x, y, z, *quaternion = placement.pose
     pose = (x, y, round(z - TABLE_HEIGHT, _HEIGHT_DIGITS), *quaternion)
     return TablePlacement.model_validate({**placement.model_dump(), "pose": pose})
 
 
 def _array(entry: Entry) -> list[Entry]:
-    """Count on from the name of the first: `piece0`, `piece1`, ..., one for each of `poses`."""
+    """Return one entry for each of `poses`, with numbered names: `piece0`, `piece1`, ..."""
     poses, name = entry["poses"], entry.get("name")
     if "pose" in entry:
-        raise ShortFormError("poses", "it stands instead of 'pose', not beside it.", "Leave one of them out.")
+        raise ShortFormError("poses", "an entry has either 'poses' or 'pose'.", "Leave one of them out.")
     if not isinstance(poses, list) or not poses or not all(isinstance(pose, list) for pose in poses):
         raise ShortFormError("poses", "it is a list of poses, one for each element.", "Write poses = [[x, y, z], ...].")
     numbered = _NUMBERED.fullmatch(name) if isinstance(name, str) else None
     if numbered is None:
-        raise ShortFormError("name", f"an array begins with a numbered name, not {name!r}.", "Call the first one 'piece0'.")
+        problem = f"the first name of an array ends with a number without leading zeros, not {name!r}."
+        raise ShortFormError("name", problem, "Use a numbered name such as 'piece0'.")
     stem, first = numbered[1], int(numbered[2])
     rest = {key: value for key, value in entry.items() if key not in ("poses", "name")}
     return [{"name": f"{stem}{first + k}", **rest, "pose": pose} for k, pose in enumerate(poses)]
 
 
 def _turned(entry: Entry) -> Entry:
-    """Replace `rpy` by a quaternion, rounded to 1e-7: angles with seven digits suffice for exact right angles."""
+    """Replace `rpy` by a quaternion, rounded to 1e-7, so that angles with seven digits give exact right angles."""
     rpy, pose = entry["rpy"], entry.get("pose", [0.0, 0.0, 0.0])
     if not isinstance(rpy, list) or len(rpy) != 3 or not all(is_number(angle) for angle in rpy):
-        raise ShortFormError("rpy", f"it is [roll, pitch, yaw], three angles in [rad], not {rpy!r}.")
+        raise ShortFormError("rpy", f"it has three angles in [rad], not {rpy!r}.", "Write [roll, pitch, yaw].")
     if max(abs(angle) for angle in rpy) > TURN:
-        raise ShortFormError("rpy", f"angles are at most one turn, 2 pi = 6.2832 rad, not {rpy!r}.", "Were these degrees?")
+        raise ShortFormError("rpy", f"angles are at most 2 pi = 6.2832 rad, not {rpy!r}.", "Are these degrees?")
     if not isinstance(pose, list) or len(pose) != 3:
-        raise ShortFormError("rpy", "it goes with a pose [x, y, z].", "Leave the rotation out of the pose.")
+        raise ShortFormError("rpy", "it needs a pose [x, y, z].", "Leave the rotation out of the pose.")
     quaternion = [round(float(v), _QUATERNION_DIGITS) + 0.0 for v in euler_to_quaternion(*rpy)]
     rest = {key: value for key, value in entry.items() if key not in ("rpy", "pose")}
     return {**rest, "pose": [*pose, *quaternion]}
@@ -330,7 +333,7 @@ def read_scene(path: Path | str) -> SceneSpec:
         path: The `.toml` file.
 
     Raises:
-        SceneFileError: Something in the file is wrong; names the table, the key and the nearest known word.
+        SceneFileError: The file is invalid; the message names the table, the key and the nearest known word.
         AssetNotFound: A URDF, mesh or texture that the scene needs does not exist.
         AssetInvalid: A URDF is not XML.
     """
@@ -339,14 +342,14 @@ def read_scene(path: Path | str) -> SceneSpec:
 
 
 def read_scene_text(text: str, path: Path | str) -> SceneSpec:
-    """Read and check the content of a scene file that may not have been written yet.
+    """Read and check the text of a scene file, which need not exist on disk.
 
     Args:
-        text: What the file says.
-        path: Where the file lies, or will lie: models of its own are found from here.
+        text: Content of the file.
+        path: Path of the file, present or future; assets with `./` are searched next to it.
 
     Raises:
-        SceneFileError: Something in the text is wrong; names the table, the key and the nearest known word.
+        SceneFileError: The text is invalid; the message names the table, the key and the nearest known word.
         AssetNotFound: A URDF, mesh or texture that the scene needs does not exist.
         AssetInvalid: A URDF is not XML.
     """
@@ -355,7 +358,7 @@ def read_scene_text(text: str, path: Path | str) -> SceneSpec:
 
 
 def raw_scene(text: str, path: Path | str) -> Raw:
-    """Return the tables of a scene file as in its text; only the TOML syntax is checked.
+    """Return the tables of a scene file as written; only the TOML syntax is checked.
 
     Raises:
         SceneFileError: It is not valid TOML.
@@ -363,11 +366,11 @@ def raw_scene(text: str, path: Path | str) -> Raw:
     try:
         return tomllib.loads(as_text(text, "text"))
     except (ValueError, RecursionError) as error:  # invalid TOML or UTF-8, too deep, or a number of too many digits
-        raise SceneFileError(as_path(path, "path"), "file", f"it is not valid TOML: {error}.") from error
+        raise SceneFileError(as_path(path, "path"), "file", f"it is not valid TOML: {error}.", "Correct the text.") from error
 
 
 def scene_from_raw(raw: Raw, path: Path) -> SceneSpec:
-    """Check the tables of a scene file, which `raw_scene` returned, and return the scene."""
+    """Check tables from `raw_scene`, and return the scene."""
     _check_format(path, raw)
     if "departure" in raw and "deviation" not in raw:  # the name of the table in older files
         raw = {"deviation" if table == "departure" else table: content for table, content in raw.items()}
@@ -389,13 +392,13 @@ def _parse(path: Path) -> Raw:
     if not path.is_file():
         siblings = [p.name for p in path.parent.glob("*.toml")] if path.parent.is_dir() else []
         near = nearest_name(path.name, siblings)
-        raise SceneFileError(path, "file", f"'{path}' does not exist.", f"Did you mean '{near}'?" if near else "")
+        raise SceneFileError(path, "file", f"'{path}' does not exist.", f"Did you mean '{near}'?" if near else "Check the path.")
     try:
         text = path.read_text(encoding="utf-8")
     except ValueError as error:
-        raise SceneFileError(path, "file", f"it is not valid TOML: {error}.") from error
+        raise SceneFileError(path, "file", f"it is not valid TOML: {error}.", "Correct the text.") from error
     except OSError as error:
-        raise SceneFileError(path, "file", f"it cannot be read: {error.strerror}.", "See who may read it.") from error
+        raise SceneFileError(path, "file", f"it cannot be read: {error.strerror}.", "Check its permissions.") from error
     return raw_scene(text, path)
 
 
@@ -408,10 +411,10 @@ def _check_format(path: Path, raw: Raw) -> None:
 
 
 def _with_base(path: Path, raw: Raw) -> Raw:
-    """Return the tables of a scene over those of its base; deviations and history are its own."""
+    """Return the tables of a scene merged over those of its base; deviations and history are not inherited."""
     known, name = {file.stem for file in path.parent.glob("*.toml")} - {path.stem}, str(raw["base"])
     if name not in known:
-        raise SceneFileError(path, "key 'base'", f"there is no scene '{name}' beside it.", _guess(name, known))
+        raise SceneFileError(path, "key 'base'", f"there is no scene '{name}' in the same folder.", _guess(name, known))
     file = path.with_name(f"{name}.toml")
     base = _parse(file)
     _check_format(file, base)
@@ -424,7 +427,7 @@ def _with_base(path: Path, raw: Raw) -> Raw:
 
 
 def _merged(table: str, base: Any, own: Any) -> Any:
-    """Return one table over that of the base: the keys of `[placement]`, or entries by name; other content as it is."""
+    """Return one table merged over that of the base: the keys of `[placement]`, or entries by name."""
     if isinstance(base, dict) and isinstance(own, dict):
         return {**base, **own}
     if table in _OWN or not all(isinstance(part, list) and all(isinstance(e, dict) for e in part) for part in (base, own)):
@@ -435,12 +438,12 @@ def _merged(table: str, base: Any, own: Any) -> Any:
 
 
 def _written_out(path: Path, raw: Raw) -> Raw:
-    """Return the content of a file with the short forms of format 2 written out."""
+    """Return the content of a file with the short forms of format 2 expanded."""
     return {table: _entries(path, table, content) if table in POSED_TABLES else content for table, content in raw.items()}
 
 
 def _entries(path: Path, table: str, content: Any) -> Any:
-    """Write out one array of tables; content of another kind is left to the checks that follow."""
+    """Expand one array of tables; later checks refuse content of another kind."""
     if not isinstance(content, list) or not all(isinstance(entry, dict) for entry in content):
         return content
     entries: list[Raw] = []
@@ -454,14 +457,14 @@ def _entries(path: Path, table: str, content: Any) -> Any:
 
 
 def _scene_file_error(path: Path, raw: Raw, error: ValidationError) -> SceneFileError:
-    """Turn one validation error of pydantic into ours."""
+    """Convert a validation error of pydantic to a SceneFileError."""
     found = first_finding(error)
     hint = _known_keys(raw, found.location) if found.kind == "unknown" else ""
     return SceneFileError(path, _where(raw, found.location), found.problem, hint)
 
 
 def _known_keys(raw: Raw, location: tuple[int | str, ...]) -> str:
-    """Say which keys are allowed in the place of an unknown one."""
+    """Return a hint with the allowed keys for an unknown one."""
     known = _fields_at(location[:-1]) - {"file"}
     short = short_keys(str(location[0])) if len(location) == 3 else frozenset()
     if raw["format"] < FORMAT and location[-1] in short:
@@ -488,7 +491,7 @@ def _entry_name(table: str, number: int, entry: Any) -> str:
 
 
 def _fields_at(location: tuple[int | str, ...]) -> set[str]:
-    """Return the keys that are known at a place of the file."""
+    """Return the known keys at a place of the file."""
     model: type[BaseModel] = SceneSpec
     for part in location:
         if isinstance(part, str) and part in model.model_fields:

@@ -1,4 +1,4 @@
-"""The world at one instant, as far as planning needs it: names, model files, poses, joint values."""
+"""Snapshot of the world for planning: names, model files, poses and joint positions at one instant."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Shape:
 
 @dataclass(frozen=True, eq=False)
 class BodySnapshot:
-    """One object: its model file, or its shapes, and where each of its links is."""
+    """One object: its model file or its shapes, and the pose of each link."""
 
     name: str
     """Name in the scene, or of a part of the room."""
@@ -66,13 +66,13 @@ class BodySnapshot:
 
     @property
     def layout(self) -> tuple[object, ...]:
-        """Key of the shapes without their poses: equal for bodies that differ in poses only."""
+        """Key of the shapes without poses: equal for bodies that differ only in poses."""
         return self.name, self.urdf, self.scale, self.link_names, self.shapes, self.in_room
 
 
 @dataclass(frozen=True, eq=False)
 class WorldSnapshot:
-    """All bodies but the robot, the robot's configuration, and what the gripper holds."""
+    """All bodies except the robot, the configuration of the robot, and the bodies that the gripper holds."""
 
     bodies: tuple[BodySnapshot, ...]
     """In the order of the world: room first."""
@@ -100,19 +100,19 @@ class WorldSnapshot:
         """Return a world of boxes, for planning without a simulator.
 
         Args:
-            boxes: Name -> sides (3,) [m], and position (3,) or pose (7,) of the middle. Those called like a part of the room,
-                such as `table`, stay solid where touching an object is allowed.
+            boxes: Name -> sides (3,) [m], and position (3,) or pose (7,) of the centre. Boxes with the name of a part of the
+                room, such as `table`, stay obstacles where contact with objects is allowed.
             arm: Arm joint positions (n,) [rad].
             fingers: Finger joint positions (2,) [m]; by default those of the open gripper of the Panda.
             attached: Names of the boxes that the gripper holds.
 
         Raises:
-            InvalidValue: A number is NaN, a side is not positive, a shape is wrong, or what is held is not among the boxes
+            InvalidValue: A number is NaN, a side is not positive, a shape is wrong, or an attached name is not that of a box
                 (also a ValueError).
         """
         held = as_names(attached, "attached")
         if unknown := [name for name in held if name not in boxes]:
-            raise InvalidValue("attached", unknown, f"has to name boxes: {', '.join(boxes) or 'there are none'}")
+            raise InvalidValue("attached", unknown, f"has to be names of boxes. Known: {', '.join(boxes) or 'none'}")
         bodies = tuple(_box(name, box, name in held) for name, box in boxes.items())
         return cls(bodies, np.array(arm, dtype=float), np.array(fingers, dtype=float), held)
 
@@ -128,9 +128,9 @@ class WorldSnapshot:
         cell: float = CELL,
         fewest: int = FEWEST,
     ) -> WorldSnapshot:
-        """Return a world in which space with points is solid, beside known boxes.
+        """Return a world of known boxes and of solid cubes where points are.
 
-        The points must not contain the arm, nor what the boxes represent. Space behind surfaces counts as free.
+        The points must not include the arm, nor the objects of the boxes. Space behind surfaces counts as free.
 
         Args:
             points: Points in the world, shape (n, 3) [m].
@@ -138,14 +138,14 @@ class WorldSnapshot:
             fingers: Finger joint positions (2,) [m]; by default those of the open gripper of the Panda.
             boxes: Known boxes, as in `from_boxes`: the table, the object to grasp.
             attached: Names of the boxes that the gripper holds.
-            cell: Side of the cubes that space is divided into [m].
-            fewest: Number of points from which a cube is solid.
+            cell: Side of the cubes of the grid [m].
+            fewest: Smallest number of points in a solid cube.
 
         Returns:
-            Bodies `points 0`, `points 1`, ... after the boxes; each is a few cubes.
+            A world with the boxes and then the bodies `points 0`, `points 1`, ..., each of a few cubes.
 
         Raises:
-            InvalidValue: As in `from_boxes`, or the points are no finite array (n, 3) (also a ValueError).
+            InvalidValue: As in `from_boxes`, or the points are not a finite array (n, 3) (also a ValueError).
         """
         corners = solid_boxes(as_rows(points, 3, "points", least=0), as_number(cell, "cell", above=0.0), fewest)
         seen = {f"points {k}": (high - low, 0.5 * (low + high)) for k, (low, high) in enumerate(corners)}
@@ -153,7 +153,7 @@ class WorldSnapshot:
 
 
 def _box(name: str, box: Box, held: bool) -> BodySnapshot:
-    """Return a box as a body that cannot move, unless it is held."""
+    """Return a box as a fixed body, or a movable one if it is attached."""
     sides, place = (np.asarray(value, dtype=float) for value in box)
     what = f"the box '{name}'"
     size = as_vector(sides, 3, f"the sides of {what}")
@@ -165,12 +165,12 @@ def _box(name: str, box: Box, held: bool) -> BodySnapshot:
 
 
 def solid_boxes(points: FloatArray, cell: float = CELL, fewest: int = FEWEST) -> FloatArray:
-    """Return boxes that together are the cubes with points in them, lowest and highest corners (m, 2, 3) [m].
+    """Return boxes that cover exactly the cubes with points, as lowest and highest corners (m, 2, 3) [m].
 
     Args:
         points: Points (n, 3) [m].
         cell: Side of the cubes [m].
-        fewest: Number of points that a cube must have.
+        fewest: Smallest number of points in a covered cube.
     """
     cells, counts = np.unique(np.floor(points / cell).astype(np.int64), axis=0, return_counts=True)
     cells = cells[counts >= fewest]
@@ -181,7 +181,7 @@ def solid_boxes(points: FloatArray, cell: float = CELL, fewest: int = FEWEST) ->
 
 
 def _joined(boxes: np.ndarray, axis: int) -> np.ndarray:
-    """Join boxes (m, 2, 3) of one cross-section that follow each other along an axis, up to the next multiple of `LONGEST`."""
+    """Join adjacent boxes (m, 2, 3) of one cross-section along an axis, up to the next multiple of `LONGEST`."""
     others = [i for i in range(3) if i != axis]
     section = boxes[:, :, others].reshape(-1, 4)
     order = np.lexsort((boxes[:, 0, axis], *section.T))

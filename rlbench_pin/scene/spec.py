@@ -1,10 +1,10 @@
-"""Frozen records of scene files, their kinds of values, and messages about values that are refused. No files, no physics.
+"""Frozen records of scene files, types of their values, and messages about refused values. No file access, no physics.
 
 Lengths in [m], angles in [rad], poses `[x, y, z, qx, qy, qz, qw]` in the frame of `parent`. A parent is written
 `root` (the task root), `world`, `<body>`, `<body>/<link>`, `<frame>`, `<sensor>`, `<region>` or `<waypoint>`.
 
-A file of format 1 has poses as they are here. In one of format 2 the height of `[placement]` counts from the table top,
-and `rpy` and `poses` may stand for a rotation and for an array (`write_out` in `reader`); the records are the same.
+A file of format 1 has poses as in these records. In a file of format 2 the height of `[placement]` counts from the table top,
+and the short forms `rpy` (a rotation) and `poses` (an array) are allowed (`write_out` in `reader`). The records are the same.
 """
 
 from __future__ import annotations
@@ -38,9 +38,9 @@ class Finding:
     """The first mistake in a record."""
 
     kind: Literal["unknown", "missing", "wrong"]
-    """A key that there is not, a key that is not there, or a value that cannot be used."""
+    """Whether the key is unknown, a required key is missing, or the value is invalid."""
     location: tuple[int | str, ...]
-    """Keys and numbers that lead to it."""
+    """Path of keys and indices to the mistake."""
     value: object
     """The given value."""
     problem: str
@@ -48,7 +48,7 @@ class Finding:
 
 
 def first_finding(error: ValidationError) -> Finding:
-    """Return the first finding of a validation; a misspelt key explains a missing one, so it comes first."""
+    """Return the first finding of a validation; an unknown key comes before a missing one, because it may be its misspelling."""
     findings = error.errors(include_url=False)
     first = next((f for f in findings if f["type"] == "extra_forbidden"), findings[0])
     *way, last = first["loc"] or ("",)
@@ -73,12 +73,12 @@ def _in_our_words(message: str) -> str:
 
 
 def _is_kind(part: int | str) -> bool:
-    """Whether a part of a location is one of the kinds that a value may be of, which pydantic names there."""
+    """Whether a part of a location is a type name that pydantic adds for a union."""
     return part in _KINDS or (isinstance(part, str) and "[" in part)
 
 
 def key_hint(key: str, known: Collection[str]) -> str:
-    """Say which key may have been meant by an unknown one, or which there are."""
+    """Return a hint with the key nearest to an unknown one, or with all known keys."""
     names = sorted(known)
     near = nearest_name(key, names)
     return f"Did you mean '{near}'?" if near else f"Known keys: {', '.join(names)}."
@@ -92,7 +92,7 @@ def dotted(parts: tuple[int | str, ...]) -> str:
 FARTHEST = 100.0
 """Coordinates and sizes are at most so large [m]."""
 TURN = 2.0 * np.pi + 1e-6
-"""Angles are at most one turn [rad]."""
+"""Largest angle [rad]."""
 MAX_ELEMENTS = 1000
 """Entries of a table, and points of a curve, at most."""
 MAX_WAYPOINTS = 200
@@ -102,7 +102,7 @@ NAME_PATTERN = r"^[a-z][a-z0-9_]*$"
 
 @dataclass(frozen=True)
 class Kind:
-    """Text about a kind of value for the reference page; the reader of scene files ignores it."""
+    """Description of a type of values for the reference page; the reader of scene files ignores it."""
 
     text: str
     """Type, such as `number`."""
@@ -114,21 +114,21 @@ class Kind:
 
 def _length(value: float) -> float:
     if abs(value) > FARTHEST:
-        raise ValueError(f"a length is at most {FARTHEST:g} m; lengths are in metres. Were these millimetres?")
+        raise ValueError(f"a length is at most {FARTHEST:g} m; lengths are in metres. Are these millimetres?")
     return value
 
 
 def _angle(value: float) -> float:
     if abs(value) > TURN:
         raise ValueError(
-            f"an angle is at most one turn, 2 pi = 6.2832 rad; angles are in radians. Were these degrees? "
+            f"an angle is at most 2 pi = 6.2832 rad; angles are in radians. Are these degrees? "
             f"{value:g} degrees are {np.radians(value):.4f} rad"
         )
     return value
 
 
 def is_number(value: object) -> bool:
-    """Whether a value of a file is a number that a float can hold; truth values are none."""
+    """Whether a value of a file is a number in the range of floats; booleans are not numbers."""
     return not isinstance(value, bool) and isinstance(value, int | float) and abs(value) <= 1e300
 
 
@@ -151,9 +151,9 @@ def _full_pose(value: object) -> object:
 
 
 def _real(value: object) -> object:
-    """Keep complex numbers of numpy out, which pass for floats."""
+    """Refuse complex numbers of numpy, which pydantic accepts as floats."""
     if isinstance(value, np.complexfloating):
-        raise ValueError("a complex number is none of a scene")
+        raise ValueError("a scene has no complex numbers. Give a real number")
     return value
 
 
@@ -199,12 +199,12 @@ else:
 
 
 class _RecordType(ModelMetaclass):
-    """Makes records, and says in our words what is wrong with what they are made of."""
+    """Metaclass of records: converts validation errors to InvalidRecord."""
 
     model_fields: Mapping[str, object]
 
     def __call__(cls, *values: Any, **keys: Any) -> Any:
-        """Make a record by hand; records within a file are checked as parts of it, where `read_scene` words the error."""
+        """Return a record made in Python; `read_scene` validates a file as a whole and has its own messages."""
         if values:
             problem = "it is made with keys, not with bare values."
             raise InvalidRecord(cls.__name__, "", values[0], problem, key_hint("", cls.model_fields))
@@ -217,19 +217,19 @@ class _RecordType(ModelMetaclass):
 
 
 class Spec(BaseModel, metaclass=_RecordType):
-    """Base of all records: frozen, unknown keys refused, numbers finite; made wrongly, they raise InvalidRecord."""
+    """Base of all records: frozen, with finite numbers; an unknown key or an invalid value raises InvalidRecord."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     @field_validator("*", mode="before")
     @classmethod
     def _plain(cls, value: object) -> object:
-        """Take arrays and numbers of numpy where lists and numbers are; dates and the like are neither."""
+        """Accept arrays and numbers of numpy as lists and numbers, but not dates and other types."""
         return value.tolist() if isinstance(value, np.ndarray | np.generic) and value.dtype.kind in "biuf" else value
 
 
 class PosedSpec(Spec):
-    """Something with a name and a place."""
+    """Element with a name and a pose."""
 
     name: Name
     """Name for the Python of the task; unique in the file, and not `root`, `world`, `robot` or the name of a part of the room."""
@@ -241,7 +241,7 @@ class PosedSpec(Spec):
 
 
 class BodySpec(PosedSpec):
-    """One object: an URDF asset, fixed to the world or free."""
+    """One object: a URDF asset, fixed to the world or free."""
 
     asset: str
     """URDF file below `assets/`, such as `objects/cup/cup.urdf`, or relative to the scene file when it starts with `./`."""
@@ -275,7 +275,7 @@ class SpringSpec(Spec):
 
 
 class JointSpec(Spec):
-    """How a joint of a body starts and resists."""
+    """Start position, friction, damping, spring and lock of a joint of a body."""
 
     name: str
     """`<body>/<joint>`: a movable joint of the body's URDF file."""
@@ -292,7 +292,7 @@ class JointSpec(Spec):
 
 
 class FrameSpec(PosedSpec):
-    """A named place."""
+    """A named coordinate frame."""
 
 
 class RegionSpec(PosedSpec):
@@ -312,12 +312,12 @@ class SensorSpec(PosedSpec):
 
 
 class ArcSpec(Spec):
-    """A circular sweep of the previous waypoint about an axis given in the waypoint's frame."""
+    """An arc: the previous waypoint rotated about an axis in the frame of the waypoint."""
 
     axis: Direction
     """Direction through the origin of the waypoint's frame; its length does not matter."""
     angle: Angle
-    """Sweep, right-handed about `axis`; at most one turn."""
+    """Sweep, right-handed about `axis`; at most 2 pi."""
     twist: Switch = True
     """Turn the gripper with the sweep; otherwise only its position follows."""
 
@@ -325,7 +325,7 @@ class ArcSpec(Spec):
     @classmethod
     def _direction(cls, value: Direction) -> Direction:
         if not np.linalg.norm(value) > 1e-9:
-            raise ValueError("an axis has a length other than zero")
+            raise ValueError("an axis has a length above zero")
         return value
 
 
@@ -353,12 +353,12 @@ class WaypointSpec(PosedSpec):
     @classmethod
     def _fraction(cls, value: object) -> object:
         if isinstance(value, float) and not 0.0 <= value <= 1.0:
-            raise ValueError(f"an opening fraction lies in 0..1, not {value}")
+            raise ValueError(f"an opening fraction is in 0..1, not {value}")
         return value
 
 
 class PlacementSpec(Spec):
-    """Pose of the task root, and bounds of its random placement."""
+    """Pose of the task root, and the bounds of its random placement."""
 
     pose: Pose = (0.25, 0.0, TABLE_HEIGHT, 0.0, 0.0, 0.0, 1.0)
     """Nominal pose of the root in the world; used as it is with static positions. In a file of format 2, z counts from the
@@ -374,7 +374,7 @@ class PlacementSpec(Spec):
 
 
 class InstructionsSpec(Spec):
-    """Sentences that ask for the goal; `{word}` stands for a word that the task fills in for the variation."""
+    """Templates of instructions; the task replaces `{word}` by a word of the variation."""
 
     training: tuple[Words, ...] = Field(default=(), max_length=MAX_ELEMENTS)
     """Returned by resets and recorded with demonstrations."""
@@ -387,7 +387,7 @@ class InstructionsSpec(Spec):
 
 
 class ExcludedFactorSpec(Spec):
-    """A factor of generalisation that cannot change this task, or can change it only within limits."""
+    """A factor of generalisation that is excluded or limited for this task."""
 
     name: Name
     """Name of the factor."""
@@ -398,7 +398,7 @@ class ExcludedFactorSpec(Spec):
 
 
 class DeviationSpec(Spec):
-    """A deviation from the specification of the task, for readers; it has no effect."""
+    """A documented deviation from the specification of the task; it has no effect."""
 
     name: Words
     """What differs: a figure such as `yaw` or `sensor hook`, or a few words; unique in the file."""
@@ -413,7 +413,7 @@ class DeviationSpec(Spec):
 
 
 class HistorySpec(Spec):
-    """A change of the task after which results cannot be compared with earlier ones: of its start states, dynamics or success."""
+    """A change of start states, dynamics or success, after which results cannot be compared with earlier ones."""
 
     version: Annotated[int, Strict(), Kind("whole number")] = Field(ge=2, le=MAX_ELEMENTS)
     """Version of the task since this change: 2, 3, ... without gaps. Version 1 has no entry."""
@@ -450,5 +450,5 @@ class SceneSpec(Spec):
         return self.history[-1].version if self.history else 1
 
     def posed(self) -> tuple[PosedSpec, ...]:
-        """Return everything that has a name and a place."""
+        """Return all elements that have a name and a pose."""
         return (*self.body, *self.frame, *self.region, *self.sensor, *self.waypoint)

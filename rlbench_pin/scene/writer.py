@@ -1,4 +1,4 @@
-"""Frozen `SceneSpec` -> TOML scene file. What did not change keeps its text, its order and its comments."""
+"""Writer of a `SceneSpec` to a TOML scene file. Unchanged parts of the file keep their text, order and comments."""
 
 from __future__ import annotations
 
@@ -57,18 +57,18 @@ _HEADING = re.compile(r"^(?!#)(.+)\n(\[{1,2}[a-z_]+\]{1,2} *(?:#.*)?)$", re.MULT
 def write_scene(spec: SceneSpec, path: Path | str) -> None:
     """Write a scene to a file.
 
-    An existing file is edited in place and keeps its format: entries are matched by name, and only keys whose value differs
-    are written. An array stays one while nothing in it differs; otherwise its objects are written one by one. A new file has
-    format 2. Numbers are rounded to 1e-9. A file with a `base` is left as it is.
+    An existing file is edited in place and keeps its format: entries are matched by name, and only changed keys are written.
+    An array stays an array if none of its elements has changed; otherwise each element gets an entry. A new file has format 2.
+    Numbers are rounded to 1e-9. A file with a `base` does not change.
 
     Args:
         spec: The scene.
         path: The `.toml` file; its folder must exist.
 
     Raises:
-        InvalidValue: `path` names no file.
-        SceneFileError: There is a file that is not TOML, or one with a `base` that says something else; it is left as it is.
-        StorageError: The file cannot be written, or the one that is there cannot be read. Nothing is left behind.
+        InvalidValue: `path` is not the path of a file.
+        SceneFileError: The existing file is not TOML, or has a `base` and another content; it does not change.
+        StorageError: The file cannot be written, or the existing one cannot be read. No temporary file is left.
     """
     path, spec = as_path(path, "path"), as_record(spec, SceneSpec, "spec")
     if not path.name:
@@ -77,7 +77,7 @@ def write_scene(spec: SceneSpec, path: Path | str) -> None:
     if "base" in document:
         if _alike(read_scene(path).model_copy(update={"file": spec.file, "base": spec.base}), spec):
             return
-        raise SceneFileError(path, "key 'base'", "what it takes from another scene cannot be changed here.", "Write a new file.")
+        raise SceneFileError(path, "key 'base'", "values from the base cannot be changed in this file.", "Write a new file.")
     _write_placement(document, spec.placement)
     _write_instructions(document, spec.instructions)
     for table, model in TABLES.items():
@@ -87,7 +87,7 @@ def write_scene(spec: SceneSpec, path: Path | str) -> None:
 
 
 def _document(path: Path) -> tomlkit.TOMLDocument:
-    """Return what a file holds, with its comments."""
+    """Return the content of a file, with its comments."""
     try:
         return tomlkit.parse(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -98,7 +98,7 @@ def _document(path: Path) -> tomlkit.TOMLDocument:
 
 
 def _replace(path: Path, text: str) -> None:
-    """Write a file that appears whole or not at all."""
+    """Write a file atomically."""
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         part.write_text(text, encoding="utf-8")
@@ -140,7 +140,7 @@ def _write_instructions(document: tomlkit.TOMLDocument, instructions: Instructio
 def _write_table(
     document: tomlkit.TOMLDocument, key: str, model: type[Spec], specs: Iterable[Any], identity: str = "name"
 ) -> None:
-    """Make the array of tables `[[key]]` say `specs`, in their order; entries are matched by the key `identity`."""
+    """Write `specs` to the array of tables `[[key]]`, in their order; entries are matched by the key `identity`."""
     wanted = {getattr(spec, identity): spec for spec in specs}
     present = document.get(key)
     if not isinstance(present, AoT):
@@ -164,7 +164,7 @@ def _write_table(
 
 
 def _keep_arrays(present: AoT, model: type[Spec], wanted: Mapping[str, Any]) -> set[str]:
-    """Write out the arrays of a table in which something differs, and return the names of all objects in the others."""
+    """Expand the arrays of a table that have changed, and return the names of all elements of the other arrays."""
     kept: set[str] = set()
     for index in reversed(range(len(present))):
         if "poses" not in present[index]:
@@ -186,7 +186,7 @@ def _alike(a: Spec, b: Spec) -> bool:
 
 
 def _new_entry(after: AoT) -> Table:
-    """Begin an entry, one blank line below what is before it."""
+    """Begin an entry after one blank line."""
     entry = tomlkit.table()
     if not after.as_string().endswith("\n\n"):
         entry.trivia.indent = "\n"
@@ -230,7 +230,7 @@ def _same(a: Any, b: Any) -> bool:
 
 
 def _plain(key: str, value: Any) -> Any:
-    """Turn a value into what TOML shows: short poses, round numbers, inline tables."""
+    """Convert a value to its form in TOML: short poses, rounded numbers, inline tables."""
     if isinstance(value, BaseModel):
         return _inline(value)
     if key in _POSES and value and isinstance(value[0], tuple):

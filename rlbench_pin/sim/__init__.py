@@ -1,4 +1,4 @@
-"""The simulated world: PyBullet behind plain names and arrays. Nothing else imports pybullet."""
+"""The simulated world, with an interface of names and arrays. Only this package imports pybullet."""
 
 from __future__ import annotations
 

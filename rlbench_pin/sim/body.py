@@ -66,18 +66,18 @@ class LoadedModel:
         return tuple(name for name in self.links if name in shapes)
 
     def solid_links(self) -> tuple[str, ...]:
-        """Names of the links that sensors see: with collision geometry, or with visuals when there is none."""
+        """Names of the links that sensors detect: those with collision geometry, or with visuals if no link has any."""
         shapes = solid_geometry(self.urdf, self.scale)
         return tuple(name for name in self.links if name in shapes)
 
     @cached_property
     def solids(self) -> tuple[tuple[int, Ball, tuple[Part, ...]], ...]:
-        """Number, surrounding ball and shapes of every link that sensors see."""
+        """Number, bounding sphere and shapes of every link that sensors detect."""
         balls = solid_balls(self.urdf, self.scale)
         return tuple((self.links[link], balls[link], parts) for link, parts in solid_geometry(self.urdf, self.scale).items())
 
     def placement(self, index: int = BASE) -> pin.SE3:
-        """T_world_link of the URDF frame of the link with number `index`; read once, until something moves."""
+        """T_world_link of the URDF frame of the link with number `index`; read once, until the world changes."""
         seen = self.client.placements
         if (self.uid, index) not in seen:
             seen[self.uid, index] = self._read_placement(index)
@@ -96,7 +96,7 @@ class LoadedModel:
         return se3_to_pose(self.placement())
 
     def set_base_pose(self, pose: PoseLike) -> None:
-        """Put the base link frame at a pose (7,)."""
+        """Set the pose (7,) of the base link frame."""
         T_world_com = pose_to_se3(pose) if self.com_at_base else pose_to_se3(pose) * self.T_base_com
         com = se3_to_pose(T_world_com).tolist()
         self.client.change(bullet.resetBasePositionAndOrientation, self.uid, com[:3], com[3:])
@@ -116,12 +116,12 @@ class LoadedModel:
         return np.array(linear + angular)
 
     def link_pose_at(self, index: int) -> FloatArray:
-        """Pose (7,) of the URDF frame of the link with number `index`, which is not the base."""
+        """Pose (7,) of the URDF frame of the link with number `index`; not for the base."""
         return se3_to_pose(self.placement(index))
 
 
 def _read_se3(numbers: tuple[float, ...]) -> pin.SE3:
-    """Convert seven numbers of PyBullet as `pose_to_se3` does, which is asked where they are no pose."""
+    """Convert seven numbers of PyBullet like `pose_to_se3`, which raises the error for an invalid pose."""
     pose = np.array(numbers)
     turn = pose[3:]
     norm = math.sqrt(turn @ turn)
@@ -132,7 +132,7 @@ def _read_se3(numbers: tuple[float, ...]) -> pin.SE3:
 
 
 def inspect(client: PhysicsClient, uid: int, urdf: Path, scale: float) -> LoadedModel:
-    """Read what PyBullet says about a body that was just loaded."""
+    """Return links and joints of a newly loaded body, as PyBullet numbers them."""
     identifier = client.id
     base_name = bullet.getBodyInfo(uid, physicsClientId=identifier)[0].decode()
     links, joints = {base_name: BASE}, {}
@@ -162,7 +162,7 @@ class ObjectJoint:
     Args:
         name: `<body>/<joint>`.
         model: The body it belongs to.
-        info: What PyBullet says about it.
+        info: PyBullet's data of the joint.
     """
 
     def __init__(self, name: str, model: LoadedModel, info: JointInfo) -> None:
@@ -173,7 +173,7 @@ class ObjectJoint:
         self._drive()
 
     def configure(self, spec: JointSpec) -> None:
-        """Take start value, friction, damping, spring and lock from the scene file."""
+        """Set start position, friction, damping, spring and lock from the scene file."""
         self.spec = spec
         if spec.damping is not None:
             self._change(bullet.changeDynamics, jointDamping=spec.damping)
@@ -193,54 +193,54 @@ class ObjectJoint:
 
     @property
     def position(self) -> float:
-        """Value [m] or [rad]."""
+        """Position [m] or [rad]."""
         return self.state()[0]
 
     @property
     def velocity(self) -> float:
-        """Speed [m/s] or [rad/s]."""
+        """Velocity [m/s] or [rad/s]."""
         return self.state()[1]
 
     def state(self) -> tuple[float, float]:
-        """Value and speed."""
+        """Position and velocity."""
         state = bullet.getJointState(self._model.uid, self._info.index, physicsClientId=self._model.client.id)
         return state[0], state[1]
 
     def set_position(self, position: float) -> None:
-        """Put the joint at a value [m] or [rad], at rest; a lock holds it there from now on."""
+        """Set the joint to a position [m] or [rad] with zero velocity; a lock holds it there from now on."""
         value = as_number(position, f"The value of joint '{self.name}'", InvalidNumbers)
         self._reset(value)
         if self.locked:
             self.set_lock(value)
 
     def set_state(self, position: float, velocity: float) -> None:
-        """Set value and speed, and leave the lock as it is."""
+        """Set position and velocity; the lock does not change."""
         position = as_number(position, f"The value of joint '{self.name}'", InvalidNumbers)
         self._reset(position, as_number(velocity, f"The speed of joint '{self.name}'", InvalidNumbers))
 
     @property
     def locked(self) -> bool:
-        """Whether a stiff motor holds the joint."""
+        """Whether the joint is locked: a stiff motor holds it."""
         return self._locked_at is not None
 
     @property
     def lock_position(self) -> float | None:
-        """Value at which the joint is locked; None when it is free."""
+        """Position at which the joint is locked; None if it is free."""
         return self._locked_at
 
     def lock(self) -> None:
-        """Hold the joint where it is."""
+        """Lock the joint at its position."""
         self.set_lock(self.position)
 
     def unlock(self) -> None:
-        """Let the joint move."""
+        """Release the lock."""
         self.set_lock(None)
 
     def set_lock(self, position: float | None) -> None:
-        """Hold the joint at a value [m] or [rad], or let it move.
+        """Lock the joint at a position [m] or [rad], or release it if None.
 
         Raises:
-            InvalidNumbers: It is not a finite number (also a ValueError).
+            InvalidNumbers: The position is not a finite number (also a ValueError).
         """
         if position is not None:
             position = as_number(position, f"The value of joint '{self.name}'", InvalidNumbers)
@@ -255,7 +255,7 @@ class ObjectJoint:
         self._model.client.change(function, self._model.uid, self._info.index, *positional, **named)
 
     def _drive(self) -> None:
-        """Set PyBullet's motor as lock and friction require."""
+        """Set PyBullet's motor according to lock and friction."""
         if self._locked_at is not None:
             self._change(
                 bullet.setJointMotorControl2,
@@ -279,8 +279,8 @@ class ObjectJoint:
     def pull(self, timestep: float) -> None:
         """Apply the spring's force for one physics step of length `timestep` [s].
 
-        The force is k (rest - x) - d v. When k dt^2 + d dt exceeds the moving inertia the explicit force would grow from step
-        to step, so it is scaled down to what an implicit step would give.
+        The force is k (rest - x) - d v. If k dt^2 + d dt exceeds the moving inertia, the explicit force would be unstable; it is
+        then scaled down to the force of an implicit step.
         """
         spring = self.spec.spring
         if spring is None or self._locked_at is not None:
@@ -297,7 +297,7 @@ class ObjectJoint:
 
 
 def _link_inertia(model: LoadedModel, info: JointInfo) -> float:
-    """Inertia that the joint moves [kg] or [kg m^2], of its own link alone."""
+    """Return the inertia that the joint moves [kg] or [kg m^2], of its own link only."""
     dynamics = bullet.getDynamicsInfo(model.uid, info.index, physicsClientId=model.client.id)
     return float(dynamics[0]) if info.prismatic else float(max(dynamics[2]))
 
@@ -314,10 +314,10 @@ class Body:
 
     Args:
         name: Name in the scene file.
-        model: What was loaded.
-        fixed: Welded to its place when it is loaded; see `DynamicsOverrides.set_fixed`.
-        collides: Touches other objects.
-        on_move: Called with the old and the new pose when `set_pose` moved the body, to carry its descendants along.
+        model: The loaded model.
+        fixed: Fixed to the world when it is loaded; see `DynamicsOverrides.set_fixed`.
+        collides: Collides with other objects.
+        on_move: Called with the old and the new pose after `set_pose`, to move the descendants along.
     """
 
     def __init__(self, name: str, model: LoadedModel, *, fixed: bool, collides: bool, on_move: OnMove) -> None:
@@ -361,11 +361,11 @@ class Body:
         return np.array(linear + angular)
 
     def set_pose(self, pose: PoseLike, zero_velocity: bool = True) -> None:
-        """Put the body at a pose (7,); bodies that are its children in the scene file move along.
+        """Set the pose (7,) of the body; its descendants in the scene file move along.
 
         Args:
             pose: Pose of the base link frame in the world.
-            zero_velocity: Bring the body to rest as well.
+            zero_velocity: Also set its velocity to zero.
         """
         new = pose_vector(pose, f"pose of '{self.name}'")
         zero_velocity = as_flag(zero_velocity, "zero_velocity")
@@ -376,7 +376,7 @@ class Body:
         self._on_move(self.name, old, new)
 
     def place(self, pose: PoseLike) -> None:
-        """Put this body alone at a pose (7,), at rest."""
+        """Set the pose (7,) of this body only, with zero velocity."""
         self.model.set_base_pose(pose)
         if not self.fixed:
             self.set_velocity(np.zeros(6))
@@ -398,7 +398,7 @@ class Body:
     # Shape -----------------------------------------------------------------------------------------------------------
 
     def bounds(self) -> FloatArray:
-        """Corners [[min], [max]] (2, 3) of the box around the body in its own frame, with its joints where they are [m]."""
+        """Corners [[min], [max]] (2, 3) of the bounding box in the frame of the body, at the present joint positions [m]."""
         if not self.joints:
             if self._rigid_bounds is None:
                 alone = len(self.model.links) == 1
@@ -408,7 +408,7 @@ class Body:
         return self.bounds_from(self.pose)
 
     def bounds_from(self, frame: PoseLike) -> FloatArray:
-        """Corners [[min], [max]] (2, 3) of the box around the body along the axes of a frame (7,), from its origin [m]."""
+        """Corners [[min], [max]] (2, 3) of the bounding box along the axes of a frame (7,), relative to its origin [m]."""
         boxes = []
         parts = geometry.solid_geometry(self.model.urdf, self.model.scale)
         for link in self.model.solid_links():
@@ -419,7 +419,7 @@ class Body:
         return np.stack([np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)])
 
     def extent_along(self, directions: FloatArray) -> FloatArray:
-        """How far the body reaches along unit vectors (n, 3) of the world, [[least], [most]] (2, n), from its origin [m]."""
+        """Return the extent of the body along unit vectors (n, 3) of the world, [[min], [max]] (2, n), from its origin [m]."""
         directions = as_rows(directions, 3, "directions")
         parts = geometry.solid_geometry(self.model.urdf, self.model.scale)
         placed = ((parts[link], self.model.placement(self.model.links[link])) for link in self.model.solid_links())
@@ -429,7 +429,7 @@ class Body:
         return np.stack([np.min([r[0] for r in reaches], axis=0), np.max([r[1] for r in reaches], axis=0)])
 
     def aabb_size(self) -> FloatArray:
-        """Size (3,) of the box around the body in its own frame [m]."""
+        """Size (3,) of the bounding box in the frame of the body [m]."""
         low, high = self.bounds()
         return high - low
 
@@ -437,7 +437,7 @@ class Body:
 
     @property
     def color(self) -> Color:
-        """Colour rgba in 0..1: the last one set on the base, or that of its first visual."""
+        """Colour rgba in 0..1: the last one set on the base, or the colour of its first visual."""
         for index in (BASE, *sorted(self._visuals)):
             if index in self._colors:
                 return self._colors[index]
@@ -446,14 +446,14 @@ class Body:
         return (1.0, 1.0, 1.0, 1.0)
 
     def set_color(self, color: Sequence[float], link: str | None = None) -> None:
-        """Colour every visual of one link, or of all links.
+        """Set the colour of all visuals of one link, or of all links.
 
         Args:
             color: rgb or rgba in 0..1.
-            link: Name of the link; None colours them all.
+            link: Name of the link; None means all links.
 
         Raises:
-            InvalidNumbers: It is not a colour (also a ValueError).
+            InvalidNumbers: The colour is invalid (also a ValueError).
             UnknownName: The body has no such link.
         """
         red, green, blue, alpha = color_values(color)
@@ -468,7 +468,7 @@ class Body:
         self.model.client.change(bullet.changeVisualShape, self.model.uid, index, rgbaColor=color)
 
     def _unpaint(self, index: int) -> None:
-        """Give the visuals of a link the colours of the URDF back."""
+        """Restore the URDF colours of the visuals of a link."""
         del self._colors[index]
         for shape, color in enumerate(self._visuals[index]):
             self.model.client.change(bullet.changeVisualShape, self.model.uid, index, shapeIndex=shape, rgbaColor=color)
@@ -490,12 +490,12 @@ class Body:
 
     @property
     def colors(self) -> dict[int, Color]:
-        """Colours that were set, by link number."""
+        """Colours that differ from the URDF, by link number."""
         return dict(self._colors)
 
     @property
     def mixed_colors(self) -> dict[int, tuple[Color, ...]]:
-        """Colours of the visuals of links that have several and show them, by link number; PyBullet tells only one of them."""
+        """Colours of links whose visuals have several colours, by link number; PyBullet reports only one of them."""
         return {link: own for link, own in self._visuals.items() if link not in self._colors and len(set(own)) > 1}
 
     @property
@@ -504,7 +504,7 @@ class Body:
         return self._finishes
 
     def set_colors(self, colors: dict[int, Color]) -> None:
-        """Make `colors` the only ones that differ from the URDF."""
+        """Set `colors` and restore the URDF colours of all other links."""
         as_record(colors, dict, "colors")
         for index in [i for i in self._colors if i not in colors]:
             self._unpaint(index)
@@ -513,24 +513,24 @@ class Body:
 
     @property
     def collides(self) -> bool:
-        """Whether the body touches other objects."""
+        """Whether the body collides with other objects."""
         return self._collides
 
     def set_collides(self, collides: bool) -> None:
-        """Let the body touch other objects, or pass through them."""
+        """Switch collisions with other objects on or off."""
         if (collides := as_flag(collides, "collides")) == self._collides:
             return
         self._collides = collides
         self._set_filters()
 
     def hold(self, fixed: bool) -> None:
-        """Take note that the body cannot move from now on, or can; it comes to rest. `DynamicsOverrides` sees to its mass."""
+        """Record whether the body is fixed, and set its velocity to zero. `DynamicsOverrides` changes its mass."""
         self.set_velocity(np.zeros(6))
         self.fixed = fixed
         self._set_filters()
 
     def _set_filters(self) -> None:
-        """Tell PyBullet what the body touches."""
+        """Set PyBullet's collision filters of the body."""
         for index in self.model.links.values():
             group, mask = (_STATIC if self.fixed and index == BASE else _DYNAMIC) if self._collides else (0, 0)
             self.model.client.change(bullet.setCollisionFilterGroupMask, self.model.uid, index, group, mask)
@@ -546,7 +546,7 @@ class Body:
 
 
 def carried(pose: PoseLike, old: PoseLike, new: PoseLike) -> FloatArray:
-    """Return the new pose of an object at `pose` when its parent moves from `old` to `new`."""
+    """Return the new pose of an object at `pose` whose parent moves from `old` to `new`."""
     return compose(new, relative(pose, old))
 
 
@@ -559,7 +559,7 @@ def visual_colors(model: LoadedModel) -> dict[int, tuple[Color, ...]]:
 
 
 def visual_finishes(model: LoadedModel) -> dict[int, tuple[Finish, ...]]:
-    """Finishes of the URDF's visuals, of links where one has some, by link number, in file order."""
+    """Finishes of the URDF's visuals, of links with at least one, by link number, in file order."""
     links = ((link.name, tuple(shape.finish for shape in link.visuals if shape.kind)) for link in read_urdf(model.urdf).links)
     return {model.link_index(name): finishes for name, finishes in links if any(finish != DULL for finish in finishes)}
 
@@ -587,7 +587,7 @@ class Contact:
 
 
 class ContactReader:
-    """Reads contact points and translates PyBullet's numbers to names.
+    """Reader of contact points with names in place of PyBullet's numbers.
 
     Args:
         client: The physics server.
@@ -598,11 +598,11 @@ class ContactReader:
         self._names: dict[int, tuple[str, LoadedModel, dict[int, str]]] = {}
 
     def add(self, name: str, model: LoadedModel) -> None:
-        """Make a body known."""
+        """Register a body."""
         self._names[model.uid] = (name, model, {index: link for link, index in model.links.items()})
 
     def remove(self, uid: int) -> None:
-        """Forget a body."""
+        """Remove a body from the register."""
         del self._names[uid]
 
     def read(self, body: int | None = None, other: int | None = None) -> tuple[Contact, ...]:
@@ -615,7 +615,7 @@ class ContactReader:
         return tuple(sorted(self._names[uid][0] for uid in near if uid != body))
 
     def forces(self, body: int) -> dict[tuple[str, str], float]:
-        """Return (link of `body`, what it touches) -> sum of the normal forces of the last physics step [N]."""
+        """Return (link of `body`, other body) -> sum of the normal forces of the last physics step [N]."""
         forces: dict[tuple[str, str], float] = {}
         links = self._names[body][2]
         for point in self._points(body, None):
@@ -625,7 +625,7 @@ class ContactReader:
         return forces
 
     def deepest(self) -> float:
-        """Largest overlap of any two surfaces [m], 0 when there is none."""
+        """Largest penetration depth of any contact [m]; 0 without contact."""
         return max(0.0, *(-p[8] for p in self._points(None, None)), 0.0)
 
     def _points(self, body: int | None, other: int | None) -> tuple:

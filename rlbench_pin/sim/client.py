@@ -1,4 +1,4 @@
-"""The one place that imports pybullet: the client of a physics server, and the calls that built it."""
+"""Client of a PyBullet physics server, with a journal of the calls that built its world. Only this module imports pybullet."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Change:
         """Make the call again.
 
         Raises:
-            RlbenchPinError: It failed, or returned something else this time.
+            RlbenchPinError: It failed, or its result differs from the recorded one.
         """
         name = self.function.__name__
         try:
@@ -51,7 +51,7 @@ class Change:
 
 
 class Journal:
-    """Records calls, in order, until it is closed."""
+    """Journal of calls, in order, until it is closed."""
 
     def __init__(self) -> None:
         self._changes: list[Change] = []
@@ -70,14 +70,14 @@ class Journal:
         return result
 
     def close(self) -> None:
-        """Record nothing from now on."""
+        """Stop recording."""
         self._closed = True
 
     def repeat(self) -> None:
         """Make all recorded calls again.
 
         Raises:
-            RlbenchPinError: One of them failed, or returned something else this time.
+            RlbenchPinError: A call failed, or its result differs from the recorded one.
         """
         for change in self._changes:
             change.repeat()
@@ -96,12 +96,12 @@ def to_bytes(client: PhysicsClient) -> bytes:
 
 
 def restore_bytes(client: PhysicsClient, physics: bytes) -> None:
-    """Bring a physics server to the state of `to_bytes`.
+    """Restore a physics server to a state from `to_bytes`.
 
     Raises:
-        RlbenchPinError: The bytes are damaged, or hold other bodies.
+        RlbenchPinError: The bytes are damaged, or are of other bodies.
     """
-    problem = "The array 'physics' does not fit this world; it holds other bodies or is damaged."
+    problem = "The array 'physics' does not fit this world: it has other bodies or is damaged. Use a world with its scene."
     if not physics.startswith(_BEGINNING) or len(physics) < _MIN_BYTES:
         raise RlbenchPinError(problem)
     with _temporary_file() as file:
@@ -114,7 +114,7 @@ def restore_bytes(client: PhysicsClient, physics: bytes) -> None:
 
 @contextmanager
 def _temporary_file() -> Iterator[Path]:
-    """Yield a path that was never used before, for PyBullet remembers what it has read by the name of the file."""
+    """Yield a path that was never used before, because PyBullet caches files by name."""
     memory = _MEMORY if os.access(_MEMORY, os.W_OK | os.X_OK) else None
     with tempfile.TemporaryDirectory(dir=memory) as folder:
         yield Path(folder) / "state.bullet"
@@ -125,12 +125,12 @@ _TRIM = getattr(ctypes.CDLL(None), "malloc_trim", None)
 
 
 def give_back_memory(*, collect: bool = False) -> None:
-    """Give memory that is not used back to the system.
+    """Return unused memory to the system.
 
-    The C library keeps what a physics server has freed, some 30 MB for each closed world, until it is asked for.
+    The C library keeps the freed memory of a physics server, some 30 MB for each closed world, until this call.
 
     Args:
-        collect: Look for unreachable Python objects first.
+        collect: Run Python's garbage collection first.
     """
     if collect:
         gc.collect()
@@ -139,7 +139,7 @@ def give_back_memory(*, collect: bool = False) -> None:
 
 
 def check_urdf(file: Path) -> None:
-    """Check that links and joints form one tree, and that all meshes are there: PyBullet ends the process on some broken files.
+    """Check that links and joints form one tree and all meshes exist, because PyBullet ends the process on some broken files.
 
     Raises:
         AssetNotFound: A mesh does not exist.
@@ -166,7 +166,7 @@ def _check_joints(urdf: Urdf, links: tuple[str, ...]) -> None:
         parents[joint.child] = joint.parent
     roots = [link for link in links if link not in parents]
     if len(roots) != 1:
-        raise AssetInvalid(urdf.path, f"it needs one link that is not a joint's child, but has {', '.join(roots) or 'none'}")
+        raise AssetInvalid(urdf.path, f"it needs one link that is not the child of a joint, but has {', '.join(roots) or 'none'}")
     for link in links:
         if not _reaches(link, roots[0], parents):
             raise AssetInvalid(urdf.path, f"the link '{link}' is not connected to '{roots[0]}'")
@@ -186,7 +186,7 @@ _HINT = "Use renderer='cpu', or renderer='auto' to fall back by itself; `rlbench
 
 
 class EglMissing(CameraError):
-    """EGL was asked for where there is none."""
+    """EGL was requested, but is not available."""
 
     def __init__(self, cause: str) -> None:
         self.cause = cause
@@ -194,10 +194,10 @@ class EglMissing(CameraError):
 
 
 def plugin_file() -> str:
-    """Return the file of the plugin.
+    """Return the file of the EGL plugin.
 
     Raises:
-        EglMissing: PyBullet came without it.
+        EglMissing: This PyBullet does not include the plugin.
     """
     spec = importlib.util.find_spec("eglRenderer")
     if spec is None or spec.origin is None:
@@ -219,8 +219,8 @@ _GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2]
 class PhysicsClient:
     """One physics server in this process; every call passes its `id`.
 
-    Calls that change a world while it is built go through `change`, so that `build_again` can repeat them. What moves something
-    goes through `change`, `step` or `restore`; calls that only read use `bullet` directly.
+    Calls that build a world use `change`, so that `build_again` can repeat them. Calls that change the world use `change`, `step`
+    or `restore`; calls that only read use `bullet` directly.
 
     Args:
         timestep: Length of one physics step [s].
@@ -228,11 +228,11 @@ class PhysicsClient:
 
     Attributes:
         journal: The calls that built the world.
-        placements: T_world_link by body and link number, as far as they were read since something last moved.
-        changes: How many changes there were, but for those of colours.
+        placements: T_world_link by body and link number, for links that were read since the last change.
+        changes: Number of changes, without changes of colours.
 
     Raises:
-        EglMissing: There is no EGL here.
+        EglMissing: EGL is not available.
     """
 
     def __init__(self, timestep: float, hardware: bool = False) -> None:
@@ -269,22 +269,21 @@ class PhysicsClient:
         bullet.stepSimulation(physicsClientId=self.id)
 
     def restore(self, **state: Any) -> None:
-        """Go back to a state of this server; takes the arguments of PyBullet's `restoreState`."""
+        """Restore a state of this server; the arguments are those of PyBullet's `restoreState`."""
         self.placements.clear()
         bullet.restoreState(**state, physicsClientId=self.id)
 
     def end_building(self) -> None:
-        """Record no more calls: the world is built."""
+        """Stop recording calls, because the world is built."""
         self.journal.close()
 
     def build_again(self) -> None:
         """Empty the server, and repeat all calls recorded until `end_building`.
 
-        Bodies keep their numbers. What was simulated before leaves no trace, not even in the order in which PyBullet looks at
-        contacts.
+        Bodies keep their numbers. The earlier simulation has no influence any more, not even on the order of PyBullet's contacts.
 
         Raises:
-            RlbenchPinError: A call returned something else than the first time; the server is closed then.
+            RlbenchPinError: The result of a call differs from the recorded one; the server is then closed.
         """
         self.placements.clear()
         bullet.resetSimulation(physicsClientId=self.id)
@@ -297,7 +296,7 @@ class PhysicsClient:
             raise
 
     def allow_passes(self, passes: int) -> None:
-        """Let the solver make so many passes at most in the physics steps to come."""
+        """Set the largest number of solver iterations in the next physics steps."""
         if passes != self._passes:
             bullet.setPhysicsEngineParameter(numSolverIterations=passes, physicsClientId=self.id)
             self._passes = passes
@@ -315,12 +314,12 @@ class PhysicsClient:
         return plugin
 
     def __reduce__(self) -> NoReturn:
-        """Refuse to be pickled or copied: the server lives in this process."""
+        """Refuse to be pickled or copied, because the server belongs to this process."""
         raise TypeError("A world belongs to its process. Send `World.arrays()`, or the state that `get_state()` returns.")
 
     @property
     def id(self) -> int:
-        """Number of the connection; raises EnvironmentClosed after `close`."""
+        """Number of the connection; raise EnvironmentClosed after `close`."""
         if self._id is None:
             raise EnvironmentClosed("This world is closed. Build a new one.")
         return self._id
@@ -331,7 +330,7 @@ class PhysicsClient:
         return self._id is None
 
     def close(self) -> None:
-        """Free the physics server; may be called again."""
+        """Free the physics server; repeated calls have no effect."""
         self.placements.clear()
         if self._id is not None:
             identifier, self._id = self._id, None
@@ -342,8 +341,8 @@ class PhysicsClient:
         """Load a URDF with its base link at `pose` (7,) and return its number.
 
         Raises:
-            AssetNotFound: There is no such file.
-            AssetInvalid: PyBullet cannot read it; carries what it printed.
+            AssetNotFound: The file does not exist.
+            AssetInvalid: PyBullet cannot read it; the message includes PyBullet's output.
         """
         if not urdf.is_file():
             raise AssetNotFound(urdf, needed_by)
@@ -369,14 +368,14 @@ class PhysicsClient:
 
 
 def open_client(timestep: float, renderer: RendererName) -> PhysicsClient:
-    """Start a physics server that draws as asked.
+    """Start a physics server with a renderer.
 
     Args:
         timestep: Length of one physics step [s].
-        renderer: `cpu`, `egl`, or `auto`: EGL where there is one, else the CPU.
+        renderer: `cpu`, `egl`, or `auto`: EGL if it is available, else the CPU.
 
     Raises:
-        EglMissing: EGL was asked for and there is none.
+        EglMissing: EGL was requested, but is not available.
         UnknownName: There is no such renderer.
     """
     if renderer not in RENDERERS:

@@ -1,4 +1,4 @@
-"""Robot, room, bodies and frames of one world: loading, looking up, adding and removing them."""
+"""Robot, room, bodies and frames of one world: load, look up, add and remove them."""
 
 from __future__ import annotations
 
@@ -31,21 +31,21 @@ from rlbench_pin.values import as_record, as_whole
 
 
 class StateKeeper(Protocol):
-    """Something beside the world that is saved and restored with it, in memory."""
+    """An object outside of the world whose state is saved and restored with the world, in memory."""
 
     def state(self) -> object:
-        """Return what is to be remembered; it is never changed afterwards."""
+        """Return the state; it must not change afterwards."""
         ...
 
     def set_state(self, state: object) -> None:
-        """Go back to what `state()` returned; the world has been restored before."""
+        """Restore a state from `state()`; the world is restored before."""
         ...
 
 
 class Contents:
-    """All that a physics server contains for one scene: robot, room and bodies, loaded in this order, and the scene's frames.
+    """Contents of a physics server for one scene: robot, room and bodies, loaded in this order, and the scene's frames.
 
-    It is what a state of a world describes; `World` lets time pass in it.
+    A state of a world describes these contents; `World` simulates them.
 
     Args:
         client: The physics server.
@@ -146,7 +146,7 @@ class Contents:
 
     @property
     def root(self) -> Frame:
-        """The frame that holds the whole task."""
+        """The root frame of the task."""
         return self.places.frame(ROOT)
 
     def placement(self, name: str) -> pin.SE3:
@@ -170,7 +170,7 @@ class Contents:
     # Changing the world ----------------------------------------------------------------------------------------------
 
     def place_root(self, pose: PoseLike) -> None:
-        """Move the root to a pose (7,), and all its descendants; joints stay, velocities become zero."""
+        """Move the root and all its descendants to a pose (7,); joint positions do not change, velocities become zero."""
         self.root.set_pose(pose)
 
     @property
@@ -182,12 +182,12 @@ class Contents:
         """Add a body to the running world; restoring an older state removes it.
 
         Args:
-            name: Name that is not in use.
-            spec: What to load and where; its own name is replaced by `name`.
+            name: A name that is not in use.
+            spec: Asset and pose; its name is replaced by `name`.
 
         Raises:
             RlbenchPinError: The name is in use.
-            InvalidValue: The name is not a text, or the spec is not a spec.
+            InvalidValue: The name is not a text, or `spec` is not a BodySpec.
         """
         as_record(name, str, "the name of a new body")
         as_record(spec, BodySpec, "spec")
@@ -200,14 +200,14 @@ class Contents:
         return body
 
     def remove_body(self, name: str) -> None:
-        """Remove a body that `add_body` made.
+        """Remove a body that `add_body` added.
 
         Raises:
             RlbenchPinError: The body belongs to the scene file.
         """
         body = self.body(name)
         if name not in self._spawned:
-            raise RlbenchPinError(f"'{name}' belongs to the scene file; only bodies made by add_body can be removed.")
+            raise RlbenchPinError(f"'{name}' belongs to the scene file. Remove only bodies that `add_body` added.")
         if name in self.gripper.grasped:
             self.gripper.release()
         self.dynamics_overrides.forget(body.model)
@@ -230,7 +230,7 @@ class Contents:
         return self._contacts.read(first, second)
 
     def max_penetration(self) -> float:
-        """Return how deep the deepest contact is [m]; 0 when nothing overlaps."""
+        """Return the largest penetration depth of all contacts [m]; 0 without contact."""
         return self._contacts.deepest()
 
     def _model(self, name: str) -> LoadedModel:
@@ -255,12 +255,12 @@ def load_robot(client: PhysicsClient, description: RobotDescription) -> LoadedMo
     """Load the arm, fixed at its base pose.
 
     Raises:
-        RobotModelError: Its gripper has not two fingers.
+        RobotModelError: Its gripper does not have two fingers.
     """
     if (fingers := len(description.gripper_joints)) != 2:
         raise RobotModelError(
             f"The simulation drives a gripper with two fingers; '{description.name}' has {fingers} gripper joints. "
-            "Describe a gripper with two, or use this arm for planning and control alone."
+            "Describe a gripper with two, or use this arm only for planning and control."
         )
     uid = client.load(description.urdf, f"robot '{description.name}'", np.array(description.base_pose), fixed=True)
     return inspect(client, uid, description.urdf, 1.0)
@@ -278,7 +278,7 @@ def _room_body(client: PhysicsClient, name: str, on_move: OnMove) -> RoomBody:
 
 
 def load_body(client: PhysicsClient, spec: BodySpec, scene_file: str, on_move: OnMove) -> Body:
-    """Load one body of a scene at the world origin; its place is set afterwards."""
+    """Load one body of a scene at the world origin; its pose is set afterwards."""
     urdf = resolve_asset(Path(scene_file), spec.asset)
     uid = client.load(urdf, f"body '{spec.name}'", IDENTITY, spec.fixed, spec.scale)
     body = Body(spec.name, inspect(client, uid, urdf, spec.scale), fixed=spec.fixed, collides=spec.collides, on_move=on_move)
@@ -288,12 +288,11 @@ def load_body(client: PhysicsClient, spec: BodySpec, scene_file: str, on_move: O
 
 
 def join_island(robot: LoadedModel, body: Body) -> None:
-    """Have a body with joints solved in one go with the arm: a constraint without force ties the two together.
+    """Put a body with joints into the same solver island as the arm, by a constraint without force.
 
-    PyBullet sorts the constraints of joints, and the contacts between the same two links of several convex parts, by islands, in
-    an order that leaves those of one island in no fixed sequence as soon as there are two. Islands come and go with contacts
-    and with what was simulated before, so the same motion would differ in the last bits from one run to the next. With one
-    island there is nothing to sort.
+    PyBullet sorts the constraints of joints, and the contacts between the same two links of several convex parts, by islands.
+    With two or more islands the order within an island is not fixed. Islands depend on contacts and on earlier simulation, so
+    that the same motion would differ in the last bits between runs. With one island there is no sorting.
     """
     link = min(joint.index for joint in body.model.joints.values())
     zero = [0.0, 0.0, 0.0]

@@ -17,7 +17,7 @@ from rlbench_pin.values import as_flag, as_text, finite_vector, pose_vector
 
 
 class Posed(Protocol):
-    """Something with a name and a movable place in the world: a body or a frame."""
+    """An element with a name and a pose in the world that can change: a body or a frame."""
 
     name: str
 
@@ -37,18 +37,18 @@ class Posed(Protocol):
         ...
 
     def set_pose(self, pose: PoseLike) -> None:
-        """Move to a world pose (7,)."""
+        """Set the world pose (7,)."""
         ...
 
 
 class Frame:
-    """A place that keeps its pose relative to its parent.
+    """A coordinate frame with a fixed pose relative to its parent.
 
     Args:
         name: Name in the scene file.
         parent: `root`, `world`, `<body>`, `<body>/<link>` or the name of another frame.
         local: Pose (7,) in the frame of the parent.
-        places: The world it lies in.
+        places: The tree of frames of the world.
     """
 
     def __init__(self, name: str, parent: str, local: PoseLike, places: PlaceTree) -> None:
@@ -89,11 +89,11 @@ class Frame:
 
     @property
     def parent(self) -> str:
-        """Name of what the frame moves with."""
+        """Name of the parent."""
         return self._parent
 
     def set_pose(self, pose: PoseLike) -> None:
-        """Move the frame to a world pose (7,); the parent stays, and bodies whose parent it is move along."""
+        """Set the world pose (7,) of the frame; the parent does not move, and child bodies move along."""
         new, old = pose_vector(pose, f"pose of '{self.name}'"), self.pose
         if self._parent == WORLD:
             self._set_local(new)
@@ -108,12 +108,12 @@ class Frame:
         self._places.carry(self.name, old, self.pose)
 
     def set_position(self, position: Sequence[float] | FloatArray) -> None:
-        """Move the origin to a world point (3,) [m]; the orientation stays."""
+        """Move the origin to a world point (3,) [m]; the orientation does not change."""
         point = finite_vector(position, 3, f"position of '{self.name}'")
         self.set_pose(np.concatenate([point, self.pose[3:]]))
 
     def move_to(self, target: Posed | PoseLike | str) -> None:
-        """Move to where a body or another frame is, to the place of that name, or to a world pose (7,)."""
+        """Move to the pose of a body or another frame, given as object or name, or to a world pose (7,)."""
         there = se3_to_pose(self._places.placement(target)) if isinstance(target, str) else target
         self.set_pose(getattr(there, "pose", there))  # type: ignore[arg-type]
 
@@ -122,7 +122,7 @@ class Frame:
 
         Args:
             parent: Name of the new parent.
-            keep_in_place: Stay where it is in the world; otherwise keep the pose relative to the parent, as a scene file would.
+            keep_in_place: Keep the world pose; otherwise keep the pose relative to the parent, as in a scene file.
         """
         keep_in_place = as_flag(keep_in_place, "keep_in_place")
         self._places.check_parent(self.name, parent)
@@ -132,7 +132,7 @@ class Frame:
             self.set_pose(pose)
 
     def moves_with(self, name: str) -> bool:
-        """Whether the body or frame `name` is the parent, or its parent, and so on."""
+        """Whether the body or frame `name` is the parent or another ancestor."""
         return self._places.is_below(self.name, as_text(name, "name"))
 
     def state(self) -> tuple[str, FloatArray]:
@@ -140,7 +140,7 @@ class Frame:
         return self._parent, self._local
 
     def set_state(self, parent: str, local: FloatArray) -> None:
-        """Set parent and local pose, and move nothing else."""
+        """Set parent and local pose; no other element moves."""
         if parent != self._parent or local is not self._local:
             self._parent = parent
             self._set_local(local)
@@ -166,7 +166,7 @@ Shape = Literal["box", "cylinder", "sphere"]
 
 
 class Sensor(Frame):
-    """A box, cylinder or sphere that says which bodies reach into it; touching suffices.
+    """A box, cylinder or sphere that detects the bodies in it; contact with its surface suffices.
 
     Args:
         shape: Kind of volume.
@@ -193,7 +193,7 @@ class Sensor(Frame):
         self._find = find
 
     def detects(self, body: str) -> bool:
-        """Say whether any solid part of a body lies in the volume; a body that is only seen counts with its visuals.
+        """Return whether any solid part of a body is in the volume; a body without collision geometry counts with its visuals.
 
         Args:
             body: Name of the body.
@@ -201,19 +201,19 @@ class Sensor(Frame):
         return volume_meets(self._volume, self._reach, self.placement(), self._find(body))
 
     def contains(self, point: Sequence[float] | FloatArray) -> bool:
-        """Say whether a world point (3,) [m] lies in the volume."""
+        """Return whether a world point (3,) [m] is in the volume."""
         x = finite_vector(point, 3, "point")
         return geometry.volume_contains(self.shape, self.size, self.placement(), np.asarray(x))
 
 
 def volume_meets(volume: object, reach: float, T_world_volume: pin.SE3, body: Body) -> bool:
-    """Say whether a Coal shape at a placement touches any solid part of a body.
+    """Return whether a Coal shape at a placement touches any solid part of a body.
 
     Args:
         volume: The shape.
-        reach: Radius of a ball around its origin that holds it [m].
+        reach: Radius of its bounding sphere around its origin [m].
         T_world_volume: Its placement.
-        body: What may touch it.
+        body: The body.
     """
     for index, ball, parts in body.model.solids:
         T_world_link = body.model.placement(index)
@@ -228,7 +228,7 @@ Kind = TypeVar("Kind", bound=Frame)
 
 
 class PlaceTree:
-    """Resolves names to placements, and moves bodies with their parents.
+    """Tree of frames and bodies: resolves names to placements, and moves bodies with their parents.
 
     Args:
         spec: Names, parents and local poses.
@@ -290,21 +290,21 @@ class PlaceTree:
         self._bodies[spec.name] = spec
 
     def remove_body(self, name: str) -> None:
-        """Forget a body."""
+        """Remove a body."""
         del self._bodies[name]
 
     def place_bodies(self) -> None:
-        """Put every body where the scene file says, parents first."""
+        """Set the pose of every body from the scene file, parents first."""
         for name in sorted(self._bodies, key=lambda n: len(self._ancestors(n))):
             self.place_body(name)
 
     def place_body(self, name: str) -> None:
-        """Put one body at its pose relative to its parent."""
+        """Set one body to its pose relative to its parent."""
         spec = self._bodies[name]
         self._find(name).place(se3_to_pose(self.placement(spec.parent) * pose_to_se3(spec.pose)))
 
     def carry(self, name: str, old: FloatArray, new: FloatArray) -> None:
-        """Move the descendants of `name`, which went from pose `old` to `new`; they come to rest."""
+        """Move the descendants of `name`, which moved from pose `old` to `new`; their velocities become zero."""
         if np.array_equal(old, new):
             return
         for body_name in self._bodies:
@@ -318,17 +318,17 @@ class PlaceTree:
         owner = parent.partition("/")[0]
         if owner == child or child in self._ancestors(owner):
             raise RlbenchPinError(
-                f"'{parent}' cannot be the parent of '{child}', because it is a descendant of '{child}' itself."
+                f"'{parent}' cannot be the parent of '{child}', because it is a descendant of '{child}'. Choose another parent."
             )
 
     def parent(self, name: str) -> str | None:
-        """Return what a body or frame moves with, as a scene file says it; None for what has no parent."""
+        """Return the name of the parent of a body or frame, as in a scene file; None without a parent."""
         if name in self.frames:
             return self.frames[name].parent
         return self._bodies[name].parent if name in self._bodies else None
 
     def set_parent(self, name: str, parent: str) -> None:
-        """Let a body of the scene move with another object from now on; it stays where it is.
+        """Set the parent of a body of the scene; the body does not move.
 
         Args:
             name: Name of the body.
@@ -344,14 +344,14 @@ class PlaceTree:
         self._bodies[name] = self._bodies[name].model_copy(update={"parent": parent})
 
     def is_below(self, name: str, other: str) -> bool:
-        """Whether `other` is the parent of `name`, or its parent, and so on."""
+        """Whether `other` is an ancestor of `name`."""
         above = self._parent(name)
         while above is not None and above != other:
             above = self._parent(above)
         return above is not None
 
     def _ancestors(self, name: str) -> tuple[str, ...]:
-        """Names of the parent of `name`, of its parent, and so on."""
+        """Yield the names of the ancestors of `name`, the parent first."""
         ancestors: list[str] = []
         while (parent := self._parent(name)) is not None:
             ancestors.append(parent)

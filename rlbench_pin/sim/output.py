@@ -1,7 +1,7 @@
-"""Catches the output of C libraries without touching the file descriptors of the process.
+"""Capture of the output of C libraries, without a change of the file descriptors of the process.
 
-PyBullet writes with `printf` to the C library's variables `stdout` and `stderr`. While its output is caught these two stand for
-a file in memory; descriptors 1 and 2, and with them Python's own output, stay as they are in every thread.
+PyBullet writes with `printf` to the C library's variables `stdout` and `stderr`. During a capture both refer to a file in memory.
+Descriptors 1 and 2, and thus Python's own output, do not change in any thread.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ class Captured:
 
 
 class OutputSwitch:
-    """Redirects what C code prints in this process into a file in memory; one thread at a time, nested or not.
+    """Redirects the output of C code in this process to a file in memory; for one thread at a time, also nested.
 
-    The file lives as long as the process: a thread that is in the middle of printing may still hold it when it is switched off.
-    Where the C library has no such variables, or the system no files in memory, nothing is caught and all is printed.
+    The file exists as long as the process, because another thread may still print to it when the capture ends. If the C library
+    has no such variables, or the system has no files in memory, the output is printed and not captured.
     """
 
     def __init__(self) -> None:
@@ -50,7 +50,7 @@ class OutputSwitch:
 
     @contextmanager
     def catching(self) -> Iterator[Captured]:
-        """Catch what is printed in this block; the text is there when it has ended."""
+        """Capture the output of a block; the text is available after the block."""
         captured = Captured()
         if not self._streams:
             yield captured
@@ -90,5 +90,5 @@ _SWITCH = OutputSwitch()
 
 
 def captured_output() -> AbstractContextManager[Captured]:
-    """Catch what C code prints, which Python's own redirection does not see. What Python prints is not touched."""
+    """Capture the output of C code, which Python's redirection misses. Output of Python is not captured."""
     return _SWITCH.catching()

@@ -1,4 +1,4 @@
-"""Scaled masses, friction, damping and gains, textures in place of colours, and the way back to the exact original values."""
+"""Overrides of masses, friction, damping, gains and textures, and the exact restoration of the original values."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class DynamicsOverrides:
     """Masses, friction, damping and gains that differ from those of the model files.
 
     Args:
-        robot: The arm, whose motors can be made stiffer or softer.
+        robot: The arm, whose position gain can be scaled.
     """
 
     def __init__(self, robot: SimRobot) -> None:
@@ -46,23 +46,23 @@ class DynamicsOverrides:
             self._change(model, link, changed)
 
     def mass(self, model: LoadedModel, link: int) -> float:
-        """Mass of a link [kg] that it has, or would have if it could move."""
+        """Mass of a link [kg]; for a fixed body the mass that it would have if it could move."""
         return float(self._changed.get((model.uid, link), {}).get("mass") or self._original(model, link)["mass"])
 
     def set_mass(self, model: LoadedModel, link: int, mass: float) -> None:
-        """Give a link another mass [kg]; its inertia grows alike. What is held at its place has it once it can move.
+        """Set the mass of a link [kg]; its inertia scales with it. For a fixed body it takes effect when the body can move.
 
         Raises:
             RlbenchPinError: The link has no mass in its model file.
         """
         original = self._original(model, link)
         if not original["mass"] > 0.0:
-            raise RlbenchPinError(f"A link of {model.urdf.name} has no mass there, and so no inertia to scale.")
+            raise RlbenchPinError(f"A link of {model.urdf.name} has no mass, and so no inertia to scale. Add an <inertial>.")
         factor = mass / original["mass"]
         self._change(model, link, {"mass": mass, "localInertiaDiagonal": [i * factor for i in original["localInertiaDiagonal"]]})
 
     def set_fixed(self, body: Body, fixed: bool) -> None:
-        """Hold a body at its place, or let it move; it begins at rest.
+        """Fix a body at its pose, or let it move; its velocity becomes zero.
 
         Raises:
             RlbenchPinError: The body has joints, or no mass in its model file.
@@ -71,10 +71,10 @@ class DynamicsOverrides:
             return
         model = body.model
         if model.joints:
-            raise RlbenchPinError(f"'{body.name}' has joints; only the scene file can say whether it is `fixed`.")
+            raise RlbenchPinError(f"'{body.name}' has joints and cannot be fixed at run time. Set `fixed` in the scene file.")
         original = self._original(model, BASE)
         if not original["mass"] > 0.0:
-            raise RlbenchPinError(f"'{body.name}' has no mass in {model.urdf.name}, so that it cannot move.")
+            raise RlbenchPinError(f"'{body.name}' has no mass in {model.urdf.name}, so it cannot move. Add an <inertial>.")
         body.hold(fixed)
         if fixed:
             self._held.add(model.uid)
@@ -88,12 +88,12 @@ class DynamicsOverrides:
         return float(bullet.getDynamicsInfo(model.uid, link, physicsClientId=model.client.id)[1])
 
     def set_friction(self, model: LoadedModel, link: int, friction: float) -> None:
-        """Give a link another coefficient of sliding friction."""
+        """Set the coefficient of sliding friction of a link."""
         self._original(model, link)
         self._change(model, link, {"lateralFriction": friction})
 
     def forget(self, model: LoadedModel) -> None:
-        """Forget a body that is taken away."""
+        """Drop the overrides of a removed body."""
         self._held.discard(model.uid)
         for links in (self._originals, self._changed):
             for key in [k for k in links if k[0] == model.uid]:
@@ -141,7 +141,7 @@ class DynamicsOverrides:
 
 
 def _inertial_of_file(model: LoadedModel) -> dict[str, Any]:
-    """Mass and inertia of the base link in the model file; PyBullet forgets those of what is loaded fixed."""
+    """Mass and inertia of the base link in the model file; PyBullet drops those of fixed bodies."""
     urdf = read_urdf(model.urdf)
     inertial = next(link.inertial for link in urdf.links if link.name == urdf.base_link)
     if inertial is None:
@@ -153,10 +153,10 @@ _WHITE, _UNSEEN = (1.0, 1.0, 1.0, 1.0), (1.0, 1.0, 1.0, 0.0)
 
 
 class TextureOverrides:
-    """Textures over everything that is drawn; bodies keep their own colours, which `clear` shows again.
+    """Textures over robot, bodies and room; bodies keep their own colours, which `clear` shows again.
 
     Args:
-        renderer: Draws the textures.
+        renderer: The renderer of the world.
         robot: Model of the arm.
         bodies: Bodies of the scene, by name.
         room: Bodies of the room, by name.
@@ -188,11 +188,11 @@ class TextureOverrides:
         self._renderer.set_link_texture(self._robot.uid, link, LinkTexture(texture, repeats))
 
     def show_robot_link(self, link: int, shown: bool) -> None:
-        """Hide a link of the arm from cameras, or show it again; what has no visuals stays as it is.
+        """Hide a link of the arm in images, or show it again; no effect on a link without visuals.
 
         Args:
             link: Number of the link.
-            shown: Whether it is seen from now on.
+            shown: Whether it is drawn from now on.
         """
         if link not in self._robot_colors:
             return
@@ -203,17 +203,17 @@ class TextureOverrides:
         self._repaint_robot_link(link)
 
     def robot_link_color(self, link: int) -> Color:
-        """Colour rgba in 0..1 of a link of the arm: the one given to it, or that of its first visual."""
+        """Colour rgba in 0..1 of a link of the arm: the one that was set, or that of its first visual."""
         return self._painted_robot_links.get(link) or self._robot_colors.get(link, (_WHITE,))[0]
 
     def paint_robot_link(self, link: int, color: Color) -> None:
-        """Give a link of the arm one colour rgba in 0..1 for all its visuals; those without visuals stay as they are."""
+        """Set one colour rgba in 0..1 for all visuals of a link of the arm; no effect on a link without visuals."""
         if link in self._robot_colors:
             self._painted_robot_links[link] = color
             self._repaint_robot_link(link)
 
     def set_body(self, name: str, texture: Texture, repeats: float) -> None:
-        """Put a texture on a body; a body that was given a colour keeps it, and the texture only shades it.
+        """Put a texture on a body; if a colour was set on the body, it stays, and the texture only shades it.
 
         Args:
             name: Name of a body of the scene.
@@ -230,7 +230,7 @@ class TextureOverrides:
             self._renderer.set_link_texture(body.model.uid, link, LinkTexture(texture.gray if colored else texture, repeats))
 
     def shade_body(self, name: str, texture: Texture, repeats: float) -> None:
-        """Multiply the colours of a body by a texture; the body keeps them.
+        """Multiply the colours of a body by a texture; its colours do not change.
 
         Args:
             name: Name of a body of the scene.
@@ -250,13 +250,13 @@ class TextureOverrides:
 
         Args:
             name: Name of the part of the room.
-            pattern: Takes the place of its own texture and keeps its mean colour; None keeps the texture.
+            pattern: Replaces its own texture and keeps the mean colour; None keeps the texture.
             tint: Factor of red, green and blue.
         """
         self._room[name].pattern, self._room[name].tint = pattern, tint
 
     def clear_body(self, name: str) -> None:
-        """Give one body its own appearance back; parts of the room are left alone."""
+        """Restore the original appearance of one body; no effect on parts of the room."""
         if (body := self._bodies.get(name)) is None:
             return
         for link in body.visual_links:
@@ -266,11 +266,11 @@ class TextureOverrides:
             body.repaint()
 
     def clear_room_body(self, name: str) -> None:
-        """Give table, floor, ceiling or a wall its own texture back."""
+        """Restore the original texture of table, floor, ceiling or a wall."""
         self._room[name].texture = None
 
     def clear_robot_link(self, link: int) -> None:
-        """Give one link of the arm its own colours back."""
+        """Restore the original colours of one link of the arm."""
         self._renderer.clear_link_texture(self._robot.uid, link)
         if link in self._white_robot_links:
             self._white_robot_links.remove(link)
@@ -295,7 +295,7 @@ class TextureOverrides:
                 _whiten(self._bodies[name].model, link)
 
     def clear(self) -> None:
-        """Remove all overrides, so that everything has its own colours and textures again."""
+        """Remove all overrides and restore the original colours and textures."""
         self._renderer.clear_link_textures()
         for body in self._room.values():
             body.texture, body.pattern, body.tint = None, None, (1.0, 1.0, 1.0)

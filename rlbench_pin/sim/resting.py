@@ -1,8 +1,8 @@
-"""Puts resting bodies to sleep, so that they cost no time until something comes near them or changes the world.
+"""Sleep of stationary bodies: they cost no time until an awake body comes near them or the world is changed.
 
-PyBullet's solver leaves out what sleeps as long as every body whose box overlaps theirs sleeps too, and simulates it again in the
-very physics step in which the box of something awake overlaps. When that has gone without moving them they sleep on. This
-module decides which bodies sleep, by how many ticks in a row they were at rest; the states that PyBullet saves do not contain it.
+PyBullet's solver skips a sleeping body as long as all bodies with overlapping bounding boxes sleep too. It simulates the body
+again in the first physics step in which the box of an awake body overlaps. If that body leaves without moving it, it sleeps on.
+This module decides which bodies sleep, by the number of consecutive ticks at rest. PyBullet's saved states do not contain this.
 """
 
 from __future__ import annotations
@@ -35,14 +35,14 @@ class _Loose:
 
 
 class Resting:
-    """Sleeping bodies. Every change of the world but that of a colour wakes all bodies.
+    """Sleeping bodies. Every change of the world except a change of colour wakes all bodies.
 
-    A body that slept begins to move one physics step late, except where something awake comes near. Bodies that are fixed sleep
-    from the end of the first tick on, so that PyBullet does not look for contacts between them and what sleeps.
+    A sleeping body starts to move one physics step late, except if an awake body comes near. Fixed bodies sleep from the end of
+    the first tick on, so that PyBullet skips contacts between them and sleeping bodies.
 
     Args:
         client: The physics server.
-        bodies: The bodies of the world by name, those of later times included.
+        bodies: The bodies of the world by name; later bodies are added to this dict.
         room: Table, floor and walls, by name.
     """
 
@@ -62,7 +62,7 @@ class Resting:
     # Ticks -----------------------------------------------------------------------------------------------------------
 
     def step(self) -> None:
-        """Advance one physics step; all bodies wake if something has changed the world since the last one."""
+        """Advance one physics step; all bodies wake if the world has changed since the last step."""
         if self._thrown:
             self._throw_again()
         if self._client.changes != self._changes:
@@ -92,7 +92,7 @@ class Resting:
                 self._tell([body.uid], _WAKE)
 
     def _wake(self) -> None:
-        """Wake all bodies, and find out which there are now."""
+        """Wake all bodies, and list the present ones."""
         self._throw_again()
         now = [*self._room.values(), *self._bodies.values()]
         present = {body.model.uid for body in now}
@@ -108,7 +108,7 @@ class Resting:
         self._changes = self._client.changes
 
     def _throw_again(self) -> None:
-        """Give velocities back that were set while a body slept: in the step in which it wakes PyBullet makes them zero."""
+        """Restore velocities that were set while a body slept: PyBullet sets them to zero in the step in which it wakes."""
         for uid, velocity in self._thrown.items():
             if bullet.getBaseVelocity(uid, physicsClientId=self._client.id) == (_ZERO, _ZERO):
                 bullet.resetBaseVelocity(uid, *velocity, physicsClientId=self._client.id)
@@ -123,7 +123,7 @@ class Resting:
 
     @property
     def quiet(self) -> tuple[tuple[str, int], ...]:
-        """Names of the bodies that were at rest, and at the end of how many ticks in a row."""
+        """Names of the bodies at rest, with the number of consecutive ticks."""
         if self._client.changes != self._changes:
             return ()
         return tuple((name, body.ticks) for name, body in self._loose.items() if body.ticks)
@@ -138,15 +138,15 @@ class Resting:
         self._drowsy = False
 
     def forget(self) -> None:
-        """Take note that the server was emptied and built again, where nobody sleeps."""
+        """Record that the server was built again; no body sleeps there."""
         self._loose, self._fixed, self._changes, self._drowsy = {}, [], -1, False
         self._thrown.clear()
 
     def go_on(self, quiet: Iterable[tuple[str, int]]) -> None:
-        """Let those sleep that slept when a state was saved, which has been restored after `rouse`.
+        """Restore which bodies sleep; the state of the world was restored after `rouse` before.
 
         Args:
-            quiet: What `quiet` was.
+            quiet: Value of `quiet` when the state was saved.
         """
         self._changes = -1
         self._wake()

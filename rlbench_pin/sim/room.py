@@ -1,4 +1,4 @@
-"""Bodies of the room, read as flat rectangles: PyBullet collides with them, the backdrop draws them."""
+"""Bodies of the room as flat rectangles: PyBullet simulates collisions with them, and the backdrop draws them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from rlbench_pin.urdf import read_urdf
 
 @dataclass(frozen=True, eq=False)
 class Quad:
-    """A parallelogram that is seen from the side where its edges turn counter-clockwise."""
+    """A parallelogram, visible from the side from which its edges are counter-clockwise."""
 
     corner: FloatArray
     """(3,) [m], in the frame of its body."""
@@ -36,7 +36,7 @@ class Quad:
 
 @lru_cache(maxsize=32)
 def read_quads(urdf: Path) -> tuple[Quad, ...]:
-    """Return the rectangles of a body with one link, whose meshes are made of pairs of triangles.
+    """Return the rectangles of a body with one link, whose meshes consist of pairs of triangles.
 
     Raises:
         AssetInvalid: A visual is not a mesh, or two consecutive triangles of a mesh are not the halves of a parallelogram.
@@ -44,7 +44,7 @@ def read_quads(urdf: Path) -> tuple[Quad, ...]:
     quads: list[Quad] = []
     for visual in (visual for link in read_urdf(urdf).links for visual in link.visuals):
         if visual.mesh is None:
-            raise AssetInvalid(urdf, "a visual is not a mesh; the room is made of meshes")
+            raise AssetInvalid(urdf, "a visual is not a mesh; visuals of the room have to be meshes")
         red, green, blue = (visual.color or (1.0, 1.0, 1.0))[:3]
         quads += _mesh_quads(urdf, visual.mesh, (red, green, blue))
     return tuple(quads)
@@ -53,7 +53,7 @@ def read_quads(urdf: Path) -> tuple[Quad, ...]:
 def _mesh_quads(urdf: Path, obj: Path, color: tuple[float, float, float]) -> list[Quad]:
     vertices, coordinates, faces, texture = _read_obj(obj)
     if len(faces) % 2:
-        raise AssetInvalid(urdf, f"{obj.name} has an odd number of triangles; the room is made of rectangles")
+        raise AssetInvalid(urdf, f"{obj.name} has an odd number of triangles; meshes of the room have to be rectangles")
     return [_quad(urdf, vertices, coordinates, a, b, color, texture) for a, b in zip(faces[0::2], faces[1::2])]
 
 
@@ -73,7 +73,7 @@ def _quad(
     (a, b, c), d = first, second[2]
     points = vertices[[a[0], b[0], c[0], d[0]]]
     if second[0][0] != a[0] or second[1][0] != c[0] or np.abs(points[1] + points[3] - points[0] - points[2]).max() > 1e-6:
-        raise AssetInvalid(urdf, "two consecutive triangles are not the halves of a rectangle, as the room needs them")
+        raise AssetInvalid(urdf, "two consecutive triangles do not form a rectangle; meshes of the room have to be rectangles")
     edges = np.stack([points[1] - points[0], points[3] - points[0]])
     if texture is None:
         return Quad(points[0], edges, color)
@@ -117,7 +117,7 @@ class RoomBody(Body):
 
     Attributes:
         texture: Replaces its own textures and covers its plain parts, or None.
-        pattern: Takes the place of its own textures and keeps their mean colours, or None.
+        pattern: Replaces its own textures and keeps their mean colours, or None.
         tint: Factor of red, green and blue.
     """
 
@@ -126,7 +126,7 @@ class RoomBody(Body):
     tint: tuple[float, float, float] = (1.0, 1.0, 1.0)
 
     def hide(self) -> RoomBody:
-        """Make it invisible to PyBullet's renderers."""
+        """Hide it from PyBullet's renderers."""
         self.model.client.change(bullet.changeVisualShape, self.model.uid, BASE, rgbaColor=_UNSEEN)
         return self
 
@@ -137,7 +137,7 @@ class RoomBody(Body):
         del self._colors[index]
 
     def appearance(self) -> tuple[object, ...]:
-        """All that its image depends on, to compare."""
+        """All values on which its image depends, for comparison."""
         place = bullet.getBasePositionAndOrientation(self.model.uid, physicsClientId=self.model.client.id)
         return (place, self._colors.get(BASE), self.texture, self.pattern, self.tint)
 
@@ -170,6 +170,6 @@ def _product(color: Sequence[float], factors: Sequence[float]) -> tuple[float, f
 
 
 def _in_metres(edges: FloatArray) -> FloatArray:
-    """Texture coordinates of a rectangle on which a texture repeats at an even pace."""
+    """Texture coordinates in metres of a rectangle with a uniformly repeated texture."""
     lengths = _REPEATS * np.linalg.norm(edges, axis=1)
     return np.array([[0.0, 0.0], [lengths[0], 0.0], [0.0, lengths[1]]])

@@ -1,7 +1,7 @@
-"""Saving and restoring a world, exactly: in memory, pickled, and as plain arrays that another process can continue from.
+"""Exact saving and restoring of a world: in memory, pickled, and as plain arrays for another process.
 
-PyBullet's own state holds positions, velocities and contacts. What it leaves out is kept beside it: motor commands, attachments,
-collision filters, colours, locks, frames and the bodies added at run time.
+PyBullet's state contains positions, velocities and contacts. This module stores the rest: motor commands, attachments, collision
+filters, colours, locks, frames and the bodies added at run time.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _DETECTIONS = 20
 
 @dataclass(frozen=True, eq=False)
 class LogicalBodyState:
-    """The part of the state of one body that PyBullet's state leaves out."""
+    """The part of the state of one body that PyBullet's state does not contain."""
 
     colors: dict[int, Color]
     collides: bool
@@ -44,7 +44,7 @@ class LogicalBodyState:
 
 @dataclass(frozen=True, eq=False)
 class LogicalState:
-    """The part of the state of a world that PyBullet's state leaves out."""
+    """The part of the state of a world that PyBullet's state does not contain."""
 
     ticks: int
     arm: ArmControl
@@ -67,18 +67,18 @@ class DetachedPhysics:
     data: bytes = field(repr=False)
 
     def restore(self, client: PhysicsClient) -> None:
-        """Bring a server with the same bodies to this state."""
+        """Restore a server with the same bodies to this state."""
         restore_bytes(client, zlib.decompress(self.data))
 
 
 class Physics:
-    """PyBullet's part of a state: a number in its server or, when that server is to be built again, the bytes.
+    """PyBullet's part of a state: a number in its server or, if that server is built again, bytes.
 
-    Going on from the number and from the bytes differs in the last bits where bodies touch, so a portable one has no number.
+    Continuations from the number and from the bytes differ in the last bits where bodies touch, so a portable one has no number.
 
     Args:
-        client: The physics server, whose present state is taken.
-        portable: Keep bytes, as another process will have.
+        client: The physics server, whose present state is saved.
+        portable: Store bytes, which another process can use.
     """
 
     def __init__(self, client: PhysicsClient, portable: bool = False) -> None:
@@ -91,11 +91,11 @@ class Physics:
 
     def __reduce__(self) -> tuple[type[DetachedPhysics], tuple[bytes]]:
         if not self._bytes:
-            raise RlbenchPinError("This state of a world cannot be pickled. `TaskEnvironment.get_state()` gives one that can.")
+            raise RlbenchPinError("This state of a world cannot be pickled. Use a state from `TaskEnvironment.get_state()`.")
         return DetachedPhysics, (zlib.compress(self._bytes, 1),)
 
     def restore(self, client: PhysicsClient) -> None:
-        """Bring the server to this state."""
+        """Restore the server to this state."""
         if client is not self.client:
             raise RlbenchPinError("This state was saved by another world. Use arrays() and set_arrays() between worlds.")
         if self._number is not None:
@@ -107,15 +107,15 @@ class Physics:
 
     @property
     def has_bytes(self) -> bool:
-        """Whether it outlasts its server."""
+        """Whether the state is independent of its server."""
         return bool(self._bytes)
 
     def take_bytes(self) -> None:
-        """Keep the server's present state, which must be this one, as bytes."""
+        """Store the present state of the server, which must be this state, as bytes."""
         self._bytes = to_bytes(self.client)
 
     def take(self) -> None:
-        """Take the server's present state."""
+        """Save the present state of the server."""
         self._number = bullet.saveState(physicsClientId=self.client.id)
 
     def forget(self) -> None:
@@ -127,14 +127,14 @@ class Physics:
 
 @dataclass(frozen=True, eq=False)
 class WorldState:
-    """One instant of one world; only that world can restore it, unless it was pickled: then any with the same bodies can."""
+    """State of one world. Only that world can restore it; after pickling, any world with the same bodies can."""
 
     physics: Physics | DetachedPhysics
     logical: LogicalState
 
 
 def save(world: Contents, portable: bool = False) -> WorldState:
-    """Remember this instant; the physics server frees it when the returned object is gone. Only a portable one can be pickled."""
+    """Return the present state; the physics server frees it with the returned object. Only a portable one can be pickled."""
     logical = read_logical_state(world)
     world.gripper.set_attachments(world.gripper.attachments())  # as restoring does
     physics = Physics(world.client, portable)
@@ -145,10 +145,10 @@ def save(world: Contents, portable: bool = False) -> WorldState:
 
 
 def restore(world: Contents, saved: WorldState) -> None:
-    """Go back to a remembered instant.
+    """Restore a saved state.
 
     Raises:
-        RlbenchPinError: The state belongs to another world or, when it was pickled, to another scene.
+        RlbenchPinError: The state belongs to another world or, if it was pickled, to another scene.
     """
     if isinstance(saved.physics, DetachedPhysics):
         check_same_scene(world, saved.logical)
@@ -165,18 +165,19 @@ def check_same_scene(world: Contents, logical: LogicalState) -> None:
     there = {n for n in logical.bodies if n not in logical.spawned}
     if here != there or set(logical.frames) != set(world.frames):
         differing = sorted((here ^ there) | (set(logical.frames) ^ set(world.frames)))
-        raise RlbenchPinError(f"The state is of another scene; only one of the two has {', '.join(differing[:6])}.")
+        problem = f"The state is of another scene: only one of the two has {', '.join(differing[:6])}"
+        raise RlbenchPinError(f"{problem}. Load the scene of the state.")
 
 
 def _restore_server(world: Contents, restore_state: Callable[[PhysicsClient], None], logical: LogicalState) -> None:
-    """Bring the physics server to a state, without contacts of what happened before."""
+    """Restore the physics server to a state, without contacts from before."""
     separate_bodies(world)
     restore_state(world.client)
     world.resting.go_on(logical.quiet)
 
 
 def build_again(world: Contents, origin: WorldState, saved_states: Iterable[WorldState]) -> None:
-    """Bring a world to its origin, in a physics server that was emptied and built again; saved states stay valid."""
+    """Restore a world to its origin in a physics server that is emptied and built again; saved states stay valid."""
     for saved in saved_states:
         assert isinstance(saved.physics, Physics)
         if saved is not origin and not saved.physics.has_bytes:
@@ -197,11 +198,11 @@ def build_again(world: Contents, origin: WorldState, saved_states: Iterable[Worl
 
 
 def separate_bodies(world: Contents) -> None:
-    """Take all bodies far apart, so that PyBullet forgets every contact.
+    """Move all bodies far apart, so that PyBullet drops all contacts.
 
-    It restores only one set of contact points per pair of links. Where links are made of several convex parts the other sets
-    would be left over from what happened before; after this they are computed afresh from the restored poses. Saving restores
-    as well, so that going on after a save and after a restore is the same to the last bit.
+    PyBullet restores only one set of contact points per pair of links. For links of several convex parts the other sets would be
+    those from before; after this call they are computed from the restored poses. A save restores as well, so that continuations
+    after a save and after a restore are bit-identical.
     """
     world.robot.keep_torques()
     world.resting.rouse()  # boxes of what sleeps do not follow
@@ -216,7 +217,7 @@ def separate_bodies(world: Contents) -> None:
 
 
 def read_logical_state(world: Contents) -> LogicalState:
-    """Collect what PyBullet's state leaves out."""
+    """Return the part of the state that PyBullet's state does not contain."""
     return LogicalState(
         world.ticks,
         world.robot.control,
@@ -241,7 +242,7 @@ def _read_body(body: Body) -> LogicalBodyState:
 
 
 def write_logical_state(world: Contents, logical: LogicalState) -> None:
-    """Bring about what PyBullet's state leaves out; only differences cost time."""
+    """Restore the part of the state that PyBullet's state does not contain; only differences cost time."""
     match_spawned(world, logical.spawned)
     world.gripper.set_attachments(logical.attachments)
     for name, body_state in logical.bodies.items():
@@ -266,9 +267,9 @@ def _write_body(body: Body, logical: LogicalBodyState) -> None:
 
 
 def match_spawned(world: Contents, wanted: dict[str, BodySpec]) -> None:
-    """Keep the run-time bodies that both have from the first on, remove the rest, and add what is missing, in order.
+    """Keep the common prefix of the run-time bodies, remove the others, and add the missing ones in order.
 
-    PyBullet restores bodies by their order, so a gap is closed by rebuilding everything behind it.
+    PyBullet restores bodies by their order, so all bodies after a gap are loaded again.
     """
     present = list(world.spawned.items())
     target = list(wanted.items())
@@ -290,13 +291,13 @@ _MEASURED = {"body_poses", "body_velocities", "joint_states", "robot_joints"}
 
 
 def to_arrays(world: Contents, exact: bool = True) -> dict[str, np.ndarray]:
-    """Return this instant as arrays of numbers; `meta` is JSON text and `physics` a compressed PyBullet state, both as bytes.
+    """Return the present state as arrays of numbers; `meta` is JSON text and `physics` a compressed PyBullet state, as bytes.
 
-    Everything but `physics` can be read without this package and has the same bytes whenever the world is the same; `physics`
-    adds what a bit-exact continuation needs (contacts), and holds memory addresses, so that its bytes differ between runs.
+    All arrays except `physics` can be read without this package and are byte-identical for equal worlds. `physics` adds the
+    contacts that a bit-exact continuation needs. It contains memory addresses, so that its bytes differ between runs.
 
     Args:
-        world: The world to describe.
+        world: The world.
         exact: Include `physics`.
     """
     logical = read_logical_state(world)
@@ -327,7 +328,7 @@ def _readable(world: Contents, logical: LogicalState) -> dict[str, np.ndarray]:
 
 
 def _rows(arm: ArmControl) -> list[np.ndarray]:
-    """The numbers of a command; the last row is there after a tick of torques only."""
+    """The numbers of a command; the last row exists only after a tick of torques."""
     return [arm.target, arm.reference] if arm.torques is None else [arm.target, arm.reference, arm.torques]
 
 
@@ -364,7 +365,7 @@ def from_arrays(world: Contents, arrays: Mapping[str, np.ndarray]) -> None:
     missing = (_KEYS if "physics" in arrays else _KEYS | _MEASURED) - set(arrays)
     if missing:
         raise RlbenchPinError(
-            f"The arrays are incomplete: {', '.join(sorted(missing))} is missing. `World.arrays()` gives them all."
+            f"The arrays are incomplete: {', '.join(sorted(missing))} is missing. Pass all arrays from `World.arrays()`."
         )
     before = save(world)
     try:
@@ -375,7 +376,7 @@ def from_arrays(world: Contents, arrays: Mapping[str, np.ndarray]) -> None:
     except (ValueError, TypeError, KeyError, IndexError, AttributeError, RecursionError) as error:
         restore(world, before)
         problem = f"{type(error).__name__}: {error}"
-        raise RlbenchPinError(f"The arrays are damaged ({problem}). `World.arrays()` gives whole ones.") from error
+        raise RlbenchPinError(f"The arrays are damaged ({problem}). Pass arrays from `World.arrays()` unchanged.") from error
 
 
 def _continue_from(world: Contents, arrays: Mapping[str, np.ndarray]) -> None:
@@ -391,16 +392,16 @@ def _continue_from(world: Contents, arrays: Mapping[str, np.ndarray]) -> None:
         reader = zlib.decompressobj()
         physics = reader.decompress(np.asarray(arrays["physics"], dtype=np.uint8).tobytes(), _MAX_BYTES)
     except zlib.error as error:
-        raise RlbenchPinError(f"The array 'physics' is damaged: {error}.") from error
+        raise RlbenchPinError(f"The array 'physics' is damaged: {error}. Use an intact copy.") from error
     if not reader.eof:
-        raise RlbenchPinError("The array 'physics' is damaged: it was cut off, or is too large.")
+        raise RlbenchPinError("The array 'physics' is damaged: it was cut off, or is too large. Use an intact copy.")
     write_logical_state(world, logical)
     _restore_server(world, lambda client: restore_bytes(client, physics), logical)
     world.robot.forget_measurements()
 
 
 def _set_measured(world: Contents, arrays: Mapping[str, np.ndarray], names: list[str]) -> None:
-    """Put bodies and joints where the arrays say, with the velocities they say."""
+    """Set poses, joint positions and velocities from the arrays."""
     joints = np.asarray(arrays["robot_joints"], dtype=float)
     world.robot.set_joint_states(joints[0], joints[1])
     states = iter(np.asarray(arrays["joint_states"], dtype=float).reshape(-1, 2))
@@ -437,9 +438,10 @@ def _body_state(entry: dict[str, Any]) -> LogicalBodyState:
 
 def _check(world: Contents, meta: dict[str, Any], logical: LogicalState) -> None:
     if meta["format"] != _FORMAT:
-        raise RlbenchPinError(f"The arrays have format {meta['format']}; this version reads {_FORMAT}.")
+        raise RlbenchPinError(f"The arrays have format {meta['format']}, not {_FORMAT}. Use the release that wrote them.")
     if meta["robot"] != world.robot.description.name:
-        raise RlbenchPinError(f"The arrays belong to the robot '{meta['robot']}', not '{world.robot.description.name}'.")
+        problem = f"The arrays are of the arm '{meta['robot']}', not '{world.robot.description.name}'"
+        raise RlbenchPinError(f"{problem}. Build a world with that arm.")
     check_same_scene(world, logical)
 
 

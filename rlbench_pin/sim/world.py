@@ -24,31 +24,31 @@ MAX_LATENCY = 100
 
 
 class World(Contents):
-    """Everything that is simulated; a context manager that frees the physics server.
+    """The simulated world; a context manager that frees the physics server.
 
     Args:
         spec: The scene.
         robot: The arm behind the table.
         timestep: Physics step [s].
         control_dt: Control tick [s], a whole number of physics steps.
-        renderer: What draws moving bodies: `cpu`, `egl`, or `auto` for EGL where there is one.
+        renderer: Renderer of moving bodies: `cpu`, `egl`, or `auto` for EGL if it is available.
 
     Attributes:
-        spec: The scene it was built from.
+        spec: The scene of the world.
         robot: Arm and fingers.
-        gripper: The gripper and what it holds.
+        gripper: The gripper and the bodies that it holds.
         bodies: Bodies of the scene and those added at run time, by name.
         room: Table, floor and walls, by name.
         places: The tree of parents and children.
-        renderer: Takes the images; its `lighting` may be replaced.
+        renderer: Renders the images; its `lighting` may be replaced.
         texture_overrides: Textures over the colours of robot, bodies and room.
         dynamics_overrides: Scaled masses, friction, damping and gains.
-        resting: Bodies that sleep until something comes near them.
+        resting: Sleeping bodies.
         on_physics: Called before every physics step; may command the arm.
-        command_delay: Lets commands of the arm arrive late; None at once. See `delay_commands`.
-        keepers: What others keep beside the world and want saved and restored with it.
+        command_delay: Delay of the commands of the arm; None without delay. See `delay_commands`.
+        keepers: Objects whose states are saved and restored with the world.
         client: The physics server, for modules of this folder only.
-        saved_states: States that can still be restored; one is freed when nothing refers to it any more.
+        saved_states: States that can be restored; a state is freed when it is no longer referenced.
     """
 
     def __init__(
@@ -100,15 +100,15 @@ class World(Contents):
         self.robot.forget_measurements()
 
     def delay_commands(self, latency: int = 0, loss: float = 0.0, seed: int = 0) -> None:
-        """Let commands of the arm's motors arrive later from now on, or not at all; without arguments, at once.
+        """Delay commands of the arm's motors from now on, and lose some; without arguments there is no delay.
 
         Args:
             latency: Control ticks between a command and its arrival.
-            loss: Probability that a command does not arrive in its tick. The last one that did holds on.
+            loss: Probability that a command is lost. The last command that arrived then stays active.
             seed: Seed of the losses.
 
         Raises:
-            InvalidValue: A number is none, or out of range.
+            InvalidValue: An argument is not a number, or out of range.
         """
         latency, seed = as_whole(latency, "latency", least=0, most=MAX_LATENCY), as_seed(seed, "seed")
         loss = as_number(loss, "loss", least=0.0, most=1.0)
@@ -129,26 +129,26 @@ class World(Contents):
         shadows: bool | ShadowMap = False,
         antialiasing: bool = False,
     ) -> Images:
-        """Take the images of one camera; see `Renderer.render`."""
+        """Render the images of one camera; see `Renderer.render`."""
         return self.renderer.render(camera, rgb=rgb, depth=depth, mask=mask, shadows=shadows, antialiasing=antialiasing)
 
     # Saving and restoring --------------------------------------------------------------------------------------------
 
     @property
     def origin(self) -> WorldState:
-        """The world as it was when its building ended: at `end_building`, at the first step, or at the first save."""
+        """The state at the end of building: at `end_building`, at the first step, or at the first save."""
         self.end_building()
         assert self._origin is not None
         return self._origin
 
     def end_building(self) -> None:
-        """Take the present state as the origin, unless there is one."""
+        """Make the present state the origin, unless there is one."""
         if self._origin is None:
             self.client.end_building()
             self._origin = self._save(portable=False)
 
     def save(self, portable: bool = False) -> WorldState:
-        """Remember this instant exactly, in memory; freed with the returned object. A `portable` one can be pickled."""
+        """Return the exact present state, in memory; it is freed with the returned object. A `portable` one can be pickled."""
         self.end_building()
         return self._save(as_flag(portable, "portable"))
 
@@ -158,17 +158,17 @@ class World(Contents):
         return saved
 
     def restore(self, saved: WorldState) -> None:
-        """Go back to a remembered instant of this world, exactly."""
+        """Restore a saved state of this world exactly."""
         state.restore(self, as_record(saved, WorldState, "saved"))
 
     def build_again(self) -> None:
-        """Go back to the origin, in a physics server that was emptied and built again; saved states stay valid.
+        """Restore the origin in a physics server that is emptied and built again; saved states stay valid.
 
-        What follows is the same to the last bit whatever was simulated before, which `restore` cannot promise where many pieces
-        touch: PyBullet looks at their contacts in an order that depends on earlier ones. Bodies, joints, frames, textures and
-        changes of the physics are kept.
+        The continuation is bit-identical after any earlier simulation. `restore` does not guarantee that where many bodies touch,
+        because the order of PyBullet's contacts depends on earlier ones. Bodies, joints, frames, textures and overrides of the
+        dynamics are kept.
 
-        With EGL this only restores the origin, because PyBullet's EGL plugin never frees the textures of what is thrown away.
+        With EGL this only restores the origin, because PyBullet's EGL plugin never frees textures.
         """
         if self.client.hardware:
             self.restore(self.origin)
@@ -176,7 +176,7 @@ class World(Contents):
         state.build_again(self, self.origin, self.saved_states)
 
     def arrays(self, exact: bool = True) -> dict[str, np.ndarray]:
-        """Return this instant as arrays that another process can continue from: exactly, or without contacts and smaller."""
+        """Return the present state as arrays for another process: exact, or smaller and without contacts."""
         self.end_building()
         return state.to_arrays(self, as_flag(exact, "exact"))
 

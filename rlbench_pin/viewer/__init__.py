@@ -1,1 +1,1 @@
-"""Recordings of simulation and their display in a browser: figures of a scene, a player, pages without an editor."""
+"""Recordings of simulation and their display in a browser: 3D models of a scene, a player, pages without an editor."""

@@ -1,4 +1,4 @@
-"""Room, arm and bodies of a scene in the browser, with the meshes and colours of the simulation."""
+"""3D models of room, arm and bodies in the browser, with the meshes and colours of the simulation."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def drawn_surface(shape: UrdfShape, scale: float) -> DrawnSurface:
 
     Raises:
         AssetNotFound: Its mesh does not exist.
-        AssetInvalid: Its file is no mesh.
+        AssetInvalid: Its file is not a mesh.
     """
     written = shape.mesh.stat().st_mtime_ns if shape.mesh is not None and shape.mesh.is_file() else 0
     return _drawn_surface(shape, scale, written)
@@ -152,7 +152,7 @@ class ModelFigure:
         color: Red, green, blue and perhaps opacity from 0 to 1 of all visuals; None takes those of the file.
         scale: Factor on its lengths.
         picked: Argument of `on_pick`; `{link}` in it becomes the name of the link.
-        on_pick: Called when somebody clicks on a link.
+        on_pick: Called after a click on a link.
 
     Raises:
         AssetNotFound: The file or one of its meshes does not exist.
@@ -213,7 +213,7 @@ class ModelFigure:
                 _move(frame, pose)
 
     def paint(self, link: str, rgb: Rgb | None) -> None:
-        """Show one link in one colour; None gives it its own colours back."""
+        """Show one link in one colour; None restores its own colours."""
         for part, own in self._parts.get(link, ()):
             color = self._episode_colors.get(link, own) if rgb is None else rgb
             if tuple(part.color) != color:
@@ -232,7 +232,7 @@ class ModelFigure:
         self._top.visible = visible
 
     def remove(self) -> None:
-        """Take it out of the scene."""
+        """Remove it from the scene."""
         self._top.remove()
 
 
@@ -240,12 +240,12 @@ _Drawn = tuple[str, int, BodySpec]
 
 
 class Figures:
-    """Draws scenes into one page, and moves what it has drawn.
+    """Draws scenes in one page, and moves the drawn bodies.
 
     Args:
         scene: Where to draw: that of a server, or of one of its clients.
-        robot: The arm; the default one where None.
-        on_pick: Called with `<body>/<link>`, or the name of a ghost, when somebody clicks on it.
+        robot: The arm; None is the default arm.
+        on_pick: Called with `<body>/<link>`, or the name of a ghost, after a click on it.
     """
 
     def __init__(self, scene: SceneApi, robot: RobotDescription | None = None, on_pick: OnPick | None = None) -> None:
@@ -343,7 +343,7 @@ class Figures:
         self._arm.move({link: compose(base, pose) for link, pose in link_poses(self._urdf, positions).items()})
 
     def mark(self, names: Iterable[str], rgb: Rgb = (230, 40, 40)) -> None:
-        """Show links in one colour; links marked before get their own colours back.
+        """Show links in one colour, and restore the colours of links marked before.
 
         Args:
             names: `<body>/<link>`, a whole `<body>`, or a link of the arm, with or without its name before it.

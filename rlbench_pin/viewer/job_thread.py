@@ -1,4 +1,4 @@
-"""A thread that runs the jobs of a page, one after the other; a world belongs to the thread that made it."""
+"""A thread that runs the jobs of a page, one by one, because a world belongs to the thread that created it."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ class Interrupted(Exception):
 
 
 class JobThread:
-    """Runs jobs in a thread of its own, in the order in which they came.
+    """Runs jobs in a separate thread, in the order of their arrival.
 
     Args:
         name: Name of the thread.
-        on_error: Called in the thread with the exception of a job; the thread goes on with the next job.
+        on_error: Called in the thread with the exception of a job; the thread continues with the next job.
         at_end: Called in the thread when it ends.
     """
 
@@ -49,7 +49,7 @@ class JobThread:
             self._changed.notify_all()
 
     def check(self) -> None:
-        """Raise Interrupted if the present job is to end; long jobs call this now and then."""
+        """Raise Interrupted if the present job has to end; long jobs call this regularly."""
         if self._interrupted or self._stopped:
             raise Interrupted
 

@@ -64,12 +64,12 @@ _IMAGES = 0.2
 
 
 class LivePage:
-    """The scene, the player, the camera images and a line of text, which all views have.
+    """Common parts of all views: the scene, the player, the camera images and a line of text.
 
     Args:
         server: Serves the page.
         build_controls: Called where the controls of the view belong, above the player.
-        on_look: Called when camera images are needed: another frame is shown, or they were switched on.
+        on_look: Called if camera images are needed: another frame is shown, or images were switched on.
         cameras: Whether the images are on at first.
 
     Attributes:
@@ -147,7 +147,7 @@ class LivePage:
     def fail(self, error: Exception) -> None:
         """Show an error."""
         kind = "" if isinstance(error, RlbenchPinError) else f"{type(error).__name__}: "
-        self.say("That failed.", f"{kind}{error}", wrong=True)
+        self.say("Failed:", f"{kind}{error}", wrong=True)
 
 
 class _Moments:
@@ -224,7 +224,7 @@ class _Feed:
 
 
 class _WorldView:
-    """A page whose world is simulated in a thread of its own.
+    """A page with a world that is simulated in a separate thread.
 
     Attributes:
         page: What the browser shows.
@@ -303,12 +303,12 @@ class TaskView(_WorldView):
         return int(self._seed.value), int(self._variation.value)
 
     def reset(self, seed: int) -> None:
-        """Start the episode of a seed; ends what runs."""
+        """Start the episode of a seed, and end the present job."""
         self._seed.value = min(max(seed, 0), LARGEST_SEED)  # type: ignore[misc]
         self.worker.post(self._reset, "reset", instead=True)
 
     def demonstrate(self) -> None:
-        """Play the demonstration of the chosen episode; ends what runs."""
+        """Play the demonstration of the chosen episode, and end the present job."""
         self.worker.post(self._demonstrate, "demonstrate", instead=True)
 
     def _move(self, where: str) -> None:
@@ -366,7 +366,7 @@ class DatasetView(_WorldView):
     Args:
         server: Serves the page.
         root: Folder of the dataset.
-        own: Tasks from files that the user named, by name; they take precedence.
+        own: Tasks from files of the user, by name; they take precedence.
         trust_task_files: Whether task files in the dataset may run.
 
     Raises:
@@ -382,7 +382,7 @@ class DatasetView(_WorldView):
         self._files = {task: counted_files(self._root, task) for task in stored_tasks(self._root, at_least_one=True)}
         self._files = {task: files for task, files in self._files.items() if files}
         if not self._files:
-            raise DatasetError(f"'{self._root}' contains no demonstrations. `rlbench-pin record` makes some.")
+            raise DatasetError(f"'{self._root}' contains no demonstrations. Record some with `rlbench-pin record`.")
         stored_task(self._root, next(iter(self._files)), self._own, self._trusted)
         self._loaded_name = ""
         super().__init__(server)
@@ -399,7 +399,7 @@ class DatasetView(_WorldView):
         moves.on_click(lambda event: self._move(1 if event.target.value == "next" else -1))
 
     def open(self, task: str, number: int) -> None:
-        """Show demonstration `number` of a task, counted from 0 in natural order and clamped; ends what runs."""
+        """Show demonstration `number` of a task, from 0 in natural order and clamped, and end the present job."""
         last = len(self._files[task]) - 1
         self._number.max = last
         self._number.value = min(max(number, 0), last)  # type: ignore[misc]
@@ -457,7 +457,7 @@ class EvaluationView:
         self._played: dict[str, _Played] = {}
         self._shown, self._now, self._images_at = _NOW, "", 0.0
         self.page = LivePage(server, lambda: self._build(server), lambda: None, cameras=False)
-        self.page.say("Evaluation", "is about to begin.")
+        self.page.say("Evaluation", "is starting.")
 
     def _build(self, server: ViserServer) -> None:
         gui = server.gui
@@ -555,8 +555,8 @@ class LiveRunner(EpisodeRunner):
     """Plays episodes as `EpisodeRunner` does, and shows them in a view.
 
     Args:
-        config: What is evaluated.
-        view: Where they are shown.
+        config: The evaluation.
+        view: The view that shows them.
     """
 
     def __init__(self, config: EvaluationConfig, view: EvaluationView) -> None:

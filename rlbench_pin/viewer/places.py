@@ -65,7 +65,7 @@ class Places:
 
 
 def places_at_rest(spec: SceneSpec, poses: Mapping[str, FloatArray] | None = None) -> Places:
-    """Return the poses of a scene before any physics, with the root at its nominal pose and joints at their start positions.
+    """Return the poses of a scene before simulation, with the root at its nominal pose and joints at their start positions.
 
     Args:
         spec: The content of the scene file.

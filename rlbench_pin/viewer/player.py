@@ -1,4 +1,4 @@
-"""A player of recordings in a page: timeline, controls, conditions, joint plots, and the scene at the frame that is shown."""
+"""A player of recordings in a page: timeline, controls, conditions, joint plots, and the scene at the shown frame."""
 
 from __future__ import annotations
 
@@ -189,7 +189,7 @@ class Player:
         gui: Where its controls are drawn: that of a server, so that all tabs share them.
         figures: The scene that it moves.
         on_show: Called with number and frame whenever a frame is shown.
-        together: Makes a block whose changes a page shows at once, such as `server.atomic`.
+        together: Returns a context whose changes the page shows at once, such as `server.atomic`.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""Recordings as HTML: conditions over time, plots of the joints, numbers of one instant, failures, camera images."""
+"""HTML of recordings: conditions over time, plots of the joints, values at one instant, failures, camera images."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Recordings of simulation, one frame per control tick: episodes, demonstrations, and stored demonstrations played again."""
+"""Recordings of simulation, one frame per control tick: episodes, demonstrations, and replayed stored demonstrations."""
 
 from __future__ import annotations
 
@@ -137,7 +137,7 @@ class Recording:
 
 
 def evaluate_conditions(conditions: Sequence[Condition]) -> tuple[bool, ...]:
-    """Return whether each condition holds now; conditions that keep count are left as they were."""
+    """Return whether each condition holds now; conditions that count do not change."""
     before = [condition.state() for condition in conditions]
     try:
         return tuple(bool(condition.met()) for condition in conditions)
@@ -193,7 +193,7 @@ _NUMBER = re.compile(r"-?\d+(\.\d+)?")
 
 
 def failure_of(error: RlbenchPinError, waypoint: str, task: Task) -> Failure:
-    """Return an error of a demonstration as a record, with the evidence of the planning errors that caused it.
+    """Return the record of an error of a demonstration, with the evidence of the planning errors that caused it.
 
     Args:
         error: What ended the demonstration.
@@ -232,8 +232,7 @@ OnSegment = Callable[[Segment], None]
 class FrameRecorder(Listener):
     """Records the world at the beginning of a `with` block and after each control tick in it; changes nothing.
 
-    It does not advance conditions that keep count: whoever runs the episode evaluates the task in every tick, as actions and
-    demonstrations do.
+    It does not advance conditions that count: the caller evaluates the task in every tick, as actions and demonstrations do.
 
     Args:
         runtime: The running task.
@@ -369,7 +368,7 @@ def recording_of_demo(task_environment: TaskEnvironment, demo: Demo, on_frame: O
         on_frame: Called with every frame, the start first; an error that it raises ends the motion and is passed on.
 
     Raises:
-        TaskEnvironmentError: It is of another task, or its start cannot be restored.
+        TaskEnvironmentError: It is of another task, or its start state cannot be restored.
         DemoError: It contains neither actions nor joint positions.
     """
     actions = list(_actions(demo))
@@ -399,7 +398,7 @@ def _actions(demo: Demo) -> Iterator[FloatArray]:
         else:
             raise DemoError(
                 f"Frame {number} of the demonstration contains neither `joint_position_action` nor `joint_positions` with "
-                "`gripper_open`, so it cannot be played again. Record it live."
+                "`gripper_open`, so it cannot be replayed. Record it live."
             )
 
 
@@ -421,8 +420,8 @@ def _missed(demo: Demo, recorder: FrameRecorder, places: list[int], refused: str
     by = f" Its joints come as far as {max(apart):.3g} rad from the stored ones." if apart else ""
     missing = "; ".join(missing_conditions(task_environment.task))
     return Failure(
-        f"Played again, the stored demonstration does not reach its goal.{by}{refused} Conditions not met: {missing}. "
-        "It was recorded with another version of the task or of a library; `rlbench-pin record` makes a new one."
+        f"The replayed demonstration does not reach its goal.{by}{refused} Conditions not met: {missing}. "
+        "It was recorded with another version of the task or of a library. Record a new one with `rlbench-pin record`."
     )
 
 

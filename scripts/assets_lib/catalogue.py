@@ -1,4 +1,4 @@
-"""The tables of `CATALOGUE.md`, written from the models."""
+"""Writes `CATALOGUE.md` and `LICENSES.md` from the models."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ HEAD = """# Catalogue of assets
 
 Written by `scripts/build_assets.py`; do not edit. Lengths in [m], angles in [rad], masses in [kg]. An asset is named
 `objects/<name>/<name>.urdf` in a scene file. Link frames at joint value 0 are given in the frame of the object.
-PyBullet puts a skin of 1 mm around collision meshes (chicken, steak, rubbish, bin walls, arm links): they rest 1 mm higher
-than said here. Load with `URDF_USE_IMPLICIT_CYLINDER`, so that cylinders stay cylinders there as they are in Coal.
-PyBullet turns inertial frames along the principal axes: convert between its base poses and link frames with the whole pose.
-Every visual part is an own `<visual>` with an own colour; recolouring a link recolours all of its visual parts.
+PyBullet adds a margin of 1 mm around collision meshes (chicken, steak, rubbish, bin walls, arm links), so that they rest 1 mm
+higher than listed here. Load with `URDF_USE_IMPLICIT_CYLINDER`, so that cylinders are exact, as in Coal.
+PyBullet aligns inertial frames with the principal axes: convert between its base poses and link frames with the whole pose.
+Every visual part is a separate `<visual>` with its own colour; a new colour of a link applies to all its visual parts.
 """
 
 
@@ -39,43 +39,43 @@ def _table(model: Model) -> list[str]:
 ROBOT = """
 ## panda
 
-`robots/panda/panda.urdf` - origin: foot of the base (`panda_link0`), arm reaching along +x; SRDF beside it.
-Tip frame `panda_hand_tcp`: z out of the hand, fingers open along its y. Fingers `panda_finger_joint1` (left, -y) and
+`robots/panda/panda.urdf` - origin: foot of the base (`panda_link0`), arm extends along +x; SRDF in the same folder.
+Tip frame `panda_hand_tcp`: z out of the gripper, fingers open along its y. Fingers `panda_finger_joint1` (left, -y) and
 `panda_finger_joint2` (right, +y), each 0..0.04.
-Pads about 0.018 x 0.018, ending 0.0095 beyond the tip frame; hand body 0.20 (y) x 0.064 (x).
+Pads about 0.018 x 0.018, ending 0.0095 beyond the tip frame; body of the gripper 0.20 (y) x 0.064 (x).
 
 ## ur5e
 
-`robots/ur5e/ur5e.urdf` - origin: foot of the base (`ur5e_base_link`), arm reaching along +x at 0; SRDF beside it.
-Universal Robots UR5e with a Robotiq 2F-85, its coupling 0.0139 high. Tip frame `ur5e_tip`: z out of the hand, y from the left
+`robots/ur5e/ur5e.urdf` - origin: foot of the base (`ur5e_base_link`), arm extends along +x at 0; SRDF in the same folder.
+Universal Robots UR5e with a Robotiq 2F-85, its coupling 0.0139 high. Tip frame `ur5e_tip`: z out of the gripper, y from the left
 finger to the right one. Drives `ur5e_finger_joint` (left, -y) and `ur5e_right_outer_knuckle_joint` (right, +y), each 0..0.8,
-0 open, 0.8 shut; on each side the inner knuckle follows as `<mimic>` says with the same angle, the inner finger with the opposite
-one, so that pads stay parallel. Pads 0.022 x 0.0375 on the inner fingers, 0.0845 apart when open. They move along z: their ends
-are at the height of the tip frame when open, 0.0091 beyond it at 0.3, 0.0126 at 0.5, 0.0140 at 0.7 and 0.0138 when shut.
-Hand body 0.085 (y) x 0.075 (x), the whole linkage 0.15 (y) when open.
+0 open, 0.8 closed. On each side the inner knuckle follows by `<mimic>` with the same angle, the inner finger with the opposite
+angle, so that the pads stay parallel. Pads 0.022 x 0.0375 on the inner fingers, 0.0845 apart when open. They move along z: their
+ends are at the height of the tip frame when open, 0.0091 beyond it at 0.3, 0.0126 at 0.5, 0.0140 at 0.7 and 0.0138 when closed.
+Body of the gripper 0.085 (y) x 0.075 (x), the whole linkage 0.15 (y) when open.
 
 ## xarm7
 
-`robots/xarm7/xarm7.urdf` - origin: foot of the base (`xarm7_link_base`), arm reaching along +x at 0; SRDF beside it.
-UFACTORY xArm7 with our gripper, see below: prefix `xarm7`.
+`robots/xarm7/xarm7.urdf` - origin: foot of the base (`xarm7_link_base`), arm extends along +x at 0; SRDF in the same folder.
+UFACTORY xArm7 with our gripper (see below) and the prefix `xarm7`.
 
 ## jaco
 
-`robots/jaco/jaco.urdf` - origin: foot of the base (`jaco_base`), arm reaching along +x at joint 1 = 0; SRDF beside it.
-Kinova Jaco j2s6s200, its hand replaced by our gripper, see below: prefix `jaco`. Joints 1, 4 and 6 are continuous. It stands
-upright with joints 2, 3 and 5 at 3.1416, the middle of their ranges.
+`robots/jaco/jaco.urdf` - origin: foot of the base (`jaco_base`), arm extends along +x at joint 1 = 0; SRDF in the same folder.
+Kinova Jaco j2s6s200 with our gripper (see below) in place of its hand, and the prefix `jaco`. Joints 1, 4 and 6 are continuous.
+The arm is upright with joints 2, 3 and 5 at 3.1416, the middle of their ranges.
 
 ## iiwa
 
-`robots/iiwa/iiwa.urdf` - origin: foot of the base (`iiwa_link_0`), arm upright at 0, reaching along +x as joint 2 grows; SRDF
-beside it. KUKA LBR iiwa 7 R800 with our gripper, see below: prefix `iiwa`.
+`robots/iiwa/iiwa.urdf` - origin: foot of the base (`iiwa_link_0`), arm upright at 0, extends along +x as joint 2 increases; SRDF
+in the same folder. KUKA LBR iiwa 7 R800 with our gripper (see below) and the prefix `iiwa`.
 
 ## Our gripper
 
-Of xarm7, jaco and iiwa; `<arm>` is the name of the arm. Hand `<arm>_hand` on the flange, 0.166 (y) x 0.059 (x). Tip frame
-`<arm>_tip`: z out of the hand, y from the left finger to the right one. Fingers `<arm>_finger_joint1` (left, -y of the tip frame)
-and `<arm>_finger_joint2` (right, +y), each 0..0.04. Pads about 0.018 x 0.018, ending 0.0095 beyond the tip frame, which is 0.1034
-over the flange; all as of the Panda.
+For xarm7, jaco and iiwa; `<arm>` is the name of the arm. Link `<arm>_hand` is on the flange, 0.166 (y) x 0.059 (x). Tip frame
+`<arm>_tip`: z out of the gripper, y from the left finger to the right one. Fingers `<arm>_finger_joint1` (left, -y of the tip
+frame) and `<arm>_finger_joint2` (right, +y), each 0..0.04. Pads about 0.018 x 0.018, ending 0.0095 beyond the tip frame, which is
+0.1034 above the flange; all values are those of the Panda.
 """
 
 

@@ -94,7 +94,7 @@ def test_the_page_is_behind_the_token(server: LocalServer, capsys: pytest.Captur
     status, body = _ask(server, f"/{server.token}/")
     assert (status, b"<title>" in body) == (200, True)
     status, body = _ask(server, "/")
-    assert (status, b"Open the whole address" in body) == (403, True)
+    assert (status, b"Open the full address" in body) == (403, True)
     assert _ask(server, f"/{server.token}")[0] == 307
     assert _ask(server, f"/{server.token}/", Host="evil.example")[0] == 403
     assert _ask(server, f"/{server.token}/%2e%2e/%2e%2e/etc/passwd")[0] == 404

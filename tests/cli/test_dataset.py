@@ -52,7 +52,7 @@ def test_a_folder_without_demonstrations_is_named(tmp_path: Path, capsys: Captur
     """So is one that does not exist."""
     for command in ("info", "verify"):
         assert exit_code("dataset", command, str(tmp_path)) == 1
-        assert "holds no demonstrations" in capsys.readouterr().err
+        assert "contains no demonstrations" in capsys.readouterr().err
         assert exit_code("dataset", command, str(tmp_path / "nowhere")) == 1
         assert "does not exist" in capsys.readouterr().err
 

@@ -134,7 +134,7 @@ def test_merging_what_is_not_there(tmp_path: Path, capsys: Capture) -> None:
     (tmp_path / "empty").mkdir()
     DatasetWriter(tmp_path / "data").add(make_demo(frames=3, seed=0))
     assert exit_code("dataset", "merge", str(tmp_path / "data"), str(tmp_path / "empty"), "--out", str(tmp_path / "out")) == 1
-    assert "holds no demonstrations" in capsys.readouterr().err
+    assert "contains no demonstrations" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
 
 

@@ -63,7 +63,7 @@ def test_folders_that_cannot_be(words: tuple[str, ...], place: str, tmp_path: Pa
     assert exit_code(*at(folder, words)) == 1
     out, err = capsys.readouterr()
     (line,) = err.strip().splitlines()
-    if not (place == "long" and "is too long: names have 255 bytes at most" in line):
+    if not (place == "long" and "is too long: names have at most 255 bytes" in line):
         assert line.startswith(f"rlbench-pin: '{folder}")
         assert "cannot be written" in line
     assert out == ""
@@ -85,7 +85,7 @@ def test_a_folder_where_the_file_belongs(words: tuple[str, ...], tmp_path: Path,
     """It is not replaced."""
     Path(at(tmp_path, words)[-1]).mkdir()
     assert exit_code(*at(tmp_path, words)) == 1
-    assert "There is a folder of that name: choose another name" in capsys.readouterr().err
+    assert "A folder has that name: choose another name" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("after", [0, 1])

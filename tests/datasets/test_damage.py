@@ -85,9 +85,9 @@ def test_a_file_that_is_not_listed_does_not_count(root: Path) -> None:
         assert [demo.random_seed for demo in demos] == [0, 1, 2, 3]
     drawn = stored_demos(root, TASK, 4, -1, rng=np.random.default_rng(0))
     assert sorted(str(demo.random_seed) for demo in drawn) == ["0", "1", "2", "3"]
-    with pytest.raises(DatasetError, match=r"5 demos.*holds 4"):
+    with pytest.raises(DatasetError, match=r"5 demos.*has 4"):
         stored_demos(root, TASK, 5, 0, random_selection=False)
-    with pytest.raises(DatasetError, match=r"no variation 7 .* only \[0\]"):
+    with pytest.raises(DatasetError, match=r"no variation 7 .*Choose one of \[0\]"):
         stored_demos(root, TASK, 1, 7, random_selection=False)
     with pytest.raises(DatasetError, match="holds 4 episodes"):
         read_stored_descriptions(str(root), TASK, 4)

@@ -115,13 +115,13 @@ def test_load_all_variations(root: Path) -> None:
 
 def test_asking_for_too_many(root: Path) -> None:
     """The error has both numbers and the remedy."""
-    with pytest.raises(DatasetError, match=r"13 demos.*holds 12.*rlbench-pin record"):
+    with pytest.raises(DatasetError, match=r"13 demos.*has 12.*rlbench-pin record"):
         stored_demos(root, TASK, 13, 0)
 
 
 def test_unknown_variation_task_and_root(root: Path) -> None:
     """Each missing thing is named, with what is there."""
-    with pytest.raises(DatasetError, match=r"no variation 1 .* only \[0, 2\]"):
+    with pytest.raises(DatasetError, match=r"no variation 1 .*Choose one of \[0, 2\]"):
         stored_demos(root, TASK, 1, 1)
     with pytest.raises(DatasetError, match="Did you mean 'reach_target'"):
         stored_demos(root, "reach_targt", 1, 0)

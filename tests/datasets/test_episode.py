@@ -185,7 +185,7 @@ def test_an_episode_is_read_as_far_as_it_is_used(tmp_path: Path) -> None:
             assert episode[index].misc.keys() == whole[index].misc.keys()
         with pytest.raises(IndexError):
             episode[6]
-        with pytest.raises(DatasetError, match="does not hold 'joint_forces'"):
+        with pytest.raises(DatasetError, match="has no field 'joint_forces'"):
             episode.array("joint_forces")
 
 
@@ -194,7 +194,7 @@ def test_what_an_episode_has_not_is_no_damage(tmp_path: Path) -> None:
     path = fill(tmp_path, range(1), frames=6) / TASK / "variation0" / "episodes" / "episode0.h5"
     with Episode(path) as episode:
         for read in (episode.shape, episode.series, episode.array):
-            with pytest.raises(DatasetError, match=r"does not hold 'joint_forces'.*It holds .*joint_positions") as caught:
+            with pytest.raises(DatasetError, match=r"has no field 'joint_forces'.*Stored fields: .*joint_positions") as caught:
                 read("joint_forces")
             assert not isinstance(caught.value, EpisodeFileError)
             with pytest.raises(InvalidValue, match="field has to be a text"):

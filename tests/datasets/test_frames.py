@@ -145,7 +145,7 @@ def test_more_episodes_than_files_stay_open(root: Path, monkeypatch: pytest.Monk
 
 def test_what_is_missing_is_named(root: Path, tmp_path: Path) -> None:
     """A field, a task, actions, a file; and a file that was altered."""
-    with pytest.raises(DatasetError, match=r"does not hold 'wrist_rgb'.*front_rgb"):
+    with pytest.raises(DatasetError, match=r"has no field 'wrist_rgb'.*front_rgb"):
         FrameDataset(root, fields=("wrist_rgb",))
     with pytest.raises(DatasetError, match="reach_targt"):
         FrameDataset(root, ("reach_targt",))

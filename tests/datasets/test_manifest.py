@@ -34,7 +34,7 @@ def test_a_folder_that_is_no_dataset_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(DatasetError, match="reach_targt"):
         read_manifest(tmp_path, "reach_targt")
     (tmp_path / "push_button").mkdir()
-    with pytest.raises(EpisodeFileError, match=r"no dataset with episodes of 'push_button'.*rlbench-pin record push_button"):
+    with pytest.raises(EpisodeFileError, match=r"not a dataset with episodes of 'push_button'.*rlbench-pin record push_button"):
         read_manifest(tmp_path, "push_button")
     assert len(read_manifest(tmp_path, TASK)) == 1
 

@@ -92,7 +92,7 @@ def test_merging_takes_the_files_along(tmp_path: Path) -> None:
     merge_datasets([tmp_path / "a", tmp_path / "b"], tmp_path / "out")
     kept = kept_task(tmp_path / "out", task)
     assert kept is not None and kept.contents() == FILES
-    for name, says in {"bare": "keeps none", "other": r"\['mine.py'\] differ"}.items():
+    for name, says in {"bare": "stores none", "other": r"\['mine.py'\] differ"}.items():
         with pytest.raises(DatasetConflict, match=says):
             merge_datasets([tmp_path / "a", tmp_path / name], tmp_path / "new")
         assert not (tmp_path / "new").exists()

@@ -159,7 +159,7 @@ def test_a_link_out_of_the_folder_is_not_merged(root: Path, tmp_path: Path) -> N
     path = episode_files(root, TASK)[0]
     path.rename(tmp_path / "elsewhere.h5")
     path.symlink_to(tmp_path / "elsewhere.h5")
-    with pytest.raises(EpisodeFileError, match="leads out of"):
+    with pytest.raises(EpisodeFileError, match="is a link out of"):
         merge_datasets([root], tmp_path / "out")
 
 
@@ -195,10 +195,10 @@ def test_a_folder_that_is_a_link_out_of_the_dataset_is_not_followed(root: Path, 
         lambda: rerender(root, tmp_path / "again", ImageConfig(products=()), engine=SerialEngine()),
     )
     for call in calls:
-        with pytest.raises(EpisodeFileError, match="leads out of"):
+        with pytest.raises(EpisodeFileError, match="is a link out of"):
             call()
     if below == TASK:
-        with pytest.raises(EpisodeFileError, match="leads out of"):
+        with pytest.raises(EpisodeFileError, match="is a link out of"):
             stored_tasks(root)
     assert sorted((tmp_path / "elsewhere").rglob("*")) == before
 
@@ -214,7 +214,7 @@ def test_a_manifest_that_is_a_link_out_of_the_dataset_is_not_followed(root: Path
     demo = make_demo(frames=2, seed=9)
     data = encode_demo(demo)
     for call in (lambda: DatasetWriter(root).put(TASK, data, episode_entry(demo, data, 9)), lambda: read_manifest(root, TASK)):
-        with pytest.raises(EpisodeFileError, match="leads out of"):
+        with pytest.raises(EpisodeFileError, match="is a link out of"):
             call()
     assert (tmp_path / "victim").read_text() == "precious\n"
 

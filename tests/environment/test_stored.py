@@ -82,12 +82,12 @@ def test_the_first_episode_is_an_index(stored: Path) -> None:
         assert demo.instructions == tuple(env.get_task_descriptions_with_episode(TASK, first))
     rest = env.get_demos(TASK, -1, -1, random_selection=False, from_episode_number=1)
     assert [d.random_seed for d in rest] == seeds[1:]
-    with pytest.raises(DatasetError, match="3 demos.*holds 2 of its 4 from episode 2"):
+    with pytest.raises(DatasetError, match="3 demos.*has 2 of its 4 from episode 2"):
         env.get_demos(TASK, 3, -1, random_selection=False, from_episode_number=2)
     for number in (4, -1):
-        with pytest.raises(DatasetError, match=f"no episode {number} of variation -1.*holds 4, counted from 0"):
+        with pytest.raises(DatasetError, match=f"no episode {number} of variation -1.*has 4. Pass .* from 0 to 3"):
             env.get_demos(TASK, 1, -1, random_selection=False, from_episode_number=number)
-    with pytest.raises(DatasetError, match="no episode 2 of variation.*holds 2, counted from 0"):
+    with pytest.raises(DatasetError, match="no episode 2 of variation.*has 2. Pass .* from 0 to 1"):
         env.get_demos(TASK, 1, variations(stored)[1], random_selection=False, from_episode_number=2)
 
 
@@ -176,7 +176,7 @@ def test_sentences_of_an_episode(stored: Path) -> None:
 def test_bad_requests_are_explained(stored: Path, tmp_path: Path) -> None:
     """No root, no such task, no such folder, more than there are, and amounts that are none."""
     env = environment(stored)
-    with pytest.raises(RuntimeError, match="5 demos.*holds 4"):
+    with pytest.raises(RuntimeError, match="5 demos.*has 4"):
         env.get_demos(TASK, 5, -1)
     with pytest.raises(RuntimeError, match="-3 demos"):
         env.get_demos(TASK, -3, -1)

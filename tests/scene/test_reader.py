@@ -24,8 +24,8 @@ DEVIATION = '[[deviation]]\nname = "yaw"\nspecified = "0"\nhere = "1"\nreason = 
 MISTAKES = {
     "no format": ("", "key 'format'", "format = 2"),
     "wrong format number": ("format = 3", "key 'format'", "3 is not supported. This version reads the formats 1 to 2"),
-    "base that is not there": ('format = 2\nbase = "open_drawr"', "key 'base'", "there is no scene 'open_drawr' beside it"),
-    "base that is no name": ("format = 2\nbase = []", "key 'base'", "there is no scene '[]' beside it"),
+    "base that is not there": ('format = 2\nbase = "open_drawr"', "key 'base'", "there is no scene 'open_drawr' in the same"),
+    "base that is no name": ("format = 2\nbase = []", "key 'base'", "there is no scene '[]' in the same folder"),
     "no TOML": ("format = = 1", "file", "not valid TOML"),
     "misspelt table": ('format = 1\n[[waypoints]]\nname = "waypoint0"', "key 'waypoints'", "Did you mean 'waypoint'?"),
     "misspelt key": (
@@ -127,12 +127,12 @@ MISTAKES = {
     "history with a gap": (
         f"format = 2\n{HISTORY.format(2)}{HISTORY.format(4)}",
         "[[history]], key 'version'",
-        "version 4 stands where version 3 belongs. Number the entries 2, 3, ... in their order.",
+        "version 4 is in the place of version 3. Number the entries 2, 3, ... in their order.",
     ),
     "history out of order": (
         f"format = 2\n{HISTORY.format(3)}{HISTORY.format(2)}",
         "[[history]], key 'version'",
-        "version 2 belongs",
+        "place of version 2",
     ),
     "history without a change": ("format = 2\n[[history]]\nversion = 2", "[[history]]", "'change' is missing"),
     "yaw bounds": ("format = 1\n[placement]\nyaw = [1, 0]", "[placement], key 'yaw'", "above the upper bound"),
@@ -478,7 +478,7 @@ def read(tmp_path: Path, content: str) -> SceneSpec:
 def test_angles_in_degrees_are_recognised(tmp_path: Path, angle: str) -> None:
     """At once, with the angle in radians."""
     began = time.monotonic()
-    with pytest.raises(SceneFileError, match=r"'waypoint0', key 'arc.angle': .*at most one turn.*degrees") as caught:
+    with pytest.raises(SceneFileError, match=r"'waypoint0', key 'arc.angle': .*at most 2 pi.*degrees") as caught:
         read(tmp_path, ARC.format(axis="[0, 0, 1]", angle=angle))
     assert time.monotonic() - began < 2.0
     if angle == "90":

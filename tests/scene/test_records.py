@@ -19,7 +19,7 @@ WRONG: dict[str, tuple[Callable[[], object], str, str]] = {
     "name": (lambda: BodySpec(name="A b", asset="x.urdf"), "name", "a letter first"),
     "long name": (lambda: BodySpec(name="a" * 200, asset="x.urdf"), "name", "at most 100"),
     "pose": (lambda: FrameSpec(name="a", pose=[1.0, 2.0]), "pose", "not 2"),
-    "millimetres": (lambda: FrameSpec(name="a", pose=[1000.0, 0.0, 0.0]), "pose.0", "Were these millimetres?"),
+    "millimetres": (lambda: FrameSpec(name="a", pose=[1000.0, 0.0, 0.0]), "pose.0", "Are these millimetres?"),
     "no number": (lambda: FrameSpec(name="a", pose=[float("nan"), 0.0, 0.0]), "pose.0", "finite"),
     "flat": (lambda: RegionSpec(name="a", size=(0.0, 1.0, 0.0)), "size.0", "greater than 0"),
     "shape": (lambda: SensorSpec(name="a", shape="ball", size=(1.0,)), "shape", "'sphere'"),

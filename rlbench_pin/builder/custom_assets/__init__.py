@@ -1,1 +1,1 @@
-"""Meshes and URDF files that the user uploads: checked and converted to assets in a process of their own."""
+"""Meshes and URDF files that the user uploads: checked and converted to assets in a subprocess."""

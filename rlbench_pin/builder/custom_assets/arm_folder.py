@@ -1,4 +1,4 @@
-"""The folder of an arm of one's own: URDF, meshes, SRDF of sampled pairs, and the TOML file with a home that is free."""
+"""Writer of the folder of a user's arm: URDF, meshes, SRDF of sampled pairs, and TOML file with a collision-free home."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ _GRIPPER_KEYS = ("gripper_force", "finger_speed", "grip_speed", "pad_friction", 
 
 @dataclass(frozen=True)
 class NewArm:
-    """An arm that was written."""
+    """A written arm."""
 
     file: Path
     """Its TOML file."""
@@ -87,21 +87,21 @@ def make_arm(
     mount: Sequence[float] | None = None,
     note: OnNote = lambda _: None,
 ) -> NewArm:
-    """Write the folder `name` in `out`: everything that makes an arm of a URDF file.
+    """Write the folder `name` in `out`: all files of an arm from a URDF file.
 
     Args:
         name: Name of the arm.
         urdf: URDF file of the arm.
         out: Folder in which the new folder is made.
-        gripper: URDF file of a gripper; None takes the parallel gripper of the xArm7, iiwa and Jaco.
+        gripper: URDF file of a gripper; None is the parallel gripper of the xArm7, iiwa and Jaco.
         flange: Link that carries the gripper; empty for the last link.
-        mount: Place of the gripper in the flange: x, y, z [m], roll, pitch, yaw [rad]; None finds it.
+        mount: Pose of the gripper in the flange: x, y, z [m], roll, pitch, yaw [rad]; None determines it.
         note: Called with each of `STEPS` steps.
 
     Raises:
         TaskEnvironmentError: The name cannot be used, or the folder exists.
         UploadRefused: A URDF file or a mesh cannot be used.
-        RobotModelError: The gripper has not two fingers, or no home was found.
+        RobotModelError: The gripper does not have two fingers, or no home was found.
         StorageError: The folder cannot be written.
     """
     _check_name(name, out)
@@ -143,7 +143,7 @@ def make_arm(
 
 def _check_name(name: str, out: Path) -> None:
     if not ROBOT_NAME.fullmatch(name):
-        raise TaskEnvironmentError(f"'{name}' is no name of an arm. Use lower case letters, digits and `_`, a letter first.")
+        raise TaskEnvironmentError(f"'{name}' is not a name of an arm. Use lower case letters, digits and `_`, a letter first.")
     if name in SUPPORTED_ROBOTS:
         raise TaskEnvironmentError(f"'{name}' is an arm of the catalogue. Choose another name.")
     if (out / name).exists():
@@ -162,7 +162,7 @@ def _written(folder: Path, asset: CustomAsset) -> Path:
 
 
 def _shared_numbers(name: str, hand: str) -> dict[str, Any]:
-    """Return the keys of the shared gripper, with its names of this arm."""
+    """Return the keys of the shared gripper, with the names for this arm."""
     known = robot_description(GRIPPER_OF)
     keys = ("gripper_joints", "finger_links", "tip_frame", "camera_pose", "gripper_open", *_GRIPPER_KEYS)
     values = {key: getattr(known, key) for key in keys}
@@ -187,7 +187,7 @@ def _gripper_numbers(name: str, hand: str, layout: FingerLayout) -> dict[str, An
 
 
 def _with_tip(name: str, gripper: Gripper, layout: FingerLayout) -> Gripper:
-    """Return a gripper with a tip frame, whose drives move by themselves and whose sliding joints are 0 where it is shut."""
+    """Return a gripper with a tip frame and independent drives; its prismatic joints are 0 when it is closed."""
 
     def change(root: Element) -> None:
         inertial = SubElement(SubElement(root, "link", name=f"{name}_tip"), "inertial")  # PyBullet gives a link without one 1 kg
@@ -210,7 +210,7 @@ def _with_tip(name: str, gripper: Gripper, layout: FingerLayout) -> Gripper:
 
 
 def _from_shut(joint: Element, shut: float, sign: float, travel: float) -> None:
-    """Let the values of a sliding joint count from shut to open."""
+    """Shift the positions of a prismatic joint, so that they count from closed to open."""
     origin, axis, limit = joint.find("origin"), joint.find("axis"), joint.find("limit")
     assert origin is not None and axis is not None and limit is not None
     xyz, rpy, along = (
@@ -264,14 +264,14 @@ def _described(name: str, urdf: Path, gripper: dict[str, Any]) -> RobotDescripti
 
 
 def _placed(description: RobotDescription, turns: Sequence[float]) -> tuple[RobotDescription, float, tuple[int, int]]:
-    """Return the arm where it reaches most of the workspace from above.
+    """Return the arm at the base pose from which it reaches most of the workspace from above.
 
     Args:
         description: The arm.
-        turns: Angles about its z by which the gripper may be turned on the flange [rad].
+        turns: Possible angles of the gripper about the z axis of the flange [rad].
 
     Returns:
-        The arm at its place, the angle, and how many places are reached of how many.
+        The arm at its base pose, the angle, the number of reached positions, and the number of all positions.
     """
     best, turned, most = description, 0.0, -1
     for x, z in BASES:
@@ -287,7 +287,7 @@ def _placed(description: RobotDescription, turns: Sequence[float]) -> tuple[Robo
 
 
 def _reached(description: RobotDescription, turn: float) -> int:
-    """Return how many places of the workspace the gripper reaches from above when it is turned on its flange."""
+    """Return the number of positions of the workspace that the gripper reaches from above at an angle on the flange."""
     model, rng = RobotModel(description), np.random.default_rng(0)
     count, q = 0, model.home
     down = (-np.sin(0.5 * turn), np.cos(0.5 * turn), 0.0, 0.0)  # the half turn about y, after the turn was undone
@@ -299,7 +299,7 @@ def _reached(description: RobotDescription, turn: float) -> int:
 
 
 def _home(description: RobotDescription) -> tuple[float, ...]:
-    """Return a configuration that points down about where the Panda's tip is at home, free, far from limits and singularities.
+    """Return a collision-free configuration that points down near the home of the Panda's tip, far from limits and singularities.
 
     Raises:
         RobotModelError: There is none, also nearer to the base and lower.
@@ -320,13 +320,13 @@ def _home(description: RobotDescription) -> tuple[float, ...]:
     if best is not None:
         return tuple((np.round(model.limits.nearest_turn(best, np.zeros(model.size)), 4) + 0.0).tolist())
     raise RobotModelError(
-        f"'{description.name}' cannot point its gripper down in front of its base without a collision. See whether the gripper "
-        "is on the right link (--flange), and whether its z points out of it (--mount)."
+        f"'{description.name}' cannot point its gripper down in front of its base without a collision. Check that the gripper "
+        "is on the right link (--flange), and that its z axis points outwards (--mount)."
     )
 
 
 def _nearer(x: float, y: float, z: float, base: float) -> Iterator[tuple[float, float, float]]:
-    """Yield the place of the Panda's tip at home, then places nearer to the base, then lower ones."""
+    """Yield the home position of the Panda's tip, then positions nearer to the base, then lower ones."""
     while z > TABLE_HEIGHT + 0.15:
         for share in (1.0, 0.85, 0.7):
             yield base + share * (x - base), y, z

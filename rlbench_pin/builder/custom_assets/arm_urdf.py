@@ -1,7 +1,7 @@
-"""The URDF file of an arm with a gripper on it, and its meshes, made of the URDF files of both.
+"""Builds the URDF file and the meshes of an arm with a gripper from the URDF files of both.
 
-Visual meshes are thinned, collision meshes of the arm become convex hulls and those of the gripper convex parts; all are written
-as OBJ files. Joints that carry the gripper, or stand beside the arm, are refused by name.
+Visual meshes are decimated, collision meshes of the arm become convex hulls and those of the gripper convex parts. All are
+written as OBJ files. A moving joint outside of the chain from the base to the flange is refused; the error names it.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class Gripper:
 
 
 def arm_asset(name: str, urdf: Path, flange: str, note: OnNote) -> tuple[CustomAsset, str, tuple[str, ...]]:
-    """Return the arm without gripper: all links but those below the flange.
+    """Return the arm without a gripper: all links except those below the flange.
 
     Args:
         name: Name of the arm.
@@ -58,7 +58,7 @@ def arm_asset(name: str, urdf: Path, flange: str, note: OnNote) -> tuple[CustomA
         Files of the arm, the new name of the flange, and a line for each number that the URDF does not give.
 
     Raises:
-        UploadRefused: The file cannot be used, has no such link, or has a joint that moves beside the arm.
+        UploadRefused: The file is invalid, has no such link, or has a moving joint outside of the chain to the flange.
     """
     root = _read(urdf)
     tree = _Tree(urdf.name, root)
@@ -72,7 +72,7 @@ def arm_asset(name: str, urdf: Path, flange: str, note: OnNote) -> tuple[CustomA
     beside = [joint.get("name", "") for joint in tree.moving() if joint.get("name") not in chain]
     if beside:
         hint = f"Give the link that carries the gripper with --flange. Links: {', '.join(tree.links)}."
-        raise UploadRefused(urdf.name, f"its joint '{beside[0]}' moves, and is not on the way to '{flange}'", hint)
+        raise UploadRefused(urdf.name, f"its joint '{beside[0]}' moves, but is not in the chain to '{flange}'", hint)
     missing = [line for joint in tree.moving() for line in _complete(joint)]
     missing += [f"mass of link {link}" for link in _without_mass(root)]
     source = _converted(urdf, root, hulls=True)  # it renames the meshes in the tree
@@ -100,7 +100,7 @@ def gripper_asset(name: str, urdf: Path, note: OnNote) -> Gripper:
 
 
 def shared_gripper(name: str) -> Gripper:
-    """Return the parallel gripper of the arms of the catalogue that have none of their own."""
+    """Return the parallel gripper of the arms of the catalogue that have no gripper of their own."""
     file = robot_description(GRIPPER_OF).urdf
     root, hand = parse_xml(file.name, file.read_bytes()), f"{GRIPPER_OF}_hand"
     tree = _Tree(file.name, root)
@@ -126,7 +126,7 @@ def joined(name: str, arm: CustomAsset, flange: str, gripper: Gripper, mount: Mo
         arm: The arm.
         flange: Link that carries the gripper.
         gripper: The gripper.
-        mount: Place of the gripper in the flange.
+        mount: Pose of the gripper in the flange.
 
     Raises:
         UploadRefused: Arm and gripper have a link or a joint of the same name.
@@ -159,7 +159,7 @@ def fixed_joint(name: str, parent: str, child: str, place: Mount) -> Element:
 
 
 def changed(asset: CustomAsset, change: Callable[[Element], None]) -> CustomAsset:
-    """Return an asset whose URDF file a function has changed."""
+    """Return an asset with the URDF file changed by a function."""
     root = ElementTree.fromstring(asset.files[asset.urdf])
     change(root)
     return CustomAsset(asset.urdf, {**asset.files, asset.urdf: _text(root)})
@@ -207,7 +207,7 @@ def _read(urdf: Path) -> Element:
         data = urdf.read_bytes()
     except OSError as error:
         raise UploadRefused(
-            urdf.name, f"it cannot be read: {error.strerror}", "Name a URDF file; `xacro` turns others into one."
+            urdf.name, f"it cannot be read: {error.strerror}", "Name a URDF file; convert a xacro file with `xacro`."
         ) from error
     root, _, _ = checked_model(urdf.name, data)
     for element in [e for e in root if e.tag not in ("link", "joint", "material")]:
@@ -230,7 +230,7 @@ def _remove_below(root: Element, tree: _Tree, flange: str) -> None:
 
 
 def _remove_world(root: Element, tree: _Tree) -> None:
-    """Remove a first link that is but a frame at the same place as the base: PyBullet holds the first link still."""
+    """Remove a first link that is only a frame at the pose of the base, because PyBullet fixes the first link."""
     base = next(link for link in root.iterfind("link") if link.get("name", "").strip() == tree.base)
     joints = [joint for joint in root.iterfind("joint") if joint_end(joint, "parent") == tree.base]
     if len(joints) != 1 or joints[0].get("type") != "fixed" or any(base.find(role) is not None for role in _SHAPES):
@@ -268,7 +268,7 @@ def _without_mass(root: Element) -> list[str]:
 
 
 def _converted(urdf: Path, root: Element, hulls: bool) -> MeshSource:
-    """Give every mesh of a URDF file a name of its own as an OBJ file, and return the source that converts them."""
+    """Give every mesh of a URDF file its own name as an OBJ file, and return the source that converts them."""
     files: dict[str, tuple[Path, str]] = {}
     names: dict[tuple[Path, str], str] = {}
     for role in _SHAPES:
@@ -298,7 +298,7 @@ def mesh_file(urdf: Path, filename: str) -> Path:
     """Return the file that a mesh element names: a path from the URDF file, or from one of the five folders above it.
 
     Raises:
-        UploadRefused: There is none.
+        UploadRefused: The file does not exist.
     """
     parts = [part for part in filename.replace("\\", "/").partition("://")[2].split("/") if part]
     plain = urdf.parent / filename
@@ -310,11 +310,11 @@ def mesh_file(urdf: Path, filename: str) -> Path:
             file = folder.joinpath(*parts[first:])
             if file.is_file():
                 return file
-    raise UploadRefused(urdf.name, f"the mesh '{filename[:120]}' is not beside it", "Copy the meshes beside the URDF file.")
+    raise UploadRefused(urdf.name, f"the mesh '{filename[:120]}' is not found", "Copy the meshes to the folder of the URDF file.")
 
 
 def thinned(mesh: trimesh.Trimesh, most: int) -> trimesh.Trimesh:
-    """Return a mesh with at most `most` triangles: corners in one cell of a grid become one, in ever coarser grids."""
+    """Return a mesh with at most `most` triangles: vertices in one cell of a grid are merged, with ever coarser grids."""
     if len(mesh.faces) <= most:
         return mesh
     corners, faces, cells = np.asarray(mesh.vertices), np.asarray(mesh.faces), 256.0

@@ -1,4 +1,4 @@
-"""Conversion of an uploaded file to an asset, in a subprocess with bounded time and memory.
+"""Conversion of an uploaded file to an asset, in a subprocess with limited time and memory.
 
 The owner sends `{"job": ..., "data": ...}`. The subprocess answers with `{"note": ...}` for each step, at the end with
 `{"error": ...}` or `{"urdf": ..., "files": ...}`.
@@ -53,7 +53,7 @@ def convert(job: Job, data: bytes, note: OnNote) -> CustomAsset:
 
     Raises:
         UploadRefused: The file cannot be used.
-        InvalidValue: Scale or mass are not above 0.
+        InvalidValue: Scale or mass is not above 0.
     """
     name, mass = job.name, job.mass if job.mass != 0.0 else None
     ending = f".{name.rpartition('.')[2].lower()}"
@@ -67,7 +67,7 @@ def convert(job: Job, data: bytes, note: OnNote) -> CustomAsset:
             raise UploadRefused(name, there, "Send an archive with one of them, and the meshes that it names.")
         return urdf_asset(urdfs[0], files[urdfs[0]], archive_meshes(files, urdfs[0]), job.scale, mass, note)
     if ending not in MESHES:
-        raise UploadRefused(name, f"files are .obj, .stl, .urdf and .zip, not '{ending[:20]}'")
+        raise UploadRefused(name, f"its ending is '{ending[:20]}'", "Send an .obj, .stl, .urdf or .zip file.")
     mesh = read_mesh(name, data)
     note(f"Decomposing '{name}' into convex parts: {len(mesh.mesh.faces)} triangles")
     return mesh_asset(mesh, job.scale, job.mass, job.color)
@@ -80,7 +80,7 @@ class Conversion:
         job: The file, and the asset to make of it.
         data: Content of the file.
         on_note: Called with the present step and its duration, every second.
-        on_end: Called once, with the asset or the error. Both are called in a thread of their own.
+        on_end: Called once, with the asset or the error. Both are called in the thread of the conversion.
         time_limit: Time limit [s].
     """
 

@@ -1,4 +1,4 @@
-"""Files in the folder of a task: no path leads out of it; the meshes of a URDF file are searched there."""
+"""Files in the folder of a task: paths are checked to be inside; meshes of a URDF file are searched there."""
 
 from __future__ import annotations
 

@@ -54,8 +54,8 @@ def inertia_of(solids: Sequence[trimesh.Trimesh], mass: float | None = None) -> 
     """Return the inertia of solids of uniform density.
 
     Args:
-        solids: Closed, in the link frame [m].
-        mass: Mass of all together [kg]; None computes it from `DENSITY`.
+        solids: Closed meshes in the link frame [m].
+        mass: Total mass [kg]; None computes it from `DENSITY`.
     """
     volumes = np.array([solid.volume for solid in solids])
     center = volumes @ np.array([solid.center_mass for solid in solids]) / volumes.sum()
@@ -86,7 +86,7 @@ def mesh_asset(uploaded: UploadedMesh, scale: float, mass: float, color: Sequenc
 
     Raises:
         UploadRefused: It is flat, or larger than 2 m.
-        InvalidValue: Scale or mass are not above 0.
+        InvalidValue: Scale or mass is not above 0.
     """
     scale = as_number(scale, "scale", above=0.0, most=1e4)
     mass = as_number(mass, "mass [kg]", above=0.0, most=100.0)
@@ -114,7 +114,7 @@ def check_extent(name: str, extent: FloatArray) -> None:
         hint = "Give a smaller scale: 0.001 where the file is in millimetres."
         raise UploadRefused(name, f"it would be {_size(extent)} m large, the limit is {MAX_EXTENT:g} m", hint)
     if extent.max() < MIN_THICKNESS:
-        raise UploadRefused(name, f"it would be {_size(extent)} m large, which is nothing", "Give a larger scale.")
+        raise UploadRefused(name, f"it would be {_size(extent)} m large, which is too small", "Give a larger scale.")
 
 
 def _size(extent: FloatArray) -> str:

@@ -52,7 +52,7 @@ def upload_stem(name: str) -> str:
 
 
 def check_size(name: str, size: int) -> None:
-    """Check the size of a file [bytes]. The server passes a too large file on as an empty one.
+    """Check the size of a file [bytes]. The server replaces a file that is too large by an empty one.
 
     Raises:
         UploadRefused: It is too large or empty.
@@ -66,12 +66,12 @@ def read_mesh(name: str, data: bytes) -> UploadedMesh:
     """Return the mesh of an OBJ or STL file; materials are ignored, no other file is opened.
 
     Raises:
-        UploadRefused: It is too large, no OBJ or STL file, has no triangles or too many, or a vertex that is not finite.
+        UploadRefused: It is too large, is not an OBJ or STL file, has no or too many triangles, or a vertex that is not finite.
     """
     check_size(name, len(data))
     ending = f".{name.rpartition('.')[2].lower()}"
     if ending not in (".obj", ".stl"):
-        raise UploadRefused(name, f"a mesh is an .obj or .stl file, not '{ending}'")
+        raise UploadRefused(name, f"its ending is '{ending}'", "Send a mesh as an .obj or .stl file.")
     _check_lines(name, ending, data)
     try:
         loaded = trimesh.load(
@@ -79,14 +79,14 @@ def read_mesh(name: str, data: bytes) -> UploadedMesh:
         )
     except Exception as error:  # whatever a parser raises on hostile bytes
         raise UploadRefused(
-            name, f"it cannot be read as {ending[1:].upper()} ({type(error).__name__}: {str(error)[:120]})"
+            name, f"it cannot be read as {ending[1:].upper()} ({type(error).__name__}: {str(error)[:120]})", "Export it again."
         ) from error
     if not isinstance(loaded, trimesh.Trimesh) or len(loaded.faces) == 0:
-        raise UploadRefused(name, "it has no triangles")
+        raise UploadRefused(name, "it has no triangles", "Export it again with faces.")
     if len(loaded.faces) > MAX_TRIANGLES:
         raise UploadRefused(name, f"it has {len(loaded.faces)} triangles, the limit is {MAX_TRIANGLES}", "Reduce it first.")
     if not np.isfinite(loaded.vertices).all() or not np.abs(loaded.vertices).max() < 1e6:
-        raise UploadRefused(name, "a vertex is not a finite number, or farther away than 1000 km")
+        raise UploadRefused(name, "a vertex is not a finite number, or farther away than 1000 km", "Export it again.")
     loaded.merge_vertices()
     return UploadedMesh(upload_stem(name), loaded)
 
@@ -97,7 +97,7 @@ def _check_lines(name: str, ending: str, data: bytes) -> None:
         faces = data.count(b"\nf ") + data.startswith(b"f ")
         longest = max((len(line) for line in data.splitlines()), default=0)
         if longest > 100_000:
-            raise UploadRefused(name, "a line has more than 100000 characters")
+            raise UploadRefused(name, "a line has more than 100000 characters", "Export it again.")
     else:
         faces = int.from_bytes(data[80:84], "little") if not data.lstrip().startswith(b"solid") else data.count(b"endfacet")
         if b"facet" not in data[:1000] and (present := (len(data) - 84) // 50) < faces <= MAX_TRIANGLES:
@@ -115,7 +115,7 @@ def read_archive(name: str, data: bytes, endings: tuple[str, ...]) -> dict[str, 
         endings: Wanted files, such as `.obj`; others are not unpacked.
 
     Raises:
-        UploadRefused: It is no ZIP file, too large, locked, or has links or paths outside of itself.
+        UploadRefused: It is not a ZIP file, is too large or encrypted, or has links or paths outside of itself.
     """
     check_size(name, len(data))
     try:
@@ -123,14 +123,15 @@ def read_archive(name: str, data: bytes, endings: tuple[str, ...]) -> dict[str, 
             entries = _wanted(name, archive, endings)
             return _contents(name, archive, entries)
     except _BROKEN as error:
-        raise UploadRefused(name, f"it cannot be read as a zip file ({type(error).__name__}: {str(error)[:120]})") from error
+        problem = f"it cannot be read as a zip file ({type(error).__name__}: {str(error)[:120]})"
+        raise UploadRefused(name, problem, "Create it again.") from error
 
 
 def _wanted(name: str, archive: zipfile.ZipFile, endings: tuple[str, ...]) -> dict[str, zipfile.ZipInfo]:
     """Check all entries, and return the wanted ones by their paths."""
     infos = archive.infolist()
     if len(infos) > MAX_FILES:
-        raise UploadRefused(name, f"it has {len(infos)} files, the limit is {MAX_FILES}")
+        raise UploadRefused(name, f"it has {len(infos)} files, the limit is {MAX_FILES}", "Remove some.")
     found: dict[str, zipfile.ZipInfo] = {}
     for info in infos:
         path = _checked_path(name, info)
@@ -138,10 +139,10 @@ def _wanted(name: str, archive: zipfile.ZipFile, endings: tuple[str, ...]) -> di
             continue
         if path.suffix.lower() in endings:
             if str(path) in found:
-                raise UploadRefused(name, f"it has '{path}' twice")
+                raise UploadRefused(name, f"it has '{path}' twice", "Remove one of them.")
             found[str(path)] = info
     if sum(info.file_size for info in found.values()) > MAX_CONTENT_SIZE:
-        raise UploadRefused(name, f"its files have more than {MAX_CONTENT_SIZE // 2**20} MB unpacked")
+        raise UploadRefused(name, f"its files have more than {MAX_CONTENT_SIZE // 2**20} MB unpacked", "Remove some.")
     return found
 
 
@@ -154,7 +155,7 @@ def _checked_path(name: str, info: zipfile.ZipInfo) -> PurePosixPath:
     if stat.S_ISLNK(info.external_attr >> 16):
         raise UploadRefused(name, f"'{filename[:80]}' is a link", "Replace it by the file.")
     if info.flag_bits & 1:
-        raise UploadRefused(name, f"'{filename[:80]}' is locked with a password")
+        raise UploadRefused(name, f"'{filename[:80]}' is encrypted", "Create it again without a password.")
     return path
 
 
@@ -167,5 +168,6 @@ def _contents(name: str, archive: zipfile.ZipFile, entries: dict[str, zipfile.Zi
             contents[path] = stream.read(min(left, MAX_UPLOAD_SIZE) + 1)
         left -= len(contents[path])
         if left < 0 or len(contents[path]) > MAX_UPLOAD_SIZE:
-            raise UploadRefused(name, f"'{path}' is too large unpacked: the limit is {MAX_UPLOAD_SIZE // 2**20} MB a file")
+            problem = f"'{path}' is too large unpacked: the limit is {MAX_UPLOAD_SIZE // 2**20} MB per file"
+            raise UploadRefused(name, problem, "Reduce it first.")
     return contents

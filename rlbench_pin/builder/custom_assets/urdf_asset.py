@@ -1,4 +1,4 @@
-"""Assets made of a URDF file: rewritten links, joints, shapes and colours; collision meshes decomposed into convex parts."""
+"""Assets from a URDF file: rewritten links, joints, shapes and colours; collision meshes decomposed into convex parts."""
 
 from __future__ import annotations
 
@@ -48,8 +48,8 @@ def urdf_asset(name: str, data: bytes, source: MeshSource, scale: float, mass: f
         note: Called with each step of the work.
 
     Raises:
-        UploadRefused: It is no URDF file, or has invalid values.
-        InvalidValue: Scale or mass are not above 0.
+        UploadRefused: It is not a URDF file, or has invalid values.
+        InvalidValue: Scale or mass is not above 0.
     """
     scale = as_number(scale, "scale", above=0.0, most=1e4)
     mass = None if mass is None else as_number(mass, "mass [kg]", above=0.0, most=MAX_MASS)
@@ -143,7 +143,7 @@ class _Builder:
     def _shape_of(self, element: Element) -> Element | None:
         self._shapes += 1
         if self._shapes > _MAX_SHAPES:
-            raise UploadRefused(self._name, f"it has more than {_MAX_SHAPES} shapes")
+            raise UploadRefused(self._name, f"it has more than {_MAX_SHAPES} shapes", "Reduce them first.")
         geometry = element.find("geometry")
         return geometry[0] if geometry is not None and len(geometry) else None
 
@@ -264,7 +264,7 @@ class _Builder:
             return
         axis = np.array(self._numbers.several(joint.find("axis"), "xyz", 3, "1 0 0"))
         if np.linalg.norm(axis) < 1e-9:
-            raise UploadRefused(self._name, f"joint '{name}' has the axis 0 0 0")
+            raise UploadRefused(self._name, f"joint '{name}' has the axis 0 0 0", "Give it a direction.")
         SubElement(new, "axis", xyz=format_numbers(axis / np.linalg.norm(axis)))
         self._add_limits(new, joint, kind)
         dynamics = joint.find("dynamics")
@@ -278,7 +278,8 @@ class _Builder:
     def _add_mimic(self, new: Element, mimic: Element, joints: dict[str, str]) -> None:
         leader = mimic.get("joint", "").strip()
         if leader not in joints:
-            raise UploadRefused(self._name, f"joint '{new.get('name')}' mimics the joint '{leader[:60]}', which does not exist")
+            problem = f"joint '{new.get('name')}' mimics the joint '{leader[:60]}', which does not exist"
+            raise UploadRefused(self._name, problem, "Correct its name.")
         ratio, offset = self._numbers.one(mimic, "multiplier", "1"), self._numbers.one(mimic, "offset", "0")
         SubElement(new, "mimic", joint=joints[leader], multiplier=f"{ratio:.9g}", offset=f"{offset:.9g}")
 

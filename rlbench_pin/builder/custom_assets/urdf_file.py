@@ -30,8 +30,8 @@ class _Limits:
     def start(self, tag: str, attributes: object) -> None:
         self._depth, self._count = self._depth + 1, self._count + 1
         if self._depth > _MAX_DEPTH or self._count > _MAX_ELEMENTS:
-            problem = f"it has more than {_MAX_ELEMENTS} elements, or more than {_MAX_DEPTH} inside one another"
-            raise UploadRefused(self._name, problem)
+            problem = f"it has more than {_MAX_ELEMENTS} elements, or more than {_MAX_DEPTH} nested ones"
+            raise UploadRefused(self._name, problem, "Reduce them.")
 
     def end(self, tag: str) -> None:
         self._depth -= 1
@@ -45,10 +45,12 @@ def parse_xml(name: str, data: bytes) -> ElementTree.Element:
     """Return the root element of a document.
 
     Raises:
-        UploadRefused: It is no XML, too large, too deep, or declares entities.
+        UploadRefused: It is not XML, is too large or nested too deeply, or declares entities.
     """
     if len(data) > MAX_TEXT_SIZE:
-        raise UploadRefused(name, f"it has {len(data) / 2**20:.0f} MB of XML, the limit is {MAX_TEXT_SIZE // 2**20} MB")
+        raise UploadRefused(
+            name, f"it has {len(data) / 2**20:.0f} MB of XML, the limit is {MAX_TEXT_SIZE // 2**20} MB", "Reduce it."
+        )
     limits, parser = _Limits(name), expat.ParserCreate()
     parser.StartElementHandler, parser.EndElementHandler = limits.start, limits.end
     parser.StartDoctypeDeclHandler = parser.EntityDeclHandler = limits.declare
@@ -56,7 +58,7 @@ def parse_xml(name: str, data: bytes) -> ElementTree.Element:
         parser.Parse(data, True)
         return ElementTree.fromstring(data)
     except (expat.ExpatError, ElementTree.ParseError, LookupError, ValueError) as error:
-        raise UploadRefused(name, f"it is no valid XML: {error}") from error
+        raise UploadRefused(name, f"it is not valid XML: {error}", "Correct the file.") from error
 
 
 class Numbers:
@@ -76,7 +78,7 @@ class Numbers:
             numbers = ()
         if len(numbers) != count or not all(math.isfinite(number) and abs(number) < 1e6 for number in numbers):
             wanted = "a finite number" if count == 1 else f"{count} finite numbers"
-            raise UploadRefused(self._name, f"'{key}' of a <{element.tag}> has to be {wanted}, not '{given[:60]}'")
+            raise UploadRefused(self._name, f"'{key}' of a <{element.tag}> has to be {wanted}, not '{given[:60]}'", "Correct it.")
         return numbers
 
     def one(self, element: ElementTree.Element | None, key: str, default: str, least: float = -math.inf) -> float:
@@ -84,7 +86,7 @@ class Numbers:
         number = self.several(element, key, 1, default)[0]
         if number < least:
             tag = "" if element is None else element.tag
-            raise UploadRefused(self._name, f"'{key}' of a <{tag}> is {number:g}, and has to be {least:g} or more")
+            raise UploadRefused(self._name, f"'{key}' of a <{tag}> is {number:g}, and has to be {least:g} or more", "Correct it.")
         return number
 
     def positive(self, element: ElementTree.Element, key: str, count: int, default: str, most: float) -> tuple[float, ...]:
@@ -92,7 +94,8 @@ class Numbers:
         numbers = self.several(element, key, count, default)
         if not all(0.0 < number <= most for number in numbers):
             given = " ".join(f"{number:g}" for number in numbers)
-            raise UploadRefused(self._name, f"'{key}' of a <{element.tag}> is {given}, and has to be above 0, at most {most:g}")
+            problem = f"'{key}' of a <{element.tag}> is {given}, and has to be above 0, at most {most:g}"
+            raise UploadRefused(self._name, problem, "Correct it.")
         return numbers
 
 
@@ -100,11 +103,11 @@ def checked_model(name: str, data: bytes) -> tuple[Element, dict[str, str], dict
     """Return the root element of a URDF file, and valid names of its links and joints by their given names.
 
     Raises:
-        UploadRefused: It is no URDF file, or its links and joints form no tree.
+        UploadRefused: It is not a URDF file, or its links and joints do not form a tree.
     """
     root = parse_xml(name, data)
     if root.tag != "robot":
-        raise UploadRefused(name, f"its first element is <{root.tag}>, not <robot>", "It is no URDF file.")
+        raise UploadRefused(name, f"its first element is <{root.tag}>, not <robot>", "Send a URDF file.")
     joints = root.findall("joint")
     links, joint_names = clean_names(name, root.findall("link")), clean_names(name, joints)
     check_tree(name, links, joints)
@@ -122,7 +125,7 @@ def clean_names(urdf: str, elements: Sequence[Element]) -> dict[str, str]:
         given = element.get("name", "").strip()
         if not given or given in names:
             problem = f"two <{element.tag}> are called '{given[:60]}'" if given else f"a <{element.tag}> has no name"
-            raise UploadRefused(urdf, problem, "Names are unique.")
+            raise UploadRefused(urdf, problem, "Give each its own name.")
         stem = _OTHER.sub("_", given)[:60].strip("_") or element.tag
         clean, number = stem, 2
         while clean in names.values():
@@ -138,7 +141,7 @@ def check_tree(urdf: str, links: Mapping[str, str], joints: Sequence[Element]) -
         UploadRefused: They do not, or a joint has an unknown type.
     """
     if not links or len(links) > _MAX_LINKS:
-        raise UploadRefused(urdf, f"it has {len(links)} links; 1 to {_MAX_LINKS} are allowed")
+        raise UploadRefused(urdf, f"it has {len(links)} links; 1 to {_MAX_LINKS} are possible", "Change it.")
     parents: dict[str, str] = {}
     for joint in joints:
         name, kind = joint.get("name", ""), joint.get("type", "")
@@ -147,9 +150,9 @@ def check_tree(urdf: str, links: Mapping[str, str], joints: Sequence[Element]) -
             raise UploadRefused(urdf, f"joint '{name}' is of type '{kind}'", f"Joints are {', '.join(JOINTS)}.")
         for link in (parent, child):
             if link not in links:
-                raise UploadRefused(urdf, f"joint '{name}' names the link '{link}', which does not exist")
+                raise UploadRefused(urdf, f"joint '{name}' names the link '{link}', which does not exist", "Correct it.")
         if child in parents:
-            raise UploadRefused(urdf, f"the link '{child}' is the child of two joints")
+            raise UploadRefused(urdf, f"the link '{child}' is the child of two joints", "Remove one of them.")
         parents[child] = parent
     roots = [link for link in links if link not in parents]
     if len(roots) > 1:
@@ -169,7 +172,8 @@ def _check_path(urdf: str, link: str, parents: Mapping[str, str]) -> None:
     path = [link]
     while (parent := parents.get(path[-1])) is not None:
         if parent in path:
-            raise UploadRefused(urdf, f"its joints form a circle: {' -> '.join([*path[path.index(parent) :], parent][:8])}")
+            cycle = " -> ".join([*path[path.index(parent) :], parent][:8])
+            raise UploadRefused(urdf, f"its joints form a cycle: {cycle}", "Remove one of these joints.")
         path.append(parent)
 
 

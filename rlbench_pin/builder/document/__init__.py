@@ -1,4 +1,4 @@
-"""A task that is being edited: its two files as text, with unlimited undo, saved together or not at all."""
+"""The edited task: its two files as text, with unlimited undo; both files are saved together or not at all."""
 
 from __future__ import annotations
 

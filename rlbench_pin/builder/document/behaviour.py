@@ -181,7 +181,7 @@ class _Said:
 
 
 def _read_sentences(task: TaskClass) -> Sentences | None:
-    """Return the instructions; None when they are not literals."""
+    """Return the instructions; None if they are not literals."""
     said = _said(task)
     if said is None:
         return None
@@ -270,7 +270,7 @@ def _said(task: TaskClass) -> _Said | None:
 
 
 def _groups(node: ast.expr) -> list[ListNode]:
-    """Return the lists of a table with one for each variation, a list, a tuple or a dict; empty when it is none."""
+    """Return the lists of a table (list, tuple or dict) with one for each variation; empty if it is not such a table."""
     items: Sequence[ast.expr] = node.elts if isinstance(node, ListNode) else ()
     if isinstance(node, ast.Dict):
         keys = [key.value if isinstance(key, ast.Constant) else None for key in node.keys]
@@ -415,7 +415,7 @@ class Behaviour:
         description: Docstring of the class: what varies, and what counts as success.
         instructions: The instructions: one group for all variations, or one for each.
         variation_count: Number of variations.
-        solved_by_chance: Whether random actions may reach the goal now and then.
+        solved_by_chance: Whether random actions may sometimes reach the goal.
         graspable: Names of the bodies that the gripper may hold, `<body>/<link>` for one link alone.
         success: Conditions that must hold at the same instant.
         failure: Conditions that end an episode without success when all hold at the same instant.
@@ -449,26 +449,26 @@ class Behaviour:
         """Return the Python in which a field has another value; the same text when it has it already.
 
         Raises:
-            EditRefused: The Python is not of a form that can be edited so.
+            EditRefused: No form can edit this part of the Python.
             InvalidValue: The value is not of the kind of the field.
         """
         as_choice(name, "field", tuple(_FIELDS))
         wanted = _checked(name, value)
         if getattr(self, name) is None:
-            raise EditRefused(f"change {name}", "the Python does not say it in a form that can be edited.", "Edit the text.")
+            raise EditRefused(f"change {name}", "no form can edit this part of the Python.", "Edit the text in *Files*.")
         if getattr(self, name) == wanted:
             return self.python
         old = Source(self.python)
         task = TaskClass.of(old)
         text = _with_docstring(old, old.tree, wanted) if task is None else _FIELDS[name][1](task, wanted)
         if text is None:
-            raise EditRefused(f"change {name}", "the Python cannot say it in a form that can be edited.", "Edit the text.")
+            raise EditRefused(f"change {name}", "no form can write this value to the Python.", "Edit the text in *Files*.")
         try:
             new = _without_idle_names(old, Source(text))
             new = _with_shared_lookups(old, new)
             return Source(with_imports(old, new)).text
         except PythonSyntaxError as error:
-            raise EditRefused(f"change {name}", f"it would not be Python any more: {error}.", "Edit the text.") from error
+            raise EditRefused(f"change {name}", f"the result is not valid Python: {error}.", "Edit the text.") from error
 
 
 def _checked(name: str, value: Any) -> Any:
@@ -497,7 +497,7 @@ def _checked(name: str, value: Any) -> Any:
 
 
 def without_names(python: str, names: Collection[str]) -> str:
-    """Return the Python whose forms name none of these elements of the scene any more; what no form can edit stays."""
+    """Return the Python without these elements of the scene in its forms; parts that no form can edit do not change."""
     for name in _NAMING:
         behaviour = Behaviour.of(python)
         parts = getattr(behaviour, name)

@@ -403,7 +403,7 @@ def _kept(old: Sequence[object], new: Sequence[object], before: Sequence[str]) -
 
 
 def _new_items(found: _Registered, texts: list[str]) -> list[Replacement]:
-    """Return the replacements for other items of the list; the call is laid out anew where its lines change."""
+    """Return the replacements for other items of the list; changed lines of the call are formatted again."""
     source = found.reader.source
     changed = source.new_list(found.items, texts)
     start, end = source.span(found.call)
@@ -445,7 +445,7 @@ def _patch(
 
 
 def _bound(reader: Reader, node: ast.expr) -> Binding | None:
-    """Return the assignment that a name stands for, through other names."""
+    """Return the assignment of a name, also through other names."""
     bound = reader.bindings.get(ast.unparse(node)) if isinstance(node, ast.Name | ast.Attribute) else None
     return None if bound is None else _bound(reader, bound.value) or bound
 

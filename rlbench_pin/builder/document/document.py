@@ -1,4 +1,4 @@
-"""A task that is being edited: its two files as text, each edit a step that can be undone."""
+"""The edited task: its two files as text; each edit is a step of the undo history."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ class _Reading:
 
 @lru_cache(maxsize=4)
 def _read_python(text: str) -> tuple[Behaviour, bool]:
-    """Return the behaviour that a Python file says, and whether it returns the sentences of the scene.
+    """Return the behaviour in a Python file, and whether it returns the sentences of the scene.
 
     While an element is dragged, the scene changes many times and the Python does not.
     """
@@ -126,13 +126,13 @@ def _read_python(text: str) -> tuple[Behaviour, bool]:
 
 
 class TaskDocument:
-    """The two files of a task, edited as text. Made by `open` and `new`; not to be used by two threads at once.
+    """The two files of a task, edited as text. Create it with `open` or `new`; use it in one thread at a time.
 
     Args:
         pair: The paths of the files.
         texts: Their texts.
         saved: Their contents on disk; None for a file that does not exist yet.
-        unfinished: Texts of a save that did not come to an end, which become the first edit.
+        unfinished: Texts of an interrupted save, which become the first edit.
     """
 
     def __init__(self, pair: Pair, texts: Texts, saved: Contents, unfinished: Texts | None = None) -> None:
@@ -147,19 +147,19 @@ class TaskDocument:
     def open(cls, path: Path | str) -> TaskDocument:
         """Open a task, and finish a save of it that was killed.
 
-        If a file was changed by somebody else after such a save, the files stay as they are, and the texts of that save are the
-        first edit, which can be undone.
+        If another program has changed a file after that save, the files do not change. Then the texts of the save
+        become the first edit, which can be undone.
 
         Args:
             path: Either file of the pair.
 
         Raises:
-            TaskFilesError: A file is missing, too large, or no text.
+            TaskFilesError: A file is missing, too large, or not text.
             StorageError: A file cannot be read or written.
         """
         path = as_path(path, "path").resolve()
         if path.suffix not in (".toml", ".py"):
-            raise TaskFilesError(path, "it is no file of a task.", "Name a `<task>.py` or `<task>.toml`.")
+            raise TaskFilesError(path, "it is not a file of a task.", "Name a `<task>.py` or `<task>.toml`.")
         pair = Pair(path.parent, path.stem)
         unfinished = recover(pair)
         saved = read_pair(pair)
@@ -174,7 +174,7 @@ class TaskDocument:
             name: Small letters, digits and underscores, a letter first.
 
         Raises:
-            TaskFilesError: The name is invalid, or a file of that name exists, perhaps from a save that was killed.
+            TaskFilesError: The name is invalid, or a file of that name exists, also one of an interrupted save.
         """
         pair = Pair(as_path(folder, "folder").resolve(), as_text(name, "name"))
         if fault := name_fault(name):
@@ -182,7 +182,7 @@ class TaskDocument:
         recover(pair)
         for file in pair.files:
             if file.is_symlink() or file.exists():
-                raise TaskFilesError(file, "it is there already.", "Open it, or choose another name.")
+                raise TaskFilesError(file, "it already exists.", "Open it, or choose another name.")
         title = name.replace("_", " ").capitalize()
         return cls(pair, (_NEW_SCENE, _NEW_PYTHON.substitute(cls=camel_case(name), title=title)), (None, None))
 
@@ -274,7 +274,7 @@ class TaskDocument:
         """Add an element, and return its name; without `name` in `values` it gets a free one.
 
         Args:
-            table: `body`, `joint`, `frame`, `region`, `sensor` or `waypoint` (behind the last).
+            table: `body`, `joint`, `frame`, `region`, `sensor` or `waypoint` (added as the last).
             values: Keys of the record.
         """
         return self._edit(f"add {table}", operations.added, table, values).name
@@ -338,7 +338,7 @@ class TaskDocument:
         """Change one field of the behaviour, such as `instructions`; hand-written parts of the Python do not change.
 
         Raises:
-            EditRefused: The Python is not of a form that can be edited so.
+            EditRefused: No form can edit this part of the Python.
         """
         if field == "instructions" and self._reading.training is not None:
             self._edit("change instructions", operations.sentences_changed, value, merge=merge)
@@ -354,13 +354,13 @@ class TaskDocument:
         self._read()
 
     def undo(self) -> str:
-        """Take the last edit back, and return its name; empty when there is none."""
+        """Undo the last edit, and return its name; empty if there is none."""
         name = self._history.undo()
         self._read()
         return name
 
     def redo(self) -> str:
-        """Repeat the edit that was undone last, and return its name; empty when there is none."""
+        """Redo the edit that was undone last, and return its name; empty if there is none."""
         name = self._history.redo()
         self._read()
         return name
@@ -386,10 +386,10 @@ class TaskDocument:
         """Write both files; they appear together or not at all.
 
         Args:
-            over: Overwrite changes that somebody else has made since the files were read.
+            over: Overwrite changes that another program has made since the files were read.
 
         Raises:
-            ChangedOnDisk: Somebody else has changed the files.
+            ChangedOnDisk: Another program has changed the files.
             StorageError: They cannot be written.
         """
         contents = encode_pair(self.texts, self._saved)
@@ -397,14 +397,14 @@ class TaskDocument:
         self._saved = contents
 
     def changed_on_disk(self) -> tuple[Path, ...]:
-        """Return the files that somebody else has changed since they were read or saved; empty when there are none."""
+        """Return the files that another program has changed since they were read or saved; empty if there are none."""
         return changed_files(self._pair, self._saved)
 
     def reload(self) -> None:
         """Replace both texts by those of the files, as an edit that can be undone.
 
         Raises:
-            TaskFilesError: A file is missing, too large, or no text.
+            TaskFilesError: A file is missing, too large, or not text.
         """
         contents = read_pair(self._pair)
         self.take("reload", decode_pair(self._pair, contents))

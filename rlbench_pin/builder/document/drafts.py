@@ -48,7 +48,7 @@ class DraftKeeper:
 
     Attributes:
         file: The file of the drafts.
-        offered: Earlier drafts that were neither taken nor dropped, the latest first.
+        offered: Earlier drafts that were neither applied nor discarded, the latest first.
         news: Message for the user about the file, such as that it could not be written; usually empty.
     """
 
@@ -178,7 +178,7 @@ def _content(name: str, drafts: Sequence[Draft]) -> bytes:
 
 def _read(file: Path) -> bytes:
     if file.is_symlink() or not file.is_file():
-        raise ValueError("it is no file")
+        raise ValueError("it is not a file")
     with file.open("rb") as stream:
         content = stream.read(_MAX_SIZE + 1)
     if len(content) > _MAX_SIZE:
@@ -190,7 +190,7 @@ def _drafts(name: str, content: bytes) -> list[Draft]:
     """Return the drafts of a file, or raise any error that an invalid one causes."""
     said: Any = json.loads(content)
     if said["format"] != _FORMAT or said["task"] != name or not isinstance(said["drafts"], list):
-        raise ValueError(f"it is no draft of '{name}'")
+        raise ValueError(f"it is not a draft of '{name}'")
     drafts = [Draft(_two(d["files"]), _two(d["saved"]), str(d["written"])[:40]) for d in said["drafts"][:MAX_DRAFTS]]
     for text in (text for draft in drafts for text in draft.texts):
         if len(text.encode()) > MAX_FILE_SIZE:

@@ -1,4 +1,4 @@
-"""Errors of a task that is being edited."""
+"""Errors of the edited task."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from rlbench_pin.errors import RlbenchPinError
 
 
 class DocumentError(RlbenchPinError):
-    """Base of the errors of a task that is being edited; nothing has changed."""
+    """Base of the errors of the edited task; the task has not changed."""
 
 
 class TaskFilesError(DocumentError):
@@ -21,7 +21,7 @@ class TaskFilesError(DocumentError):
 
 
 class EditRefused(DocumentError):
-    """An edit cannot be made."""
+    """An edit is refused."""
 
     def __init__(self, edit: str, problem: str, hint: str = "") -> None:
         self.edit, self.problem, self.hint = edit, problem, hint
@@ -34,14 +34,12 @@ class HasDependants(EditRefused):
     def __init__(self, name: str, dependants: Sequence[str], mentions: Sequence[str]) -> None:
         self.name, self.dependants, self.mentions = name, tuple(dependants), tuple(mentions)
         needed = [*dependants, *(f"line {mention}" for mention in mentions)]
-        hint = (
-            "Delete it with what depends on it (conditions, grasps and random places that name it go too), or change these first."
-        )
+        hint = "Delete it with its dependants (also conditions, grasps and random places that name it), or change these first."
         super().__init__(f"delete '{name}'", f"it is needed by {', '.join(needed)}.", hint)
 
 
 class ChangedOnDisk(DocumentError):
-    """Files were changed by somebody else since they were read or saved."""
+    """Another program has changed files since they were read or saved."""
 
     def __init__(self, files: Collection[Path]) -> None:
         self.files = tuple(files)

@@ -59,7 +59,7 @@ class Edited:
 
 
 def added(scene: SceneText, python: str, table: str, values: Mapping[str, Any]) -> Edited:
-    """Add an element behind the last one of its table."""
+    """Add an element after the last one of its table."""
     as_choice(table, "table", tuple(TABLES))
     if table == "waypoint":
         return waypoint_inserted(scene, python, len(scene.of_table("waypoint")), values)
@@ -80,7 +80,7 @@ def changed(scene: SceneText, python: str, name: str, values: Mapping[str, Any])
     if "/" in as_text(name, "name") and name not in scene.names:
         return added(scene, python, "joint", {**values, "name": name})
     if "name" in values:
-        raise EditRefused(f"change the name of '{name}' alone", "others may refer to it.", "Rename it.")
+        raise EditRefused(f"change only the key name of '{name}'", "other elements may refer to it.", "Use rename.")
     entry = scene.find(name)
     if entry.is_array and set(values) == {"pose"} and values["pose"] is not None:
         text = with_array_pose(scene, entry, name, values["pose"])
@@ -172,7 +172,7 @@ def waypoint_moved(scene: SceneText, python: str, name: str, index: int) -> Edit
     """Give a waypoint another number; its entry moves to that place in the text."""
     edit, points = f"reorder '{name}'", scene.of_table("waypoint")
     if scene.find(name).table != "waypoint":
-        raise EditRefused(edit, "it is no waypoint.")
+        raise EditRefused(edit, "it is not a waypoint.", "Choose a waypoint.")
     last = sum(len(entry.names) for entry in points) - 1
     if as_whole(index, "index", least=0) > last:
         raise InvalidValue("index", index, f"has to be 0 to {last}, a number of a waypoint")
@@ -210,7 +210,7 @@ def renamed_everywhere(scene: SceneText, python: str, old: str, new: str) -> Edi
     if scene.find(old).table == "joint":
         raise EditRefused(f"rename '{old}'", "the name of a joint is in the URDF file of its body.", "Rename the body.")
     if as_text(new, "new name") in scene.names:
-        raise EditRefused(f"rename '{old}'", f"'{new}' is used already.", "Choose another name.")
+        raise EditRefused(f"rename '{old}'", f"'{new}' is already in use.", "Choose another name.")
     text, left = renamed_in_python(_source(python, f"rename '{old}'"), {old: new})
     return Edited((renamed(scene, {old: new}).text, text), new, left)
 
@@ -244,7 +244,7 @@ def _refuse_computed(python: str, edit: str) -> None:
     """Refuse an edit that gives waypoints other numbers where the Python computes them."""
     if lines := computed_waypoints(_source(python, edit)):
         problem = f"the Python computes which waypoint it means, in line {', in line '.join(lines)}."
-        raise EditRefused(edit, problem, "Write names or numbers out there, or renumber both files in *Files*.")
+        raise EditRefused(edit, problem, "Write literal names or numbers there, or renumber both files in *Files*.")
 
 
 def _number(waypoint: str) -> int:

@@ -1,4 +1,4 @@
-"""Random places: the regions of each `SpawnBoundary`, and the elements that are placed in them."""
+"""Random placement: the regions of each `SpawnBoundary`, and the elements that are placed in them."""
 
 from __future__ import annotations
 

@@ -65,8 +65,8 @@ def read_pair(pair: Pair) -> tuple[bytes, bytes]:
     """Return the contents of both files.
 
     Raises:
-        TaskFilesError: One of them is missing, or too large, or the scene takes tables from another one.
-        StorageError: One of them cannot be read.
+        TaskFilesError: A file is missing or too large, or the scene has a base.
+        StorageError: A file cannot be read.
     """
     scene = _read(pair.files[0])
     if base := _BASE.search(scene):
@@ -93,7 +93,7 @@ def changed_files(pair: Pair, known: Contents) -> tuple[Path, ...]:
 
 
 def write_pair(pair: Pair, contents: tuple[bytes, bytes], *, known: Contents | None = None) -> None:
-    """Write both files; if it is killed, either none has changed, or the next `recover` finishes it.
+    """Write both files. If the process is killed, either no file has changed, or the next `recover` completes the write.
 
     Args:
         pair: The paths.
@@ -138,7 +138,7 @@ def alone_in(folder: Path) -> Iterator[None]:
 
 
 def _locked(descriptor: int) -> bool:
-    """Lock a folder, where its file system can; False while somebody else has locked it."""
+    """Lock a folder if its file system supports it; False while another process has locked it."""
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
@@ -158,7 +158,7 @@ def recover(pair: Pair) -> tuple[bytes, bytes] | None:
     """Finish a save that was killed.
 
     Returns:
-        The contents of that save when a file has been changed since by somebody else; then nothing is written. None otherwise.
+        The contents of that save if another program has changed a file since; then nothing is written. None otherwise.
 
     Raises:
         StorageError: The files cannot be written.
@@ -249,7 +249,7 @@ def _read(path: Path) -> bytes:
         if not path.is_file():
             raise TaskFilesError(path, "it does not exist.", "A task is a pair `<task>.toml` and `<task>.py` in one folder.")
         if (size := path.stat().st_size) > MAX_FILE_SIZE:
-            raise TaskFilesError(path, f"it has {size} bytes.", f"A file of a task has at most {MAX_FILE_SIZE}.")
+            raise TaskFilesError(path, f"it has {size} bytes.", f"Reduce it to at most {MAX_FILE_SIZE}.")
         return path.read_bytes()
     except OSError as error:
         raise StorageError(path, error) from error
@@ -273,7 +273,7 @@ def decode_pair(pair: Pair, contents: tuple[bytes, bytes]) -> Texts:
         try:
             text = content.decode()
         except UnicodeDecodeError as error:
-            raise TaskFilesError(path, f"it is no text in UTF-8: {error.reason} at byte {error.start}.") from error
+            raise TaskFilesError(path, f"it is not UTF-8: {error.reason} at byte {error.start}.", "Save it as UTF-8.") from error
         texts.append(text.replace("\r\n", "\n") if _ends_lines_with_return(content) else text)
     return texts[0], texts[1]
 
@@ -288,7 +288,7 @@ def encode_pair(texts: Texts, saved: Contents) -> tuple[bytes, bytes]:
 
 
 def typed_text(text: str, what: str, saved: bytes | None) -> str:
-    """Return a text that somebody has typed, lines ended as those of the file are in memory, or raise InvalidValue."""
+    """Return a typed text with the line ends of the file in memory, or raise InvalidValue."""
     try:
         as_text(text, what).encode()
     except UnicodeEncodeError as error:

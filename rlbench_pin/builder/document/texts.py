@@ -102,7 +102,7 @@ class History:
             self._done.append(Step(name, merge, changes))
 
     def undo(self) -> str:
-        """Take the last edit back and return its name; empty when there is none."""
+        """Undo the last edit and return its name; empty if there is none."""
         if not self._done:
             return ""
         step = self._done.pop()
@@ -112,7 +112,7 @@ class History:
         return step.name
 
     def redo(self) -> str:
-        """Repeat the edit that was undone last and return its name; empty when there is none."""
+        """Redo the edit that was undone last and return its name; empty if there is none."""
         if not self._undone:
             return ""
         step = self._undone.pop()

@@ -219,7 +219,7 @@ class Adding:
 
         panel.note("A URDF file with meshes in the folder of the task, or a ZIP file with one URDF file and its meshes.")
         self._show_scale(panel)
-        panel.number("Mass [kg], 0 keeps that of the file", self._urdf_mass, set_mass, 0.05, 0.0, 1000.0)
+        panel.number("Mass [kg], 0 keeps the mass of the file", self._urdf_mass, set_mass, 0.05, 0.0, 1000.0)
         gray = (0.8, 0.8, 0.8)
         panel.upload("Upload a URDF or ZIP", lambda name, data: self._convert(name, data, self._urdf_mass, gray))
         self._show_conversion(panel)
@@ -245,7 +245,7 @@ class Adding:
         check_size(name, len(data))
         if self.conversion is not None:
             raise UploadRefused(
-                name, f"'{self.conversion.name}' is still being converted", "Send it again afterwards, or stop that."
+                name, f"'{self.conversion.name}' is still being converted", "Send it again afterwards, or stop the conversion."
             )
         session = self._session
         self._step = f"Reading '{name}'"
@@ -263,7 +263,7 @@ class Adding:
             self._session.changed()
 
     def _take(self, name: str, found: CustomAsset | RlbenchPinError) -> None:
-        """Write the asset beside the task, and add it; or report the error."""
+        """Write the asset to the folder of the task, and add it; or report the error."""
         self.conversion = None
         self._session.changed()
         if isinstance(found, RlbenchPinError):
@@ -282,7 +282,7 @@ class Adding:
             raise StorageError(folder, error) from error
 
     def _free_name(self, stem: str) -> str:
-        """Return a name that no file beside the task and no element of the scene has."""
+        """Return a name that no file in the folder of the task and no element of the scene has."""
         taken = {*(element.name for element in self._session.spec.posed()), self._session.document.name}
         folder = self._session.document.folder
         names = (stem if number == 1 else f"{stem}{number}" for number in itertools.count(1))

@@ -76,7 +76,7 @@ def _show_words(panel: Panel, behaviour: Behaviour, put: SetField) -> None:
         put("instructions")(tuple(lines if k == number else group for k, group in enumerate(groups)))
 
     for number, group in enumerate(groups):
-        label = "Sentences, one a line" if len(groups) == 1 else f"Variation {number}, one sentence a line"
+        label = "Sentences, one per line" if len(groups) == 1 else f"Variation {number}, one sentence per line"
         text = "\n".join(group)
         panel.entry(label, text, lambda new, k=number: commit(k, new), "Apply sentences", multiline=True)  # type: ignore[misc]
 
@@ -89,11 +89,11 @@ def _show_variations(panel: Panel, behaviour: Behaviour, put: SetField) -> None:
         panel.number("Variations", behaviour.variation_count, lambda value: count(max(1, round(value))), 1.0, 1.0)
     if (groups := behaviour.instructions) is not None:
         instructions = put("instructions")
-        panel.button("Add a variation with sentences of its own", lambda: instructions((*groups, groups[-1])))
+        panel.button("Add a variation with its own sentences", lambda: instructions((*groups, groups[-1])))
         if len(groups) > 1:
             panel.button("Remove the last variation", lambda: instructions(groups[:-1]))
     if behaviour.solved_by_chance is not None:
-        hint = "Whether random actions may reach the goal now and then"
+        hint = "Whether random actions may sometimes reach the goal"
         panel.checkbox("Solved by chance", behaviour.solved_by_chance, put("solved_by_chance"), hint)
 
 
@@ -111,7 +111,7 @@ def _show_graspable(panel: Panel, session: Session, names: tuple[str, ...] | Non
     for name in shown:
         panel.checkbox(name, name in names, lambda wanted, name=name: change(name, wanted))  # type: ignore[misc]
     if not shown:
-        panel.note("Nothing can move: *Add* a body that is not fixed.")
+        panel.note("No body can move: *Add* a body that is not fixed.")
 
 
 # Random places -------------------------------------------------------------------------------------------------------

@@ -50,7 +50,7 @@ class Dragging:
     Args:
         session: The edited task.
         view: The scene.
-        world: Has the arm follow a waypoint.
+        world: Makes the arm follow a waypoint.
         mark: Outlines the body onto which the element would be dropped.
     """
 
@@ -60,7 +60,7 @@ class Dragging:
         self._number = 0
 
     def drag(self, pose: FloatArray, phase: Phase) -> None:
-        """Take a pose (7,) of the gizmo. Calls come in order, and have to be fast."""
+        """Process a pose (7,) of the gizmo. Calls come in order and have to return fast."""
         session = self._session
         if phase == "start" or self._grabbed is None:
             self._number += 1

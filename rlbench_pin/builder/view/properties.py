@@ -19,7 +19,7 @@ from rlbench_pin.urdf import UrdfJoint, read_urdf
 
 SHAPES = ("box", "cylinder", "sphere")
 """Shapes of sensors."""
-_DROP_HINT = "Drop an element over a body to attach it: the body in the yellow box. The element keeps its pose in the world."
+_DROP_HINT = "Drop an element over a body to attach it. A yellow box marks the body. The element keeps its pose in the world."
 _FILE_COLOR, _OTHER_COLOR = "as in its file", "another"
 _MOVABLE = ("revolute", "continuous", "prismatic")
 _HALF_TURN, _MIN_SIZE = 3.1416, 0.001
@@ -206,8 +206,8 @@ def _show_placement(panel: Panel, session: Session) -> None:
         return
     low_degrees, high_degrees = (round(math.degrees(angle), 2) for angle in (low, high))
     footprint = placement.footprint or (0.0, 0.0)
-    panel.number("Least random yaw [deg]", low_degrees, lambda v: change("yaw", (radians(v), high)), 5.0, -360.0, 360.0)
-    panel.number("Most random yaw [deg]", high_degrees, lambda v: change("yaw", (low, radians(v))), 5.0, -360.0, 360.0)
+    panel.number("Smallest random yaw [deg]", low_degrees, lambda v: change("yaw", (radians(v), high)), 5.0, -360.0, 360.0)
+    panel.number("Largest random yaw [deg]", high_degrees, lambda v: change("yaw", (low, radians(v))), 5.0, -360.0, 360.0)
     panel.number("Patch x [m], 0: box around all bodies", footprint[0], lambda value: set_patch(0, value), 0.05, 0.0)
     panel.number("Patch y [m]", footprint[1], lambda value: set_patch(1, value), 0.05, 0.0)
 

@@ -57,7 +57,7 @@ class Drafts:
         names = (f"{document.name}.toml", f"{document.name}.py")
         counts = [_changed_lines(*pair) for pair in zip(document.texts, draft.texts, strict=True)]
         lines = " and ".join(f"{count} lines of `{name}`" for count, name in zip(counts, names, strict=True) if count)
-        text = f"**A draft of {draft.written}** was not saved. It differs from the task in {lines or 'nothing'}."
+        text = f"**A draft of {draft.written}** was not saved. It differs from the task in {lines or 'no line'}."
         return text if self._keeper.is_of_now(draft) else f"{text} **The files have been changed since then.**"
 
     def _show_news(self) -> None:

@@ -172,9 +172,9 @@ class Tryout:
 
 
 def show_permission(panel: Panel, world: WorldSync, name: str) -> None:
-    """Ask whether the task's own module may run."""
+    """Ask whether the Python file of the task may run."""
     panel.note(
         f"To try and to validate the task, the code in `{name}.py` has to run on this machine, with your rights, "
-        "in a process of its own. Read it first (*Files*) if it is not yours."
+        "in a subprocess. If it is not your code, read it first in *Files*."
     )
     panel.button(f"Run the code of {name}.py", world.allow_code, "orange", key="allow")

@@ -53,7 +53,7 @@ def show_waypoint(panel: Panel, session: Session, waypoint: WaypointSpec) -> Non
     ignore = waypoint.ignore_collisions
     panel.checkbox("Ignore collisions", ignore, lambda value: change("ignore_collisions", value), "For contact")
     if waypoint.path != "curve":
-        hint = "A slow straight line that gives way to contact, for insertion"
+        hint = "A slow straight line that yields at contact, for insertion"
         panel.checkbox("Compliant", waypoint.compliant, lambda value: change("compliant", value), hint)
     word = "leave" if amount is None else amount if isinstance(amount, str) else "amount"
     panel.dropdown("Gripper", word, GRIPPER, set_gripper, "After arriving")
@@ -155,7 +155,7 @@ def _show_sweep(panel: Panel, session: Session, waypoint: WaypointSpec, arc: Arc
     degrees = round(math.degrees(arc.angle), 2)
     panel.vector("Axis of the sweep", axis, set_axis, 0.1, "Through the origin of the waypoint's frame")
     panel.number("Sweep [deg]", degrees, lambda value: change(angle=round(math.radians(value), 4)), 5.0, -360.0, 360.0)
-    panel.checkbox("Turn the gripper with it", arc.twist, lambda value: change(twist=value))
+    panel.checkbox("Rotate the gripper with it", arc.twist, lambda value: change(twist=value))
 
 
 def _show_poses(panel: Panel, session: Session, waypoint: WaypointSpec) -> None:
@@ -193,4 +193,4 @@ def _show_poses(panel: Panel, session: Session, waypoint: WaypointSpec) -> None:
         show_pose(number)
     last = points[-1] if points else tuple(IDENTITY)
     further = (last[0], last[1], round(last[2] + _POSE_STEP, 4), *last[3:])
-    panel.button("Add a pose behind the last", lambda: put([*points, further]))
+    panel.button("Add a pose after the last", lambda: put([*points, further]))

@@ -160,7 +160,7 @@ class Panel:
     # Output ----------------------------------------------------------------------------------------------------------
 
     def note(self, text: str) -> None:
-        """Show text in Markdown."""
+        """Show Markdown text."""
         control = self._control(("note",), (text,), lambda _: self._gui.add_markdown(text))
 
         def assign() -> None:
@@ -395,10 +395,8 @@ LINE = 17
 """Height of a line of a file [px]."""
 _GUTTER = 40
 _NUMBERS = itertools.count()
-_TYPED = "Typed, not applied yet: it is not in the scene, and Save leaves it out."
-_OVERTAKEN = (
-    "The file was changed while you typed. Apply puts your text in its place (Undo brings it back); Discard shows the file."
-)
+_TYPED = "Typed, but not applied: it is not in the scene, and Save does not include it."
+_OVERTAKEN = "The file has changed while you typed. Apply replaces it by your text (Undo restores it); Discard shows the file."
 _STYLE = """<style>
 form:has(.{name}) label {{ display: none }}
 form:has(.{name}) div:has(> * > label) {{ width: 0 !important; padding: 0 !important }}
@@ -428,7 +426,7 @@ class CodeField:
             self._text = gui.add_text(label, value, multiline=True)
             self._note = gui.add_html("", visible=False)
             self.apply = gui.add_button(f"Apply {label}", color="gray")
-            self.discard = gui.add_button(f"Discard what was typed in {label}", color="gray", visible=False)
+            self.discard = gui.add_button(f"Discard the typed text in {label}", color="gray", visible=False)
 
         async def heard(event: GuiEvent[Any]) -> None:
             self._draw()

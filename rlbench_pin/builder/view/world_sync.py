@@ -38,7 +38,7 @@ class WorldSync:
 
     @property
     def run_task(self) -> bool:
-        """Whether the task's own module may run: the user has allowed it, or the builder itself wrote it."""
+        """Whether the Python file of the task may run: the user has allowed it, or the builder wrote it."""
         return self._allowed or self.session.document.wrote_python
 
     def refresh(self) -> None:
@@ -51,7 +51,7 @@ class WorldSync:
         self.work("checking the scene", lambda: self._inspect(*requested), kind="inspect")
 
     def allow_code(self) -> None:
-        """Let the task's own module run from now on, also one that was not written here, in the thread of edits."""
+        """Allow the Python file of the task to run from now on, also one from another source, in the thread of edits."""
         self._allowed = True
         self.session.changed()
 
@@ -78,7 +78,7 @@ class WorldSync:
         return opened
 
     def work(self, name: str, job: Callable[[], None], kind: str = "") -> None:
-        """Run a job in the thread of requests, and show its name meanwhile.
+        """Run a job in the thread of requests, and show its name until it ends.
 
         Args:
             name: Description of the work.
@@ -98,7 +98,7 @@ class WorldSync:
         self._requests.post(run, kind)
 
     def follow(self, pose: FloatArray, begin: bool) -> None:
-        """Have the arm follow a dragged waypoint to a pose (7,); a drag begins at the waypoint's configuration."""
+        """Make the arm follow a dragged waypoint to a pose (7,); a drag begins at the waypoint's configuration."""
         verdict = self.session.status.verdicts.get(self.session.selected)
 
         def request() -> None:

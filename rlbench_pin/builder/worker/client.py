@@ -48,7 +48,7 @@ class WorkerClient:
     """The world of the edited task, for any thread of the server; every method waits for the answer.
 
     The world lives in one process and the validator in a second one, so that a task can be edited while it is validated. After
-    a crash, a time limit or a stop, the next operation starts the process anew and opens the task again.
+    a crash, a time limit or a stop, the next operation starts a new process and opens the task again.
 
     Args:
         limits: Time limits and memory; None takes the defaults.
@@ -214,7 +214,7 @@ class WorkerClient:
 
         with self._validator_turn("validate") as question:
             if not self._run_task:
-                raise NothingOpen("validate", "its code was not allowed to run. Open it with run_task=True.")
+                raise NothingOpen("validate", "its code may not run. Open it with run_task=True.")
             answer = self._validator.ask("validate", {**question, "episodes": episodes}, self.limits.trial, noted)
         return tuple(decode(ValidationLine, line) for line in answer)
 
@@ -230,19 +230,19 @@ class WorkerClient:
     # Life ---------------------------------------------------------------------------------------------------------------------
 
     def cancel(self, operation: str = "") -> bool:
-        """End what runs, from another thread; it raises WorkerStopped there.
+        """Stop the running operation from another thread; the operation raises WorkerStopped.
 
         Args:
             operation: End only this operation, such as `validate`; empty: all.
 
         Returns:
-            Whether something ran.
+            Whether an operation ran.
         """
         stopped = [process.stop() for process in (self._world, self._validator) if operation in ("", process.running)]
         return any(stopped)
 
     def close(self) -> None:
-        """End the processes and remove the private folder; may be called again."""
+        """End the processes and remove the private folder; repeated calls have no effect."""
         self._closed = True
         self._world.close()
         self._validator.close()
@@ -258,7 +258,7 @@ class WorkerClient:
 
     @contextmanager
     def _world_turn(self, operation: str) -> Iterator[None]:
-        """Reserve the world for a block; a process that has died in it is started anew at once."""
+        """Reserve the world for a block; a process that has died in it is restarted at once."""
         with self._world.turn(operation):
             if self._closed:
                 raise WorkerClosed(operation)

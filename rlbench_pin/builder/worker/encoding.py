@@ -42,7 +42,7 @@ def decode(kind: type[RecordT], sent: object) -> RecordT:
     """Return the record of a kind that `encode` made plain.
 
     Raises:
-        ValueError: It is not what `encode` makes of such a record.
+        ValueError: It is not the result of `encode` for such a record.
     """
     made: RecordT = _value(kind, sent)
     return made

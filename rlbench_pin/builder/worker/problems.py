@@ -1,4 +1,4 @@
-"""Errors of opening or running a task as problems of one of its two files, with the line."""
+"""Converts errors of opening or running a task to problems of one of its two files, with the line."""
 
 from __future__ import annotations
 

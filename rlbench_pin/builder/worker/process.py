@@ -38,7 +38,7 @@ _SENTENCES: dict[FaultKind, str] = {
 
 
 class WorkerFault(RlbenchPinError):
-    """The worker process failed in an operation. The next operation starts it anew and opens the task again.
+    """The worker process failed in an operation. The next operation starts a new process and opens the task again.
 
     Args:
         kind: How it failed.
@@ -61,7 +61,7 @@ class WorkerStopped(RlbenchPinError):
 
     def __init__(self, operation: str) -> None:
         self.operation = operation
-        super().__init__(f"`{operation}` was stopped.")
+        super().__init__(f"`{operation}` was stopped by `cancel()`. Call it again.")
 
 
 class WorkerBusy(RlbenchPinError):
@@ -73,7 +73,7 @@ class WorkerBusy(RlbenchPinError):
 
 
 class NothingOpen(RlbenchPinError):
-    """No task is open, or the one that was opened cannot be built."""
+    """No task is open, or the open task cannot be built."""
 
     def __init__(self, operation: str, why: str = "no task was opened. Call `open` first.") -> None:
         self.operation = operation
@@ -85,7 +85,7 @@ class WorkerClosed(RlbenchPinError):
 
     def __init__(self, operation: str) -> None:
         self.operation = operation
-        super().__init__(f"`{operation}` was called on a client that is closed. Make a new WorkerClient.")
+        super().__init__(f"`{operation}` was called on a closed client. Create a new WorkerClient.")
 
 
 # Limits -----------------------------------------------------------------------------------------------------------------------
@@ -161,14 +161,14 @@ class PrivateFolder:
         )  # fmt: skip
 
     def write(self, part: str, text: TaskText) -> Path:
-        """Write a task into a part of the folder, with links to the files beside the real ones.
+        """Write a task into a part of the folder, with links to the other files in the real folder.
 
         Args:
             part: Name of the part, which is emptied first.
             text: The task.
 
         Returns:
-            The Python file, with its scene beside it.
+            The Python file; its scene is in the same folder.
 
         Raises:
             InvalidValue: The name of the task is not valid.
@@ -198,7 +198,7 @@ class PrivateFolder:
         return python
 
     def close(self) -> None:
-        """Remove the folder; may be called again."""
+        """Remove the folder; repeated calls have no effect."""
         if self._sweeper.stdin is not None and not self._sweeper.stdin.closed:
             with contextlib.suppress(OSError), self._sweeper.stdin as pipe:
                 pipe.write(b"\n")  # a forked process may hold the pipe, too: do not rely on its end
@@ -239,7 +239,7 @@ class WorkerProcess:
         limits: Times and memory.
 
     Attributes:
-        generation: Number of processes so far; what an earlier one had open is lost.
+        generation: Number of processes so far; the state of earlier ones is lost.
         python: The task file that it works on.
         pid: Process id; None before it has answered.
         running: Name of the present operation, or empty.

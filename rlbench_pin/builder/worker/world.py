@@ -98,7 +98,7 @@ class TaskWorld:
 
     @property
     def runtime(self) -> Runtime:
-        """World, task and planner of the open task."""
+        """World, task and planner of the opened task."""
         return self._opened("runtime").runtime
 
     # Building --------------------------------------------------------------------------------------------------------------
@@ -296,7 +296,7 @@ class TaskWorld:
 
     @contextmanager
     def _laid_out(self, operation: str) -> Iterator[Runtime]:
-        """Have the task for a block in the layout in which the last episode began, or where its scene says."""
+        """Put the task for a block into the layout in which the last episode began, or into that of its scene."""
         environment = self._opened(operation)
         runtime = environment.runtime
         if not self._moved:
@@ -441,7 +441,7 @@ class SceneOnly(Task):
 
 
 def scene_only(scene: Path) -> type[Task]:
-    """Return a task class with the name of a scene file and with that scene, without the code beside it."""
+    """Return a task class with the name and the scene of a scene file, without the code of the task."""
 
     def scene_file(cls: type[Task]) -> Path:
         return scene

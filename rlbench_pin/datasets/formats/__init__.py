@@ -50,14 +50,14 @@ def export_dataset(
     cameras: Sequence[str] = (),
     on_episode: Callable[[int], None] | None = None,
 ) -> Path:
-    """Write the episodes of a dataset in the format of another library, and return where they are.
+    """Write the episodes of a dataset in the format of another library, and return the path of the result.
 
     Args:
         name: The format.
         root: Folder of the dataset.
         out: The new folder or file.
-        tasks: Only these; all when none is named.
-        cameras: Cameras whose images are exported; all stored ones when none is named. Folders always get all.
+        tasks: Only these tasks; all if empty.
+        cameras: Cameras whose images are exported; all stored ones if empty. RLBench-style folders always get all.
         on_episode: Called with the number of episodes written so far.
 
     Raises:
@@ -70,15 +70,15 @@ def export_dataset(
 
 
 def find_exporter(name: ExportFormat, cameras: tuple[str, ...] = ()) -> Callable[..., Path]:
-    """Return the function that writes a format; its library is imported now.
+    """Return the function that writes a format, and import its library.
 
     Args:
         name: The format.
-        cameras: Cameras whose images are exported; all stored ones when none is named. Folders always get all.
+        cameras: Cameras whose images are exported; all stored ones if empty. RLBench-style folders always get all.
 
     Raises:
         MissingExtra: The library that the format needs is not installed.
-        UnknownName: No format is called so.
+        UnknownName: There is no such format.
     """
     as_choice(name, "format", _EXPORTERS)
     module, function, options, has_cameras, extra = _EXPORTERS[name]

@@ -36,16 +36,16 @@ class StoredEpisode:
     path: Path
 
     def open(self) -> Episode:
-        """Open it, after its place and its SHA-256 were checked."""
+        """Check path and SHA-256, and open the episode."""
         check_inside(self.path.parents[3], self.path)
         return Episode(self.path, self.entry.sha256)
 
 
 def stored_episodes(root: Path, tasks: Sequence[str] = ()) -> list[StoredEpisode]:
-    """Return what a dataset holds, task by task, in the order of the manifests.
+    """Return the episodes of a dataset, task by task, in the order of the manifests.
 
     Raises:
-        DatasetError: A task is not stored, or nothing is.
+        DatasetError: A task is not stored, or the dataset is empty.
     """
     episodes = [
         StoredEpisode(task, entry, manifest_path(root, task).parent / entry.file)
@@ -53,15 +53,15 @@ def stored_episodes(root: Path, tasks: Sequence[str] = ()) -> list[StoredEpisode
         for entry in read_manifest(root, task)
     ]
     if not episodes:
-        raise DatasetError(f"'{root}' lists no episodes. `rlbench-pin record TASK --out {root}` makes some.")
+        raise DatasetError(f"'{root}' lists no episodes. Record some with `rlbench-pin record TASK --out {root}`.")
     return episodes
 
 
 def opened(episodes: Iterable[StoredEpisode], on_episode: OnEpisode | None) -> Iterator[tuple[StoredEpisode, Episode]]:
-    """Yield episodes, each open until the next one; call `on_episode` after each.
+    """Yield open episodes, one at a time; call `on_episode` after each.
 
     Raises:
-        DatasetError: They are not all of one arm.
+        DatasetError: The episodes are of different arms.
     """
     robot = ""
     for index, stored in enumerate(episodes):
@@ -84,7 +84,7 @@ def actions(episode: Episode) -> np.ndarray:
     """
     commands = episode.misc("joint_position_action")[1:]
     if not commands or any(c is None for c in commands):
-        raise DatasetError(f"'{episode.path}' holds no `joint_position_action` for every frame. Record it live.")
+        raise DatasetError(f"'{episode.path}' does not have `joint_position_action` in every frame. Record it live.")
     return np.array(commands, dtype=np.float64)
 
 
@@ -102,7 +102,7 @@ def rgb_cameras(episodes: Sequence[StoredEpisode], wanted: Sequence[str] = ()) -
     """Return the cameras whose colour images are stored, and the shapes of the images.
 
     Raises:
-        DatasetError: A camera that is wanted has no images, or images of one camera differ in size.
+        DatasetError: A requested camera has no images, or images of one camera differ in size.
     """
     wanted = as_names(wanted, "cameras")
     shapes: dict[str, tuple[int, int, int]] | None = None
@@ -114,14 +114,14 @@ def rgb_cameras(episodes: Sequence[StoredEpisode], wanted: Sequence[str] = ()) -
         if missing := sorted(set(wanted) - set(found)):
             held = [camera for camera in CAMERAS if f"{camera}_rgb" in fields]
             raise DatasetError(
-                f"'{stored.path}' holds no colours of {missing}, only of {held}. Name others."
+                f"'{stored.path}' has no colour images of {missing}, only of {held}. Name others."
                 if held
-                else f"'{stored.path}' holds no colours of any camera. `rlbench-pin dataset rerender` makes some."
+                else f"'{stored.path}' has no colour images. Render some with `rlbench-pin dataset rerender`."
             )
         if shapes is not None and shapes != found:
             raise DatasetConflict(
-                f"'{stored.path}' holds images {found}, episodes before it {shapes}. "
-                "Make them alike with `rlbench-pin dataset rerender` first."
+                f"'{stored.path}' has images {found}, episodes before it {shapes}. "
+                "Rerender them with `rlbench-pin dataset rerender` first."
             )
         shapes = found
     return shapes or {}
@@ -130,19 +130,19 @@ def rgb_cameras(episodes: Sequence[StoredEpisode], wanted: Sequence[str] = ()) -
 def _image_shape(episode: Episode, field: str) -> tuple[int, int, int]:
     shape = episode.shape(field)
     if len(shape) != 3 or shape[2] != 3:
-        raise DatasetError(f"'{episode.path}' holds {field} of shape {shape} a frame, which is not an image. Record it again.")
+        raise DatasetError(f"'{episode.path}' has {field} of shape {shape} per frame, which is not an image. Record it again.")
     return shape[0], shape[1], 3
 
 
 @contextmanager
 def new_folder(out: Path, file: str = "") -> Iterator[Path]:
-    """Yield a temporary folder beside `out`; without an error in the block it is renamed to `out`, otherwise deleted.
+    """Yield a temporary folder next to `out`; it is renamed to `out` at the end of the block, or deleted after an error.
 
     Leftovers of killed exports to the same place are deleted.
 
     Args:
         out: The new folder, or the new file.
-        file: A file that the block makes; when given, it alone becomes `out`.
+        file: A file that the block writes; if given, it alone is renamed to `out`.
 
     Raises:
         DatasetConflict: `out` exists.
@@ -165,7 +165,7 @@ def new_folder(out: Path, file: str = "") -> Iterator[Path]:
 
 @contextmanager
 def _held(folder: Path) -> Iterator[None]:
-    """Make a folder and lock it while the block runs; the system unlocks it when this process is killed."""
+    """Create a folder and lock it during the block; the system unlocks it if this process is killed."""
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir()
     lock = os.open(folder, os.O_RDONLY)
@@ -177,7 +177,7 @@ def _held(folder: Path) -> Iterator[None]:
 
 
 def _remove_abandoned(out: Path) -> None:
-    """Delete the temporary folders of exports to `out` that no process holds any more."""
+    """Delete the temporary folders of exports to `out` that no process has locked."""
     for folder in out.parent.glob(f".{glob.escape(out.name)}.*.part"):
         if folder.is_symlink() or not folder.is_dir():
             continue

@@ -46,14 +46,14 @@ Column = list[Any] | np.ndarray
 
 
 class VideoFiles:
-    """Appends episodes to the running file, and begins another when it is full.
+    """Appends episodes to the present file, and begins another when it is full.
 
     Args:
         folder: Folder of the dataset.
         key: Feature.
         shape: Height, width and 3.
-        megabytes: Size at which another file is begun.
-        chunk_size: Files to a folder.
+        megabytes: Size at which another file is begun [MB].
+        chunk_size: Number of files in a folder.
     """
 
     def __init__(self, folder: Path, key: str, shape: tuple[int, int, int], megabytes: int, chunk_size: int) -> None:
@@ -125,8 +125,8 @@ def export_lerobot(
     Args:
         root: Folder of the dataset.
         out: The new folder; `LeRobotDataset(repo_id, root=out)` loads it.
-        tasks: Only these; all when none is named.
-        cameras: Cameras whose images are exported; all stored ones when none is named.
+        tasks: Only these tasks; all if empty.
+        cameras: Cameras whose images are exported; all stored ones if empty.
         on_episode: Called after each episode.
 
     Raises:
@@ -148,7 +148,7 @@ def export_lerobot(
 
 @dataclass
 class _Export:
-    """Counts of what has been written so far."""
+    """State of an export: the open files, and the counts so far."""
 
     folder: Path
     images: dict[str, tuple[int, int, int]]
@@ -216,7 +216,7 @@ class _Export:
         }
 
     def finish(self) -> None:
-        """Write what describes the whole."""
+        """Write the metadata of the dataset."""
         self.close()
         table = pa.Table.from_pylist(self.rows)
         path = self.folder / _EPISODES
@@ -286,7 +286,7 @@ class _Export:
 
 
 class _DataFiles:
-    """Frames in Parquet files of a size that can be read at once."""
+    """Writes frames to Parquet files of limited size."""
 
     def __init__(self, folder: Path) -> None:
         self._folder, self._bytes, self._number = folder, 0, -1
@@ -322,7 +322,7 @@ def _arrow(values: np.ndarray) -> pa.Array:
 
 
 def _channels(images: Sequence[np.ndarray]) -> np.ndarray:
-    """Return colours (n, 3) in 0..1 of some pixels of some images, spread evenly."""
+    """Return colours (n, 3) in 0..1 of evenly spaced pixels of evenly spaced images."""
     every = max(1, len(images) // _IMAGES_FOR_STATISTICS)
     return np.concatenate([image[::4, ::4].reshape(-1, 3) for image in images[::every]]).astype(np.float32) / 255.0
 
@@ -333,7 +333,7 @@ def _per_channel(colours: np.ndarray, images: int) -> dict[str, Any]:
 
 
 def _write_tasks(path: Path, instructions: dict[str, int]) -> None:
-    """Write sentence -> number so that pandas takes the sentences for the index."""
+    """Write sentence -> number with the sentences as the pandas index."""
     name = "__index_level_0__"
     table = pa.table({"task_index": pa.array(list(instructions.values()), pa.int64()), name: pa.array(list(instructions))})
     columns = [

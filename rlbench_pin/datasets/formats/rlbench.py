@@ -34,9 +34,9 @@ _COUNTED = ("rgb", "depth")
 
 
 def encode_depth(depth: np.ndarray) -> np.ndarray:
-    """Spread depth (h, w) in 0..1 over three bytes (h, w, 3), the first the most significant."""
+    """Return depth (h, w) in 0..1 as three bytes (h, w, 3), the most significant one first."""
     if not np.all((depth >= 0.0) & (depth <= 1.0)):
-        raise DatasetError("Depth must lie in 0..1 to become an image. Record with depth_in_meters=False.")
+        raise DatasetError("Depth must be in 0..1 for an image. Record with depth_in_meters=False.")
     steps = np.rint(depth.astype(np.float64) * DEPTH_STEPS).astype(np.uint32)
     return np.stack([steps >> 16, steps >> 8 & 255, steps & 255], axis=-1).astype(np.uint8)
 
@@ -48,10 +48,10 @@ def decode_depth(image: np.ndarray) -> np.ndarray:
 
 
 def encode_mask(mask: np.ndarray) -> np.ndarray:
-    """Spread ids (h, w) over three bytes (h, w, 3), the first the least significant."""
+    """Return ids (h, w) as three bytes (h, w, 3), the least significant one first."""
     ids = mask.astype(np.int64)
     if np.any((ids < 0) | (ids >= 2**24)):
-        raise DatasetError("Ids of a mask must lie in 0..2^24 - 1 to become an image.")
+        raise DatasetError("Ids of a mask must be in 0..2^24 - 1 for an image. Use smaller ids.")
     return np.stack([ids & 255, ids >> 8 & 255, ids >> 16], axis=-1).astype(np.uint8)
 
 
@@ -81,7 +81,7 @@ def read_png(path: Path) -> np.ndarray:
         with Image.open(path) as image:
             return np.array(image.convert("RGB"))
     except (OSError, UnidentifiedImageError, SyntaxError, Image.DecompressionBombError) as error:
-        raise EpisodeFileError(path, f"The image '{path}' is missing or damaged ({error}).") from error
+        raise EpisodeFileError(path, f"The image '{path}' is missing or damaged ({error}). Restore it.") from error
 
 
 def export_rlbench(
@@ -92,7 +92,7 @@ def export_rlbench(
     Args:
         root: Folder of the dataset.
         out: The new folder.
-        tasks: Only these; all when none is named.
+        tasks: Only these tasks; all if empty.
         layout: `upstream` or `peract`.
         on_episode: Called after each episode.
 
@@ -126,11 +126,11 @@ def _write(root: Path, stored: StoredEpisode, demo: Demo, number: int, layout: L
 
 
 def write_frames(folder: Path, demo: Demo) -> None:
-    """Write the images and the pickled observations of one demonstration into a folder; sentences and variation are not there.
+    """Write the images and the pickled observations of one demonstration to a folder, without instructions and variation.
 
     Args:
-        folder: Where to; made when missing.
-        demo: The demonstration. It is left as it is.
+        folder: The folder; created if it does not exist.
+        demo: The demonstration, which does not change.
 
     Raises:
         DatasetError: An image cannot be encoded, or is missing from some frames only.
@@ -149,7 +149,7 @@ def _write_images(folder: Path, demo: Demo, camera: str, product: str) -> None:
     folder.mkdir(exist_ok=True)
     for index, (obs, image) in enumerate(zip(demo, images)):
         if image is None:
-            raise DatasetError(f"Frame {index} has no {camera}_{product}, others have. Record the demonstration again.")
+            raise DatasetError(f"Frame {index} has no {camera}_{product}, but other frames do. Record the demonstration again.")
         if product == "depth":
             image = encode_depth(_normalised(image, obs, camera))
         elif product == "mask":
@@ -158,7 +158,7 @@ def _write_images(folder: Path, demo: Demo, camera: str, product: str) -> None:
 
 
 def _normalised(depth: np.ndarray, obs: Observation, camera: str) -> np.ndarray:
-    """Return depth in 0..1 between the clipping planes; metres are recognised by values above 1."""
+    """Return depth in 0..1 between the clipping planes; values above 1 mean metres."""
     if np.max(depth) <= 1.0:
         return depth
     near, far = (obs.misc.get(f"{camera}_camera_{plane}") for plane in ("near", "far"))
@@ -168,7 +168,7 @@ def _normalised(depth: np.ndarray, obs: Observation, camera: str) -> np.ndarray:
 
 
 def _pickled(demo: Demo) -> PickledDemo:
-    """Return a stand-in with the attributes that loaders of this format read."""
+    """Return an object with the attributes that loaders of this format read."""
     result = PickledDemo()
     attributes: dict[str, Any] = {
         "_observations": [_pickled_observation(obs) for obs in demo],
@@ -195,7 +195,7 @@ _DECODERS = {f"{camera}_{product}": decode for camera in CAMERAS for product, de
 
 
 def folder_episodes(root: Path, task: str, variation: int = ALL_VARIATIONS) -> list[Path]:
-    """Return the episode folders of one variation, or of all (-1), in natural order; none when there are none."""
+    """Return the episode folders of one variation, or of all (-1), in natural order; empty if there are none."""
     variation = as_whole(variation, "variation, -1 for all,")
     task_folder = as_path(root, "root") / checked_task_name(task)
     parents = sorted((p for p in task_folder.glob("variation*") if _VARIATION.fullmatch(p.name)), key=lambda p: int(p.name[9:]))
@@ -227,10 +227,10 @@ def folder_demos(
         task: Snake-case task name.
         amount: How many, or -1 for all.
         variation: Variation, or -1 for all.
-        image_paths: Put paths of PNG files into image fields and leave the files unread.
-        random_selection: Pick at random, without repeats; otherwise in natural order.
-        from_episode_number: First episode when taken in order, counted from 0 through all that there are, also over variations.
-        rng: Draws the random selection; needed when there is one.
+        image_paths: Put the path of the PNG file into each image field and do not read the images.
+        random_selection: Draw at random without replacement; otherwise take them in natural order.
+        from_episode_number: First episode in natural order, counted from 0 over all variations. Not for a random selection.
+        rng: Draws the random selection; required for one.
         fields: Names of `Observation` fields to read; None reads all.
 
     Raises:
@@ -248,7 +248,7 @@ def read_folder(path: Path, fields: Collection[str] | None = None, *, image_path
     pickled = load(path / LOW_DIM_FILE)
     observations = getattr(pickled, "_observations", pickled)
     if not isinstance(observations, list) or not observations:
-        raise EpisodeFileError(path, f"'{path / LOW_DIM_FILE}' holds no list of observations.")
+        raise EpisodeFileError(path, f"'{path / LOW_DIM_FILE}' contains no list of observations. Restore it.")
     frames = [_observation(o, path) for o in observations]
     _check_counts(path, len(frames))
     for name in FIELDS:
@@ -281,13 +281,13 @@ def _demo(pickled: Any, frames: list[Observation], variation: int, path: Path) -
 
 
 def _arrays(state: object) -> dict[str, np.ndarray] | None:
-    """Return a snapshot of a world, where a program pickled one, otherwise None."""
+    """Return the pickled snapshot of a world; None if there is none."""
     whole = isinstance(state, dict) and all(isinstance(value, np.ndarray) for value in state.values())
     return state if whole else None  # type: ignore[return-value]
 
 
 def folder_descriptions(path: Path) -> tuple[str, ...]:
-    """Return the sentences of an episode; a file that holds something else, as some old ones do, counts as none."""
+    """Return the instructions of an episode; empty if the file has other content, as some old files do."""
     path = as_path(path, "path")
     for folder in (path, path.parent.parent):
         if (folder / DESCRIPTIONS_FILE).is_file():
@@ -308,17 +308,17 @@ def _variation_of(path: Path) -> int | None:
 
 
 def _variation_in(frame: Observation, path: Path) -> int:
-    """Return the variation that the first frame names, 0 where it names none."""
+    """Return the variation in the first frame, 0 by default."""
     found = frame.misc.get("variation_index", 0)
     if not isinstance(found, int | np.integer):
-        raise EpisodeFileError(path, f"'{path / LOW_DIM_FILE}' names the variation {shown(found)}, which is not a whole number.")
+        raise EpisodeFileError(path, f"'{path / LOW_DIM_FILE}' has the variation {shown(found)}, not a whole number.")
     return int(found)
 
 
 def _observation(pickled: Any, path: Path) -> Observation:
     known = getattr(pickled, "__dict__", None)
     if not isinstance(known, dict):
-        raise EpisodeFileError(path, f"'{path / LOW_DIM_FILE}' holds a {type(pickled).__name__} where an observation belongs.")
+        raise EpisodeFileError(path, f"'{path / LOW_DIM_FILE}' has a {type(pickled).__name__} in place of an observation.")
     misc = known.get("misc")
     values = {name: known.get(name) for name in FIELDS}
     observation = Observation(**values, misc=dict(misc) if isinstance(misc, dict) else {})
@@ -332,7 +332,7 @@ def _check_counts(path: Path, frames: int) -> None:
         for product in _COUNTED:
             folder = path / f"{camera}_{product}"
             if folder.is_dir() and (count := len(list(folder.glob("*.png")))) != frames:
-                raise EpisodeFileError(path, f"Broken dataset: '{folder}' holds {count} images for {frames} frames.")
+                raise EpisodeFileError(path, f"Broken dataset: '{folder}' has {count} images for {frames} frames. Restore it.")
 
 
 def _add_images(folder: Path, frames: list[Observation], image_paths: bool) -> None:

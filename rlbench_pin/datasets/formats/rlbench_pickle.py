@@ -1,8 +1,8 @@
-"""The pickled files of RLBench-style folders, without trusting them and without the package that defines their classes.
+"""Safe reader and writer of the pickled files of RLBench-style folders, without the package that defines their classes.
 
-This is the one place that reads pickles from files, and only for that foreign format. Reading goes through a table of names:
-whatever else a file asks for is refused before anything runs. Writing puts the class paths of that package into the file, which
-is data and no import; the names of numpy's functions are written as all its versions accept them.
+Only this module reads pickles from files, and only for that foreign format. The reader has a table of allowed names. It refuses
+any other name before code runs. The writer stores the class paths of that package as text, without an import, and the names of
+numpy's functions in the form that all versions of numpy accept.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ _WRITTEN_AS = {(cls.__module__, cls.__name__): path for cls, path in _CLASS_PATH
 
 
 def dump(value: object) -> bytes:
-    """Pickle plain values, numpy arrays and the two stand-ins."""
+    """Pickle plain values, numpy arrays and the two replacement classes."""
     data = pickle.dumps(value, protocol=_PROTOCOL)
     parts, end = [], 0
     for opcode, argument, position in pickletools.genops(data):
@@ -55,25 +55,26 @@ def dump(value: object) -> bytes:
 
 
 def load(path: Path) -> Any:
-    """Read a file that may have come from anywhere.
+    """Read a file that is not trusted.
 
     Raises:
-        EpisodeFileError: It is missing or damaged, or asks for anything but demonstrations, observations and arrays.
+        EpisodeFileError: It is missing or damaged, or has content other than demonstrations, observations and arrays.
     """
     try:
         data = Path(path).read_bytes()
         _check_numbers(data)
         return _plain(_Reader(io.BytesIO(data)).load(), {})
     except FileNotFoundError as error:
-        raise EpisodeFileError(path, f"'{path}' does not exist.") from error
+        raise EpisodeFileError(path, f"'{path}' does not exist. Check the path.") from error
     except _Refused as error:
-        raise EpisodeFileError(path, f"'{path}' asks for {error}, which no demonstration needs. Do not trust it.") from error
+        raise EpisodeFileError(path, f"'{path}' asks for {error}, which demonstrations do not need. Do not trust it.") from error
     except Exception as error:  # damaged pickles raise nearly everything
-        raise EpisodeFileError(path, f"'{path}' is truncated or damaged ({type(error).__name__}: {error}).") from error
+        problem = f"'{path}' is truncated or damaged ({type(error).__name__}: {error})"
+        raise EpisodeFileError(path, f"{problem}. Restore it.") from error
 
 
 def _check_numbers(data: bytes) -> None:
-    """Refuse a note under a number that no file of this size needs: the library would make room for all numbers below it."""
+    """Refuse a memo number that is too large for the size of the file: the library would allocate all numbers below it."""
     for opcode, argument, _ in pickletools.genops(data):
         if opcode.name in _NOTES and isinstance(argument, int) and argument > len(data):
             raise _Refused(f"room for {argument} notes")
@@ -84,11 +85,11 @@ class _Refused(Exception):
 
 
 class _ArrayType:
-    """Stands for `numpy.ndarray`, which a file only names and may not call."""
+    """Replaces `numpy.ndarray`, which a file may name but not call."""
 
 
 class _Dtype:
-    """A type of numbers or texts. With numpy's own, a file could declare that bytes are objects; with this one it cannot."""
+    """A type of numbers or texts. Unlike numpy's own, it does not let a file declare that bytes are objects."""
 
     def __init__(self, code: str, align: object = False, copy: object = False) -> None:
         found = np.dtype(code)
@@ -138,12 +139,12 @@ def _scalar(dtype: Any, data: Any = b"") -> Any:
 
 
 def _plain(value: Any, seen: dict[int, tuple[Any, Any]]) -> Any:
-    """Replace arrays that are being read by the finished ones, in containers and stand-ins of any depth.
+    """Replace unfinished arrays by finished ones, in containers and replacement classes of any depth.
 
     Args:
-        value: What was read.
-        seen: Identity -> what was seen, which stays alive by that, and what stands in its place. Each is looked at once: few
-            bytes can say a tree of tuples that has more leaves than there is time.
+        value: The value that was read.
+        seen: Identity -> the value, which stays alive by that, and its replacement. Each value is visited once, because a few
+            bytes can describe a tree of tuples with too many leaves to visit.
     """
     if isinstance(value, _Array):
         return value.value
@@ -198,7 +199,7 @@ _ALLOWED: Mapping[tuple[str, str], Callable[..., Any]] = {
 
 
 class _Reader(pickle.Unpickler):
-    """Resolves the names of the table and no others."""
+    """Resolves only the names in the table."""
 
     def find_class(self, module: str, name: str) -> Callable[..., Any]:
         if (module, name) not in _ALLOWED:

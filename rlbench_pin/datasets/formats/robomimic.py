@@ -34,14 +34,14 @@ def export_robomimic(
 ) -> Path:
     """Write the episodes of one task to an HDF5 file.
 
-    Actions are absolute joint positions and the gripper, scaled to -1..1 by the lowest and highest of the whole file; `data` has
+    Actions are absolute joint positions and the gripper, scaled to -1..1 by the minimum and maximum over the file; `data` has
     both as attributes `action_low` and `action_high`, so that action = low + (scaled + 1) / 2 * (high - low).
 
     Args:
         root: Folder of the dataset.
         out: The file, which must not exist.
-        tasks: The task; may be left out when only one is stored.
-        cameras: Cameras whose images are exported; all stored ones when none is named.
+        tasks: The task; may be empty if only one is stored.
+        cameras: Cameras whose images are exported; all stored ones if empty.
         on_episode: Called after each episode.
 
     Raises:
@@ -51,7 +51,7 @@ def export_robomimic(
     out = as_path(out, "out")
     episodes = stored_episodes(root, tasks)
     if len({e.task for e in episodes}) > 1:
-        raise DatasetError(f"A robomimic file holds one task; name one of {sorted({e.task for e in episodes})} with `--tasks`.")
+        raise DatasetError(f"A robomimic file has one task. Name one of {sorted({e.task for e in episodes})} with `--tasks`.")
     shapes = rgb_cameras(episodes, cameras)
     low, high = _action_range(episodes)
     with new_folder(out, _FILE) as folder, DeferredErrorFile(folder / _FILE) as raw, h5py.File(raw, "w") as file:
@@ -113,12 +113,12 @@ def _observations(episode: Episode, cameras: list[str]) -> dict[str, np.ndarray]
 
 
 def _env_args(task: str, version: int, robot: str) -> dict[str, object]:
-    """Return the environment, by the id that `rlbench_pin.gym.gym_id` gives a version of a task."""
+    """Return the environment by its id in gymnasium; see `rlbench_pin.gym.gym_id`."""
     return {"env_name": f"rlbench_pin/{task}-state-v{version - 1}", "type": ENV_TYPE, "env_kwargs": {"robot": robot}}
 
 
 def _write_masks(file: h5py.File, count: int) -> None:
-    """Name the demonstrations to train with, and every tenth to validate with."""
+    """Write the masks: every tenth demonstration is for validation, the others are for training."""
     names = np.array([f"demo_{i}".encode() for i in range(count)])
     held_out = np.arange(count) % 10 == 9
     file["mask/train"], file["mask/valid"] = names[~held_out], names[held_out]

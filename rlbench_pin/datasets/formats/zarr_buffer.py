@@ -1,4 +1,4 @@
-"""Export to a Zarr group as diffusion policies read it: all frames in sequence, and where each episode ends."""
+"""Export to a Zarr group in the format of diffusion policies: all frames in sequence, and the end of each episode."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ def export_zarr(
 ) -> Path:
     """Write the episodes of a dataset to a Zarr group.
 
-    `data` holds `state` (joint positions [rad] and gripper), `tip_pose`, `action` (absolute joint positions and gripper, the last
-    of an episode repeated) and one `<camera>_rgb` each; `meta` holds `episode_ends`, `task_index` and the sentences.
+    `data` has `state` (joint positions [rad] and gripper), `tip_pose`, `action` (absolute joint positions and gripper, the last
+    of an episode repeated) and one `<camera>_rgb` per camera. `meta` has `episode_ends`, `task_index` and the instructions.
 
     Args:
         root: Folder of the dataset.
         out: The new folder, conventionally `<name>.zarr`.
-        tasks: Only these; all when none is named.
-        cameras: Cameras whose images are exported; all stored ones when none is named.
+        tasks: Only these tasks; all if empty.
+        cameras: Cameras whose images are exported; all stored ones if empty.
         on_episode: Called after each episode.
     """
     episodes = stored_episodes(root, tasks)
@@ -62,7 +62,7 @@ def export_zarr(
 
 
 def _append(data: zarr.Group, columns: Mapping[str, np.ndarray]) -> None:
-    """Append the rows of an episode to the arrays of a group, which are made for the first one."""
+    """Append the rows of an episode to the arrays of a group; the first episode creates them."""
     for name, values in columns.items():
         if name not in data:
             chunks = (1 if values.ndim > 2 else 1024, *values.shape[1:])
@@ -75,7 +75,7 @@ def _append(data: zarr.Group, columns: Mapping[str, np.ndarray]) -> None:
 class DeferredErrorStore(LocalStore):
     """A folder that raises an error of the disk only when `check` is called.
 
-    Zarr writes several chunks at a time; at an error it would leave the others to go on while the folder is being removed.
+    Zarr writes several chunks in parallel. After an error it would still write the others while the folder is removed.
     """
 
     refused: OSError | None = None
@@ -97,7 +97,7 @@ class DeferredErrorStore(LocalStore):
 
 @contextmanager
 def _deferred_error_store(folder: Path) -> Iterator[DeferredErrorStore]:
-    """Yield a store in a folder; at the end, an error of the disk is raised instead of those that follow from it."""
+    """Yield a store in a folder; at the end, raise the first error of the disk in place of the errors that it caused."""
     store = DeferredErrorStore(folder)
     try:
         yield store

@@ -1,4 +1,4 @@
-"""The command of the arm's motors."""
+"""Control of the simulated arm: commands of its motors."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ DriveMode = Literal["position", "velocity", "torque"]
 
 @dataclass(frozen=True, eq=False)
 class ArmControl:
-    """Command of the arm's motors: enough to continue exactly."""
+    """Command of the arm's motors, complete enough for an exact continuation."""
 
     mode: DriveMode
     target: FloatArray
@@ -46,16 +46,16 @@ class Effort:
 class Motors:
     """Motors of some joints of the loaded robot.
 
-    The torques that the arm's own weight and inertia ask for are worked out beforehand, by inverse dynamics. PyBullet's solver,
-    which begins each physics step from nothing, then only has to find what is missing, in a few passes instead of fifty.
+    Inverse dynamics gives the torques for the weight and inertia of the arm in advance. PyBullet's solver has no warm start; with
+    these torques it only solves for the rest, in a few iterations instead of fifty.
 
     Args:
-        model: The loaded robot; it stands where it stays.
+        model: The loaded robot, at its final base pose.
         joints: PyBullet's numbers of the n joints.
         efforts: Largest torques (n,) [N m].
 
     Attributes:
-        movable: PyBullet's numbers of all joints of the robot that can move, fingers among them.
+        movable: PyBullet's numbers of all movable joints of the robot, fingers included.
     """
 
     def __init__(self, model: LoadedModel, joints: Sequence[int], efforts: FloatArray) -> None:
@@ -69,14 +69,14 @@ class Motors:
         self._client.change(bullet.calculateInverseDynamics, model.uid, self._still, self._still, self._still)
 
     def efforts(self, positions: list[float], now: FloatArray, wanted: FloatArray, timestep: float) -> tuple[Effort, Effort]:
-        """Return what the motors do in the first physics step, which changes the joint velocities, and in those that follow.
+        """Return the motor commands of the first physics step, which changes the joint velocities, and of the following ones.
 
-        A change that asks for more than the motors can give is left to the solver.
+        If the change needs more than the largest torques, the solver computes it.
 
         Args:
-            positions: Those of `movable` joints.
+            positions: Positions of the `movable` joints.
             now: Measured joint velocities (n,) [rad/s].
-            wanted: Joint velocities to reach (n,) [rad/s].
+            wanted: Target joint velocities (n,) [rad/s].
             timestep: Physics step [s].
         """
         velocities = now.tolist()
@@ -87,7 +87,7 @@ class Motors:
         return Effort(first, self._left(first)), Effort(later, self._left(later))
 
     def _dynamics(self, positions: list[float], velocities: list[float], accelerations: list[float]) -> list[float]:
-        """Torques (n,) [N m] that the robot alone asks for."""
+        """Torques (n,) [N m] for the weight and inertia of the robot alone."""
         v, a = self._still.copy(), self._still.copy()
         for place, velocity, acceleration in zip(self._places, velocities, accelerations, strict=True):
             v[place], a[place] = velocity, acceleration
@@ -95,19 +95,19 @@ class Motors:
         return [torques[place] for place in self._places]
 
     def _within(self, torques: list[float]) -> list[float]:
-        """The nearest torques that the motors can give."""
+        """Return torques, limited to the largest torques of the motors."""
         return [min(max(torque, -most), most) for torque, most in zip(torques, self._efforts, strict=True)]
 
     def _left(self, torques: list[float]) -> list[float]:
-        """Torques that motors can add to `torques`."""
+        """Return the torques that the motors can add to `torques`."""
         return [most - abs(torque) for torque, most in zip(torques, self._efforts, strict=True)]
 
     def follow(self, positions: list[float], velocities: list[float], gain: float, forces: list[float]) -> None:
-        """Hold on to a motion from the next physics step on.
+        """Track a motion from the next physics step on.
 
         Args:
-            positions: Where the joints should be (n,) [rad].
-            velocities: How fast they should be (n,) [rad/s].
+            positions: Target joint positions (n,) [rad].
+            velocities: Target joint velocities (n,) [rad/s].
             gain: Share of the position error that a motor removes in one physics step.
             forces: Largest torques (n,) [N m].
         """
@@ -124,7 +124,7 @@ class Motors:
         )
 
     def turn(self, velocities: list[float], forces: list[float]) -> None:
-        """Turn at velocities (n,) [rad/s] from the next physics step on, with torques of at most `forces` (n,) [N m]."""
+        """Move at joint velocities (n,) [rad/s] from the next physics step on, with torques of at most `forces` (n,) [N m]."""
         bullet.setJointMotorControlArray(
             self._model.uid,
             self._joints,
@@ -135,11 +135,11 @@ class Motors:
         )
 
     def release(self) -> None:
-        """Exert nothing from the next physics step on."""
+        """Exert no torque from the next physics step on."""
         self.turn(self._zeros, self._zeros)
 
     def push(self, torques: list[float]) -> None:
-        """Apply torques (n,) [N m] in the next physics step alone, beside what the motors do."""
+        """Apply torques (n,) [N m] in the next physics step only, in addition to the motors."""
         bullet.setJointMotorControlArray(
             self._model.uid, self._joints, bullet.TORQUE_CONTROL, forces=torques, physicsClientId=self._client.id
         )
@@ -157,12 +157,12 @@ _FAST_CHANGE = 0.5
 
 
 class SimRobot:
-    """Arm and fingers of the simulated robot; every returned array is the caller's own.
+    """Arm and fingers of the simulated robot; returned arrays belong to the caller.
 
     Args:
         model: The loaded robot.
         description: Joint order, tip, gripper and fingers.
-        contacts: Reads contact points.
+        contacts: Reader of contact points.
         timestep: Physics step [s].
         substeps: Physics steps in a control tick.
 
@@ -174,8 +174,8 @@ class SimRobot:
         effort_limits: Largest motor torques (n,) [N m].
         position_gain: Share of the position error that a motor removes in one physics step.
         grip: The fingers.
-        on_reset: Functions that `reset_configuration` calls with whether the fingers were set as well.
-        hidden_links: Links that images do not show, by PyBullet's numbers of body and link; see `show`.
+        on_reset: Functions that `reset_configuration` calls; the argument is whether it set the fingers too.
+        hidden_links: Links that are not drawn in images, by PyBullet's numbers of body and link; see `show`.
     """
 
     def __init__(
@@ -218,7 +218,7 @@ class SimRobot:
     # Measuring -------------------------------------------------------------------------------------------------------
 
     def _measured(self) -> FloatArray:
-        """Positions, velocities and motor torques of arm, fingers and what else can move, (3, m); read once per tick."""
+        """Positions, velocities and motor torques of all movable joints, (3, m); read once per tick."""
         if self._states is None:
             states = bullet.getJointStates(self.model.uid, self._measures, physicsClientId=self._client.id)
             self._states = np.array([(s[0], s[1], s[3]) for s in states]).T
@@ -228,11 +228,11 @@ class SimRobot:
         return self._states
 
     def forget_measurements(self) -> None:
-        """Read the joints again at the next request, because something moved."""
+        """Read the joints again at the next request; called after a change of the world."""
         self._states = None
 
     def keep_torques(self, keep: bool = True) -> None:
-        """Report the motor torques of now until the next tick, or until they are not to be kept, whatever the server does."""
+        """Report the present motor torques until the next tick or until this is switched off, even if the server changes them."""
         self._kept_torques = self._measured()[2].copy() if as_flag(keep, "keep") else None
 
     @property
@@ -255,7 +255,7 @@ class SimRobot:
 
     @property
     def fingers(self) -> FloatArray:
-        """Finger positions (2,), the distance of each pad from the middle [m]."""
+        """Finger positions (2,), the distance of each pad from the centre [m]."""
         return self.grip.positions(self._measured()[0, len(self._arm) : len(self._joints)].copy())
 
     def joint_states(self) -> FloatArray:
@@ -275,7 +275,7 @@ class SimRobot:
         return {name: self.model.link_pose(name) for name in self.model.links}
 
     def touch_forces(self) -> FloatArray:
-        """Contact forces (6,) on the fingers [N]: left x, y, z, right x, y, z, each in its finger's own frame."""
+        """Contact forces (6,) on the fingers [N]: left x, y, z, right x, y, z, each in the frame of its finger."""
         return np.concatenate([self._contact_force(link) for link in self.description.finger_links])
 
     def _contact_force(self, link: str) -> FloatArray:
@@ -287,10 +287,10 @@ class SimRobot:
         return pose_to_se3(self.link_pose(link)).rotation.T @ force
 
     def show(self, links: Collection[str] | None = None) -> None:
-        """Let images show these links of the robot alone, or all of them when None; nothing else changes.
+        """Draw only these links of the robot in images, or all of them if None; the physics does not change.
 
         Raises:
-            InvalidValue: It is no list of names.
+            InvalidValue: The argument is not a list of names.
             UnknownName: The robot has no such link.
         """
         shown = self.model.links if links is None else as_names(links, "links")
@@ -302,46 +302,46 @@ class SimRobot:
         return self._contacts.touching(self.model.uid)
 
     def contact_forces(self) -> dict[tuple[str, str], float]:
-        """Return (link, what it touches) -> sum of the normal forces between them in the last physics step [N]."""
+        """Return (link, other body) -> sum of the normal forces between them in the last physics step [N]."""
         return self._contacts.forces(self.model.uid)
 
     def _commanded_torques(self) -> FloatArray | None:
-        """Torques of the last tick, where they were commanded."""
+        """Torques of the last tick if torques were commanded."""
         return self._control.target if self._control.mode == "torque" else self._control.torques
 
     # Commanding ------------------------------------------------------------------------------------------------------
 
     @property
     def mode(self) -> DriveMode:
-        """How the arm is driven now."""
+        """The present control mode."""
         return self._control.mode
 
     def set_position_targets(self, q: Sequence[float] | FloatArray) -> None:
         """Move to joint positions (n,) [rad] in the next tick, on a straight line in joint space; then hold them.
 
-        Targets beyond a joint limit mean the limit. A jump that the velocity limits do not allow takes more ticks.
+        Targets are clipped to the joint limits. A motion beyond the velocity limits takes more ticks.
         """
         target = action_vector(q, len(self._arm), "joint position target").clip(self.lower, self.upper)
         reference = self._control.reference if self.mode == "position" else self.joint_positions
         self._control = ArmControl("position", target, reference, self._commanded_torques())
 
     def set_velocity_targets(self, v: Sequence[float] | FloatArray) -> None:
-        """Turn the joints at velocities (n,) [rad/s] until the next command; capped at the joints' velocity limits."""
+        """Move the joints at velocities (n,) [rad/s] until the next command; clipped to the velocity limits."""
         target = action_vector(v, len(self._arm), "joint velocity target")
         velocity = target.clip(-self.velocity_limits, self.velocity_limits)
         self._control = ArmControl("velocity", velocity, self.joint_positions, self._commanded_torques())
 
     def set_torques(self, tau: Sequence[float] | FloatArray) -> None:
-        """Apply torques (n,) [N m] in every physics step until the next command; capped at the joints' effort limits."""
+        """Apply torques (n,) [N m] in every physics step until the next command; clipped to the effort limits."""
         target = action_vector(tau, len(self._arm), "joint torque")
         self._control = ArmControl("torque", target.clip(-self.effort_limits, self.effort_limits), self.joint_positions)
 
     def reset_configuration(self, q: Sequence[float] | FloatArray, fingers: Sequence[float] | FloatArray | None = None) -> None:
-        """Put the arm, at rest, at joint positions without moving there, and hold them.
+        """Set the arm to joint positions at once, with zero velocity, and hold them.
 
         Args:
             q: Arm joint positions (n,) [rad].
-            fingers: Finger positions (2,) [m]; None leaves them.
+            fingers: Finger positions (2,) [m]; None does not change them.
         """
         positions, joints = finite_vector(q, len(self._arm), "configuration"), self._arm
         values = positions.tolist()
@@ -357,12 +357,12 @@ class SimRobot:
             callback(fingers is not None)
 
     def place_base(self, pose: FloatArray) -> None:
-        """Put the base of the arm at a pose (7,) in the world."""
+        """Set the pose (7,) of the base of the arm in the world."""
         self.model.set_base_pose(pose)
         self.forget_measurements()
 
     def set_joint_states(self, positions: FloatArray, velocities: FloatArray) -> None:
-        """Put the joints of arm and fingers at positions and velocities (n + fingers,); motor commands stay."""
+        """Set positions and velocities (n + fingers,) of the joints of arm and fingers; motor commands do not change."""
         given = ((positions, "vector of positions"), (velocities, "vector of velocities"))
         q, v = (finite_vector(x, len(self._joints), what) for x, what in given)
         drives = slice(len(self._arm), None)
@@ -380,12 +380,12 @@ class SimRobot:
         return self._control
 
     def set_control(self, control: ArmControl) -> None:
-        """Continue with a stored command."""
+        """Restore a stored command."""
         self._control = control
         self.forget_measurements()
 
     def begin_tick(self) -> None:
-        """Compute what the motors do in this tick."""
+        """Compute the motor commands of this tick."""
         self._kept_torques = None
         if self._control.torques is not None:  # the motors report those of this tick
             self._control = replace(self._control, torques=None)
@@ -403,7 +403,7 @@ class SimRobot:
         self._feed = feed.tolist()
 
     def _begin_position_tick(self, velocities: FloatArray) -> FloatArray:
-        """Work out where the motors are to be in each physics step, and return how fast they get there (n,) [rad/s]."""
+        """Compute the reference positions of all physics steps, and return the reference velocities (n,) [rad/s]."""
         control = self._control
         self._lead = self._allowed_lead(control)
         measured = self._measured()[0, : len(self._arm)]
@@ -419,13 +419,13 @@ class SimRobot:
         return feed
 
     def _allowed_lead(self, control: ArmControl) -> FloatArray:
-        """How far the reference may be ahead of a lagging arm so that catching up does not exceed the velocity limits [rad]."""
+        """Largest lead of the reference over a lagging arm at which the arm stays within the velocity limits [rad]."""
         feed = np.abs(control.target - control.reference) / self.tick
         spare = np.maximum(self.velocity_limits - feed, _CATCH_UP * self.velocity_limits)
         return spare * self.timestep / self.position_gain
 
     def _position_goals(self, goals: FloatArray, substep: int) -> list[float]:
-        """Motor positions for one physics step; when speeds change fast they wait for the arm."""
+        """Return the motor positions of one physics step; they wait for the arm if velocities change fast."""
         wanted: FloatArray = goals[substep]
         if self._watches and substep:
             states = bullet.getJointStates(self.model.uid, self._arm, physicsClientId=self._client.id)
@@ -434,7 +434,7 @@ class SimRobot:
         return wanted.tolist()
 
     def drive(self, substep: int) -> None:
-        """Command the motors for physics step `substep` of this tick; what stays as it was is not commanded again."""
+        """Command the motors for physics step `substep` of this tick; unchanged commands are not sent again."""
         if self.mode == "torque":
             self._motors.push(self._control.target.tolist())
             return

@@ -1,4 +1,4 @@
-"""Commands of the arm's motors that arrive late, or not at all."""
+"""Delayed and lost commands of the arm's motors."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ class DelayState:
 
 
 class CommandDelay:
-    """Passes commands of the arm's motors on after some control ticks, and loses some; a keeper of a world.
+    """Delays commands of the arm's motors by some control ticks, and loses some; a `StateKeeper` of a world.
 
     Args:
-        robot: The arm; its present command is the first that arrives.
+        robot: The arm; its present command is the first to arrive.
         latency: Control ticks between a command and its arrival.
-        loss: Probability that a command does not arrive. The last one that did holds on.
+        loss: Probability that a command is lost. The last command that arrived then stays active.
         seed: Seed of the losses.
     """
 
@@ -38,7 +38,7 @@ class CommandDelay:
         self._waiting = (robot.control,) * latency
 
     def pass_on(self) -> None:
-        """Give the motors the command that arrives in the tick that begins."""
+        """Send the motors the command that arrives at the start of this tick."""
         given = self._robot.control
         if given is not self._arrived:
             self._wanted = given
@@ -52,15 +52,15 @@ class CommandDelay:
         self._robot.set_control(ArmControl(command.mode, command.target, reference, given.torques))
 
     def end_tick(self) -> None:
-        """Note the command as the motors have it after the tick has begun."""
+        """Store the command of the motors after the start of the tick."""
         self._arrived = self._robot.control
 
     def state(self) -> DelayState:
-        """Return what is to be remembered."""
+        """Return the state of the delay."""
         return DelayState(self._waiting, self._wanted, self._arrived, self._rng.bit_generator.state)
 
     def set_state(self, state: object) -> None:
-        """Go back to what `state()` returned."""
+        """Restore a state from `state()`."""
         assert isinstance(state, DelayState)
         self._waiting, self._wanted, self._arrived = state.waiting, state.wanted, state.arrived
         self._rng.bit_generator.state = state.random

@@ -1,4 +1,4 @@
-"""Fixing bodies to the gripper: a constraint at the present relative pose, and no contact between body and fingers meanwhile."""
+"""Attachments: a constraint fixes a body to the gripper at its relative pose; contacts with the fingers are off meanwhile."""
 
 from __future__ import annotations
 
@@ -76,22 +76,22 @@ class Attachments:
         self._held[body.name] = (attachment, constraint, body)
 
     def detach(self, name: str) -> None:
-        """Let a body go."""
+        """Release a body."""
         _, constraint, body = self._held.pop(name)
         self._client.change(bullet.removeConstraint, constraint)
         self._filter(body, touch=True)
 
     def forget_contacts(self, bodies: Iterable[Body]) -> None:
-        """Make PyBullet find anew where the gripper touches bodies that are not attached.
+        """Discard PyBullet's contact points between the gripper and bodies that are not attached.
 
-        It keeps contact points while the pads press, some with a normal that points the wrong way: those hold opening fingers.
+        Some stored contact points have a wrong normal, which would block opening fingers.
         """
         for body in bodies:
             self._filter(body, touch=False)
             self._filter(body, touch=True)
 
     def restore_order(self, bodies: Iterable[Body]) -> None:
-        """Bring PyBullet's collision pairs into the order of `bodies`; nothing may be held.
+        """Sort PyBullet's collision pairs in the order of `bodies`; the gripper must hold no body.
 
         Every change of a filter moves the pairs of a body to the end of PyBullet's list, and contacts are solved in that order.
         """

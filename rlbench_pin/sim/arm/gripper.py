@@ -1,4 +1,4 @@
-"""The gripper: fingers that close at a given speed and force, and grasped bodies."""
+"""The gripper: motion of the fingers at a given speed and force, and grasped bodies."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _PAD_TORSION = 0.007  # torsional friction: torque about the line between the pa
 
 @dataclass(frozen=True, eq=False)
 class FingerControl:
-    """Command of the finger motors: enough to continue exactly."""
+    """Command of the finger motors, complete enough for an exact continuation."""
 
     target: FloatArray
     """Finger joint positions to go to (2,) [m]."""
@@ -61,7 +61,7 @@ class SimGripper:
         bodies: Returns all bodies of the scene.
 
     Attributes:
-        attaches: Whether closing fixes bodies to the gripper; otherwise friction alone holds them.
+        attaches: Whether closing fixes bodies to the gripper; otherwise only friction holds them.
     """
 
     def __init__(self, robot: SimRobot, find: Callable[[str], Body], bodies: Callable[[], tuple[Body, ...]]) -> None:
@@ -86,7 +86,7 @@ class SimGripper:
         robot.on_reset.append(lambda fingers_too: self._stop() if fingers_too else None)
 
     def _couple(self) -> None:
-        """Make the fingers move alike, as the gear of a real gripper does."""
+        """Couple the fingers, like the gear of a real gripper."""
         left, right = self._joints
         self._gear = self._gear_of(left, right, 1.0, _GEAR_ERP)
         for follower, way in zip(self._grip.followers, self._grip.follows, strict=True):
@@ -99,18 +99,18 @@ class SimGripper:
             )
 
     def _gear_of(self, first: int, second: int, ratio: float, erp: float) -> int:
-        """Couple two joints: the second moves `ratio` times as far as the first. Returns the number of the constraint."""
+        """Couple two joints: the second moves `ratio` times as far as the first. Return the number of the constraint."""
         uid, change = self._model.uid, self._client.change
         gear: int = change(bullet.createConstraint, uid, first, uid, second, bullet.JOINT_GEAR, [1, 0, 0], [0, 0, 0], [0, 0, 0])
         change(bullet.changeConstraint, gear, gearRatio=-1.0 / ratio, erp=erp, maxForce=_GEAR_FORCE)
         return gear
 
     def rely_on_friction(self) -> None:
-        """Fix nothing to the gripper: friction alone holds, with pads that resist twisting and fingers that stay centred.
+        """Hold objects by friction only: the pads resist torsion, the fingers stay centred, and no body is fixed.
 
-        Fingers that an object stops press on it with the whole force that `set_target` allows.
+        Fingers that an object stops press on it with the full force of `set_target`.
 
-        To be called while the world is built, lest building it again undoes it.
+        Call this while the world is built, so that `build_again` repeats it.
         """
         self.attaches = False
         self._client.change(bullet.changeConstraint, self._gear, gearRatio=-1, erp=_STIFF_GEAR_ERP, maxForce=_GEAR_FORCE)
@@ -121,32 +121,32 @@ class SimGripper:
 
     @property
     def opening(self) -> FloatArray:
-        """Opening fraction of each finger (2,), 0 shut to 1 open."""
+        """Opening fraction of each finger (2,), 0 closed to 1 open."""
         return self._robot.fingers / self._range
 
     @property
     def is_open(self) -> bool:
-        """True when every finger is more than 90 % open."""
+        """True if every finger is more than 90 % open."""
         return all(part > _OPEN for part in self.opening.tolist())
 
     @property
     def moving(self) -> bool:
-        """True when a finger moved by more than 1 mm, or by half of what its speed allows, in the last tick."""
+        """True if a finger moved in the last tick by more than 1 mm, or by half of the distance that its speed allows."""
         least = min(_MOVED, 0.5 * self._control.speed * self._robot.tick)
         return any(abs(way) > least for way in (self._robot.fingers - self._control.last).tolist())
 
     @property
     def squeezes(self) -> bool:
-        """True when friction alone holds and an object keeps both fingers from closing."""
+        """True if objects are held by friction only and an object stops both fingers."""
         return not self.attaches and bool((self._robot.fingers - self._control.reference > _BLOCKED).all())
 
     def set_target(self, amount: float, speed: float | None = None, force: float | None = None) -> None:
         """Drive the fingers to an opening fraction in the coming ticks.
 
         Args:
-            amount: 0 shut to 1 open.
-            speed: Finger speed [m/s]; None is the one of closing on something.
-            force: Largest force of one finger [N]; None is the gripper's own.
+            amount: 0 closed to 1 open.
+            speed: Finger speed [m/s]; None is the closing speed on objects.
+            force: Largest force of one finger [N]; None is the default of the gripper.
 
         Raises:
             InvalidActionError: `amount` is not in 0..1, or speed or force is not positive and finite.
@@ -165,7 +165,7 @@ class SimGripper:
         self._control = FingerControl(target, reference, speed, strength, here)
 
     def hold(self) -> None:
-        """Keep the fingers where they are; those that squeeze go on squeezing."""
+        """Hold the fingers at their positions; fingers that squeeze an object keep squeezing it."""
         if not self.squeezes:
             self._stop()
 
@@ -182,19 +182,19 @@ class SimGripper:
 
     @property
     def held(self) -> tuple[str, ...]:
-        """Names of the bodies that the gripper holds: those fixed to it or, where nothing is fixed, those between the fingers."""
+        """Names of the bodies that the gripper holds: those fixed to it or, without attachments, those between the fingers."""
         return self.grasped if self.attaches else self.between_fingers()
 
     def between_fingers(self) -> tuple[str, ...]:
         """Return the names of the graspable bodies that both fingers touch and that overlap the box between the pads.
 
-        A touch counts on the links that `register_graspable_objects` allows. The box is `pad_size` along tip x and z, and
-        along tip y 2 mm less than the gap between the fingers (1 mm at least).
+        Only contacts with links that `register_graspable_objects` allows count. The box has `pad_size` along tip x and z, and
+        along tip y the gap between the fingers minus 2 mm (at least 1 mm).
         """
         return tuple(body.name for body in self._bodies() if body.graspable and self._is_gripped(body) and self._in_gap(body))
 
     def _is_gripped(self, body: Body) -> bool:
-        """Whether each finger touches a link by which the body may be held."""
+        """Whether each finger touches a graspable link of the body."""
         links = {body.model.links[name] for name in body.grasp_links or body.model.links}
         return all(links & touched_links(self._model, finger, body.model) for finger in self._fingers)
 
@@ -215,7 +215,7 @@ class SimGripper:
         return volume_meets(box, geometry.radius(box), T_world_box, body)
 
     def grasp(self, name: str) -> bool:
-        """Fix a body to the gripper where it is, and hold the fingers; False when it is held already or cannot move."""
+        """Fix a body to the gripper at its pose, and hold the fingers; return False if it is already held or cannot move."""
         body = self._find(name)
         if name in self.grasped or body.fixed:
             return False
@@ -224,7 +224,7 @@ class SimGripper:
         return True
 
     def release(self) -> None:
-        """Let all bodies go; the fingers stay where they are."""
+        """Release all bodies; the fingers do not move."""
         for name in self.grasped:
             self._attachments.detach(name)
 
@@ -236,7 +236,7 @@ class SimGripper:
         return self._control
 
     def set_control(self, control: FingerControl) -> None:
-        """Continue with a stored command."""
+        """Restore a stored command."""
         self._control = control
 
     def attachments(self) -> tuple[Attachment, ...]:
@@ -251,7 +251,7 @@ class SimGripper:
             self._attachments.add(attachment, self._find(attachment.body))
 
     def begin_tick(self) -> None:
-        """Work out how far the fingers go in this tick."""
+        """Compute the motion of the fingers in this tick."""
         control, robot = self._control, self._robot
         here = robot.fingers
         lead, most = control.speed * robot.timestep / _GAIN, control.speed * robot.tick

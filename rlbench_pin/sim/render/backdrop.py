@@ -1,8 +1,8 @@
-"""Table, floor, walls and ceiling, drawn by formulas.
+"""Backdrop: table, floor, walls and ceiling as rectangles, drawn analytically.
 
 Over the pixels (u, v) of one rectangle, 1/z, s/z and t/z are affine functions, where z is the depth and s, t are the coordinates
-along its edges. So a rectangle costs a few additions and comparisons per pixel, its depth is exact, and what a camera that stands
-still sees of the room is drawn once and kept.
+along its edges. So a rectangle costs a few additions and comparisons per pixel, and its depth is exact. The view of a stationary
+camera is drawn once and cached.
 """
 
 from __future__ import annotations
@@ -39,14 +39,14 @@ class Panel:
 
     @property
     def normal(self) -> NDArray[np.float64]:
-        """Unit vector (3,) out of the side that is seen."""
+        """Unit normal (3,) of the visible side."""
         n = np.cross(self.edges[0], self.edges[1])
         return n / np.linalg.norm(n)
 
 
 @dataclass(frozen=True, eq=False)
 class PanelSight:
-    """Pixels that may show one rectangle, and how 1/z, s/z and t/z follow from the ray of a pixel."""
+    """Candidate pixels of one rectangle, and the affine forms of 1/z, s/z and t/z for the ray of a pixel."""
 
     number: int
     window: tuple[slice, slice]
@@ -65,9 +65,9 @@ class Canvas:
 
     Attributes:
         view: The same.
-        owner: Number of the rectangle that each pixel sees, -1 for none, (h, w).
+        owner: Number of the rectangle in each pixel, -1 for none, (h, w).
         inverse: Its inverse depth (h, w) [1/m].
-        only: The rectangle that fills the image, if one does.
+        only: The rectangle that fills the whole image, or None.
     """
 
     def __init__(self, view: CameraView) -> None:
@@ -90,7 +90,7 @@ class Canvas:
             self._add(sight)
 
     def draw_alone(self, corner: NDArray[np.float64], bases: NDArray[np.float64], number: int) -> bool:
-        """Draw a rectangle that faces the camera and that nothing hides, if it fills the image, and return whether it does.
+        """Draw an unoccluded rectangle that faces the camera if it fills the image; return whether it does.
 
         Args:
             corner: Its first corner in the frame of the camera (3,) [m].
@@ -104,7 +104,7 @@ class Canvas:
         return True
 
     def _hides(self, sight: PanelSight, others: Sequence[PanelSight]) -> bool:
-        """Whether a rectangle fills the image and lies before all others; if its corners do, all of the image does."""
+        """Whether a rectangle fills the image in front of all others; a test of the corners of the image suffices."""
         rays = np.array([[x, y, 1.0] for x in self.columns[[0, -1]] for y in self.rows[[0, -1]]])
         inverse, s, t = sight.forms @ rays.T
         beside = np.minimum(np.minimum(s, t), inverse - np.maximum(s, t)).min()
@@ -112,7 +112,7 @@ class Canvas:
         return bool(beside > 0.0 and inverse.max() * self.view.near * _SLACK < 1.0 and inverse.min() > nearest * _SLACK)
 
     def _add(self, sight: PanelSight) -> None:
-        """Draw one rectangle where it is nearer than what is there."""
+        """Draw one rectangle where it is nearer than the present content."""
         window = sight.window
         there = self.inverse[window]
         if float(there.min()) > sight.nearest * _SLACK:
@@ -133,7 +133,7 @@ class Canvas:
         return rows[:, None] + columns[None, :]
 
     def visible(self) -> Iterator[tuple[int, NDArray[np.int64] | slice]]:
-        """Rectangles that are seen, each with the flat indices of its pixels."""
+        """Visible rectangles, each with the flat indices of its pixels."""
         if self.only is not None:
             yield self.only.number, slice(None)
             return
@@ -144,7 +144,7 @@ class Canvas:
                 yield number, pixels
 
     def texels(self, panel: Panel, pixels: NDArray[np.int64] | slice) -> NDArray[np.int32]:
-        """Rows (n,) of the texture of a rectangle that its pixels show."""
+        """Rows (n,) of the texture of a rectangle for its pixels."""
         inverse = self.inverse.ravel()[pixels]
         texture = panel.texture
         if texture is None:
@@ -167,7 +167,7 @@ class Canvas:
 
 
 def sights_of(canvas: Canvas, corners: NDArray, edges: NDArray, bases: NDArray) -> list[PanelSight]:
-    """Rectangles that face a camera and reach into its image, the nearest first.
+    """Return the rectangles that face a camera and are at least partly in its image, the nearest first.
 
     Args:
         canvas: The image.
@@ -191,7 +191,7 @@ def sights_of(canvas: Canvas, corners: NDArray, edges: NDArray, bases: NDArray) 
 
 
 def _forms(corners: NDArray[np.float64], bases: NDArray[np.float64]) -> NDArray[np.float64]:
-    """How 1/z, s/z and t/z follow from a ray (m, 3, 3), from the first corners and the bases of rectangles."""
+    """Affine forms (m, 3, 3) of 1/z, s/z and t/z for a ray, from the first corners and the bases of rectangles."""
     along = np.einsum("ijk,ik->ij", bases, corners)
     forms = bases.copy()
     forms[:, 0] /= along[:, :1]
@@ -200,7 +200,7 @@ def _forms(corners: NDArray[np.float64], bases: NDArray[np.float64]) -> NDArray[
 
 
 def _in_sight(view: CameraView, facing: NDArray[np.bool_], points: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Numbers of the rectangles that face the camera and whose corners (m, 4, 3) reach into its pyramid."""
+    """Numbers of the rectangles that face the camera and are partly in its view frustum, by their corners (m, 4, 3)."""
     width, height = view.size
     slope_x, slope_y = (0.5 * (side + 2) / abs(view.intrinsics()[0, 0]) * points[..., 2] for side in (width, height))
     x, y, z = points[..., 0], points[..., 1], points[..., 2]
@@ -209,7 +209,7 @@ def _in_sight(view: CameraView, facing: NDArray[np.bool_], points: NDArray[np.fl
 
 
 def _windows(view: CameraView, points: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """First and one beyond the last column and row (m, 2) that rectangles with corners (m, 4, 3) can cover."""
+    """First and one beyond the last column and row (m, 2) of rectangles with corners (m, 4, 3)."""
     k, depths = view.intrinsics(), points[..., 2]
     is_before = depths.min(axis=1) >= _CLOSE
     pixels = points[..., :2] / np.where(is_before[:, None], depths, 1.0)[..., None] @ k[:2, :2] + k[:2, 2]
@@ -229,7 +229,7 @@ _OUTSIDE = np.array((118, 128, 138), dtype=np.uint8).view(PIXEL)[0]
 
 
 class Paints:
-    """The colours of all rectangles that were seen so far in the key light, rgb bytes of type `PIXEL`; the first is emptiness.
+    """Colours in the key light of all rectangles visible so far, rgb bytes of type `PIXEL`; the first is the empty background.
 
     Attributes:
         lit: Texels (t,).
@@ -240,7 +240,7 @@ class Paints:
         self._starts: dict[int, int] = {}
 
     def start(self, number: int, panel: Panel, lighting: Lighting) -> int:
-        """Number of the first texel of a rectangle, one texel where it has no texture; added when it is asked for first."""
+        """Number of the first texel of a rectangle, which is added at the first request; one texel without a texture."""
         if number not in self._starts:
             self._starts[number] = len(self.lit)
             texels = np.ones((1, 3), dtype=np.float32) if panel.texture is None else panel.texture.texels
@@ -250,7 +250,7 @@ class Paints:
 
 @dataclass(frozen=True, eq=False)
 class Backdrop:
-    """The room as one camera sees it; rows from the top."""
+    """Image of the room from one camera; rows from the top."""
 
     rgb: NDArray[np.uint8]
     """Colours where the key light reaches, (h, w, 3)."""
@@ -265,15 +265,15 @@ class Backdrop:
 
 
 class Painter:
-    """Draws rectangles under fixed lights.
+    """Painter of rectangles under fixed lights.
 
     Args:
         panels: The rectangles.
         lighting: The lights.
 
     Attributes:
-        table_height: z of the highest level rectangle, which is the table top [m].
-        table_key: Share (3,) of its colour that the key light gives.
+        table_height: z of the highest horizontal rectangle, which is the table top [m].
+        table_key: Share (3,) of its colour from the key light.
     """
 
     def __init__(self, panels: Sequence[Panel], lighting: Lighting) -> None:
@@ -299,12 +299,12 @@ class Painter:
         self._aside = normals, offsets, np.where(sides.min(axis=1) > 0.0, 1.0, np.where(sides.max(axis=1) < 0.0, -1.0, 0.0))
 
     def _is_clear(self, eye: NDArray[np.float64]) -> bool:
-        """Whether no other rectangle lies between a point and the table top."""
+        """Whether no other rectangle is between a point and the table top."""
         normals, offsets, sides = self._aside
         return bool(eye[2] > self.table_height and ((normals @ eye - offsets) * sides > 0.0).all())
 
     def draw(self, view: CameraView) -> Backdrop:
-        """Draw all rectangles as a camera sees them."""
+        """Draw all rectangles from a camera."""
         canvas = Canvas(view)
         to_camera = np.linalg.inv(view.extrinsics())
         rotation, shift = to_camera[:3, :3], to_camera[:3, 3]

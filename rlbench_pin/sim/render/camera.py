@@ -1,4 +1,4 @@
-"""Cameras as pure geometry, and what they deliver."""
+"""Geometry of cameras, and their images."""
 
 from __future__ import annotations
 
@@ -42,10 +42,12 @@ class CameraView:
             as_number(getattr(self, name), f"CameraView.{name}", InvalidCamera)
         as_image_size(self.size, "CameraView.size", InvalidCamera)
         if not (0.0 < self.fov < np.pi and 0.0 < self.near < self.far):
-            raise CameraError(f"A camera needs 0 < fov < pi and 0 < near < far, not {self.fov}, {self.near}, {self.far}.")
+            raise CameraError(
+                f"A camera needs 0 < fov < pi and 0 < near < far, not {self.fov}, {self.near}, {self.far}. Correct them."
+            )
 
     def intrinsics(self) -> FloatArray:
-        """Matrix (3, 3) with negative focal lengths [px]: image u grows to the camera's -x, v to -y.
+        """Matrix (3, 3) with negative focal lengths [px]: image u increases along the camera's -x, v along -y.
 
         f = -longer side / (2 tan(fov / 2)); the principal point is half the resolution.
         """
@@ -53,12 +55,12 @@ class CameraView:
 
     @cached_property
     def key(self) -> tuple[object, ...]:
-        """All that makes the view, to compare."""
+        """All parameters of the view, for comparison."""
         return (np.asarray(self.pose, dtype=float).tobytes(), self.fov, tuple(self.size), self.near, self.far, self.shift)
 
     @cached_property
     def finer(self) -> CameraView:
-        """The view of twice the size, two by two of whose pixels lie around the middle of each pixel of this one."""
+        """The view at twice the resolution: each pixel of this view is split into two by two."""
         return _FinerView(self.pose, self.fov, (2 * self.size[0], 2 * self.size[1]), self.near, self.far)
 
     def extrinsics(self) -> FloatArray:
@@ -90,7 +92,7 @@ class CameraView:
 
     @cached_property
     def sides(self) -> FloatArray:
-        """Planes (5, 4) of all that is seen and a pixel more: products with (x, y, z, 1) are the distances inside them [m]."""
+        """Planes (5, 4) of the view frustum with a margin of a pixel: products with (x, y, z, 1) are distances to them [m]."""
         (x, y, z), (width, height) = self.to_image, self.size
         planes = np.stack([x + z, width * z - x, y + z, height * z - y, z])
         planes[4, 3] -= self.near
@@ -117,12 +119,12 @@ class CameraView:
 
 @dataclass(frozen=True, eq=False)
 class _FinerView(CameraView):
-    """A view that `CameraView.finer` made."""
+    """A view from `CameraView.finer`."""
 
     shift: ClassVar[float] = 0.5
 
     def __post_init__(self) -> None:
-        """All was checked when the coarser view was made."""
+        """Skip the checks, which were done for the coarser view."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,10 +140,10 @@ class Images:
 
 
 def look_at(eye: Sequence[float] | FloatArray, target: Sequence[float] | FloatArray) -> FloatArray:
-    """Pose (7,) of a camera at `eye` [m] that looks at `target` [m]: z forward, x left, y up.
+    """Return the pose (7,) of a camera at `eye` [m] that looks at `target` [m]: z forward, x left, y up.
 
     Raises:
-        CameraError: Both are the same point, or one is not a point.
+        CameraError: Both are the same point, or an argument is not a point.
     """
     eye, target = as_vector(eye, 3, "eye", InvalidCamera), as_vector(target, 3, "target", InvalidCamera)
     forward = np.subtract(target, eye)
@@ -158,13 +160,13 @@ def look_at(eye: Sequence[float] | FloatArray, target: Sequence[float] | FloatAr
 
 
 def field_of_view(view: CameraView, points: FloatArray) -> float:
-    """Return the field of view of the longer side at which points (n, 3) are in the image of a camera [rad]."""
+    """Return the smallest field of view of the longer side with points (n, 3) in the image of a camera [rad]."""
     across = np.abs(_slopes(view, points)).max(axis=0) * max(view.size) / np.array(view.size)
     return float(np.clip(2.0 * np.arctan(_MARGIN * across.max()), _NARROWEST, _WIDEST))
 
 
 def framed(eye: Sequence[float] | FloatArray, points: FloatArray, size: tuple[int, int]) -> CameraView:
-    """Return the camera at a place whose image contains points (n, 3), as large as possible."""
+    """Return the camera at a pose whose image contains points (n, 3) as large as possible."""
     middle = (points.min(axis=0) + points.max(axis=0)) / 2.0
     view = CameraView(pose=look_at(eye, middle), fov=_WIDEST, size=size, near=_NEAR, far=_FAR)
     for _ in range(4):
@@ -176,22 +178,22 @@ def framed(eye: Sequence[float] | FloatArray, points: FloatArray, size: tuple[in
 
 
 def _slopes(view: CameraView, points: FloatArray) -> FloatArray:
-    """Return points (n, 3) in the image as slopes (n, 2) to the left and up from its middle; none may be behind the camera."""
+    """Return the slopes (n, 2) of points (n, 3) to the left and up from the optical axis; no point may be behind the camera."""
     local = (points - view.pose[:3]) @ view.extrinsics()[:3, :3]
     return local[:, :2] / np.maximum(local[:, 2:], _NEAR)
 
 
 def pixel_rays(view: CameraView) -> tuple[FloatArray, FloatArray]:
-    """Camera x (w,) of each column and y (h,) of each row at depth 1."""
+    """Return camera x (w,) of each column and y (h,) of each row at depth 1."""
     width, height = view.size
     k = view.intrinsics()
     return (np.arange(width) - k[0, 2]) / k[0, 0], (np.arange(height) - k[1, 2]) / k[1, 1]
 
 
 def projection_matrix(view: CameraView, hardware: bool = False) -> list[float]:
-    """OpenGL projection, column by column, whose pixel (u, v) looks along the ray that `intrinsics` gives it.
+    """Return the OpenGL projection, column by column, with the same ray for each pixel (u, v) as `intrinsics`.
 
-    TinyRenderer draws what belongs to row v in row v - 1; OpenGL samples in the middle of its pixels.
+    TinyRenderer draws row v in row v - 1; OpenGL samples at the centre of pixels.
     """
     width, height = view.size
     focal = -view.intrinsics()[0, 0]

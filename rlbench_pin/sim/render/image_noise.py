@@ -1,4 +1,4 @@
-"""Faults of cameras: blur, JPEG, exposure, dead pixels, and noise of the depth."""
+"""Image noise: blur, JPEG artefacts, exposure, dead pixels, and noise of the depth."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _RGB = "RGB"
 
 @dataclass(frozen=True)
 class ImageNoise:
-    """Faults of all cameras in one episode; without arguments there is none."""
+    """Image noise of all cameras in one episode; the defaults add no noise."""
 
     exposure: float = 0.0
     """Brightness of colour images in powers of two; what is too bright is clipped."""
@@ -30,10 +30,10 @@ class ImageNoise:
     """Seed of the places of dead pixels."""
 
     def apply(self, rgb: np.ndarray, camera: str) -> np.ndarray:
-        """Return a colour image with the faults, uint8 (h, w, 3).
+        """Return a colour image with noise, uint8 (h, w, 3).
 
         Args:
-            rgb: The image; it is left as it is.
+            rgb: The image, which does not change.
             camera: Name of the camera; each has its own dead pixels.
         """
         if self.blur > 0.0:
@@ -54,7 +54,7 @@ class ImageNoise:
         return rgb if rgb.flags.writeable else rgb.copy()
 
     def apply_to_depth(self, metres: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-        """Return depth [m] with normal noise, float32 (h, w); draws only from `rng`, and nothing without noise."""
+        """Return depth [m] with normal noise, float32 (h, w); draw only from `rng`, and only if there is noise."""
         if self.depth_sigma <= 0.0:
             return metres
         noise = rng.standard_normal(metres.shape, dtype=np.float32)

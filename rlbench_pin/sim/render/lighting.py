@@ -1,9 +1,9 @@
-"""Three directional lights, and the shadows of the first: one image of the moving objects from the light, for all cameras.
+"""Three directional lights, and the shadow map of the first: one image of the moving objects from the light, for all cameras.
 
-Its texels are 3 mm wide. On the table, which is level, a shadow is the image of what lies above it, smoothed: as wide as a few
-texels below low objects, four times as wide below high ones. Points of moving objects are in shadow as far as texels around them
-are nearer to the light. The same image says where objects stand on the table: what of them is seen low above it keeps light from
-around their feet.
+Its texels are 3 mm wide. On the horizontal table a shadow is the smoothed image of the objects above it: the filter is a few
+texels wide for low objects, and four times as wide for high ones. A point of a moving object is in shadow by the share of the
+texels around it that are nearer to the light. The map also gives the contact shadows on the table: parts of objects low above
+the table darken the table around them.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ SPECULAR = 0.05
 
 @dataclass(frozen=True)
 class Light:
-    """A light that is infinitely far away."""
+    """A directional light, infinitely far away."""
 
     direction: Vector
     """Points towards the light, in the world; any length but zero."""
@@ -42,13 +42,13 @@ class Light:
             as_vector(getattr(self, name), 3, f"Light.{name}", InvalidCamera)
         as_number(self.intensity, "Light.intensity", InvalidCamera)
         if not np.linalg.norm(self.direction) > 1e-6:
-            raise CameraError(f"A light needs a direction other than zero and finite numbers, not {self}.")
+            raise CameraError(f"A light needs finite numbers and a direction other than zero. Got {self}.")
         if self.intensity < 0.0 or not all(0.0 <= c <= 1.0 for c in self.color):
-            raise CameraError(f"A light has an intensity >= 0 and a colour in 0..1, not {self}.")
+            raise CameraError(f"A light needs an intensity >= 0 and a colour in 0..1. Got {self}.")
 
     @property
     def unit(self) -> NDArray[np.float64]:
-        """Direction (3,) of length one."""
+        """Unit direction (3,)."""
         vector = np.array(self.direction, dtype=float)
         return vector / np.linalg.norm(vector)
 
@@ -70,10 +70,12 @@ class Lighting:
 
     def __post_init__(self) -> None:
         if not isinstance(self.fills, tuple | list) or not all(isinstance(light, Light) for light in (self.key, *self.fills)):
-            raise CameraError("The key light and the fills of a `Lighting` are `Light`s.")
+            raise CameraError(
+                "The key light and the fill lights of a `Lighting` have to be `Light` records. Create them with `Light(...)`."
+            )
         as_number(self.ambient, "Lighting.ambient", InvalidCamera)
         if not 0.0 < self.ambient <= 1.0:
-            raise CameraError(f"The ambient light lies above 0 and at most at 1, not at {self.ambient}.")
+            raise CameraError(f"The ambient light has to be above 0 and at most 1. Got {self.ambient}.")
 
     @property
     def is_white(self) -> bool:
@@ -82,7 +84,7 @@ class Lighting:
 
     @property
     def mean_fill(self) -> float:
-        """Mean brightness of the fill lights over all directions that objects are seen from."""
+        """Mean brightness of the fill lights over all viewing directions."""
         return 0.35 * sum(fill.intensity for fill in self.fills)
 
 
@@ -105,7 +107,7 @@ _DARKENING = np.float32(1.1)
 
 @lru_cache(maxsize=8)
 def light_view(direction: Vector) -> CameraView:
-    """Return the camera that sees what a light reaches; its image is aligned with the sides of the table.
+    """Return the camera of a light; its image is aligned with the sides of the table.
 
     Args:
         direction: `Light.direction`, which points towards the light.
@@ -123,7 +125,7 @@ def light_view(direction: Vector) -> CameraView:
 
 @dataclass(frozen=True, eq=False)
 class LightSpots:
-    """Where points lie in the image that the key light takes."""
+    """Positions of points in the shadow map."""
 
     right: NDArray[np.float32]
     """Column (n,), the middle of the first at 0.5 [px]."""
@@ -135,7 +137,7 @@ class LightSpots:
 
 @dataclass(frozen=True, eq=False)
 class TableSpots:
-    """Where the pixels of a camera that see the table lie in the image that the key light takes."""
+    """Positions in the shadow map of the pixels of a camera that show the table."""
 
     pixels: NDArray[np.int64]
     """Flat indices of the pixels (n,)."""
@@ -151,7 +153,7 @@ class TableSpots:
 
 @dataclass(frozen=True, eq=False)
 class TableShade:
-    """How much of the key light the table misses: `soft` plus `sharpness` times `sharp` / 255."""
+    """Share of the key light that is blocked on the table: `soft` plus `sharpness` times `sharp` / 255."""
 
     sharp: NDArray[np.uint8]
     """Texels that are blocked, smoothed by 5 x 5, (n, n)."""
@@ -168,19 +170,19 @@ class TableShade:
 
 
 class ShadowMap:
-    """How far the key light gets.
+    """Shadow map of the key light.
 
     Args:
         view: Camera of the light.
         height: z of the table top [m].
-        blocked: Where moving objects stand in the light.
-        under: The shadows of what stands in the light elsewhere.
+        blocked: Where moving objects block the light.
+        under: The shadows of objects that block the light elsewhere.
 
     Attributes:
         view: The same.
         height: The same.
-        is_empty: Whether nothing stands in the light.
-        image: Depth of what stands in the light, one number for each texel; without objects of its own there is none.
+        is_empty: Whether no object blocks the light.
+        image: Depth of the objects that block the light, per texel; absent without own objects.
         rows: Rows of it that are filled.
     """
 
@@ -209,14 +211,14 @@ class ShadowMap:
         self.image[rows, columns] = blocked.depth[_moved(rows, blocked.row), _moved(columns, blocked.column)]
 
     def lit(self, spots: LightSpots, bias: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Share (n,) of the key light that reaches points of moving objects, 0..1: of the 3 x 3 texels around each, the part
-        that it passes.
+        """Share (n,) of the key light that reaches points of moving objects, 0..1: the unblocked part of the 3 x 3 texels
+        around each.
 
-        Most points lie beyond all texels around them or before them all, which two look-ups show.
+        Most points are behind all texels around them or in front of them all, which two look-ups show.
 
         Args:
             spots: The points.
-            bias: By how much an object must be nearer to the light to shade a point (n,) [m].
+            bias: Smallest distance in front of a point at which an object shades it (n,) [m].
         """
         if self._is_same and self._under is not None:
             return self._under.lit(spots, bias)
@@ -237,12 +239,12 @@ class ShadowMap:
         return share
 
     def _share(self, right: NDArray[np.float32], down: NDArray[np.float32], limit: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Part (k,) of squares of 3 x 3 texels that is free: of 4 x 4 texels the outer ones count in part.
+        """Unblocked share (k,) of squares of 3 x 3 texels: of 4 x 4 texels the outer ones count in part.
 
         Args:
             right: Column of the middles of the squares (k,), the middle of the first texel at 0.5; overwritten.
             down: Row (k,); overwritten.
-            limit: From which depth on a texel is free (k,) [m].
+            limit: Smallest depth of an unblocked texel (k,) [m].
         """
         first = np.zeros(len(limit), dtype=np.int64)
         for values, step in ((down, _SIZE), (right, 1)):
@@ -270,7 +272,7 @@ class ShadowMap:
 
     @cached_property
     def extremes(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Of every four by four texels, flat, the least and the greatest of these and those around them."""
+        """Minimum and maximum of every block of four by four texels and its neighbours, flat."""
         rows, columns = (slice(part.start // 4 + 1, part.stop // 4 - 1) for part in self._window)
         image = self.image[self._window]
         found = []
@@ -286,8 +288,8 @@ class ShadowMap:
 
     @cached_property
     def shade(self) -> TableShade:
-        """Two filters: one of 5 x 5 texels for what is low above the table, one four times as wide for what is high; between them
-        by the mean height of what casts the shadow.
+        """Two filters: one of 5 x 5 texels for low objects, one four times as wide for high ones; blended by the mean height of
+        the objects that cast the shadow.
         """
         if self._under is not None and self._is_same:
             return self._under.shade
@@ -401,7 +403,7 @@ def _between(fields: Sequence[NDArray], x: NDArray[np.float32], y: NDArray[np.fl
 
 @lru_cache(maxsize=4)
 def table_distance(view: CameraView, height: float) -> NDArray[np.float32]:
-    """Distance (n, n) along the light to which what is nearer casts a shadow on the table [m].
+    """Return the distance (n, n) along the light up to which objects cast a shadow on the table [m].
 
     Args:
         view: Camera of the light.

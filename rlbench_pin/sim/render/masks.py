@@ -1,4 +1,4 @@
-"""Stable ids for everything that a mask can show, and the segmentation values that PyBullet has for it."""
+"""Stable mask ids of all links, and their segmentation values in PyBullet."""
 
 from __future__ import annotations
 
@@ -42,9 +42,9 @@ class MaskTable:
         self._table: NDArray[np.int32] | None = None
 
     def begin_objects(self) -> None:
-        """Number task objects from now on."""
+        """Start the numbering of task objects."""
         if self._next > FIRST_OBJECT:
-            raise ValueError(f"Robot and room have {self._next - 1} links, more than the {FIRST_OBJECT - 1} ids kept for them.")
+            raise ValueError(f"Robot and room have {self._next - 1} links, at most {FIRST_OBJECT - 1} are possible. Use fewer.")
         self._next = FIRST_OBJECT
 
     def add(self, name: str, model: LoadedModel) -> None:
@@ -62,7 +62,7 @@ class MaskTable:
         return int(self._ids[model.uid][0])
 
     def remove(self, model: LoadedModel) -> None:
-        """Forget a body; ids at the end of the row become free again."""
+        """Remove a body; ids at the end of the sequence become free again."""
         for identifier in self._ids.pop(model.uid).tolist():
             del self.names[identifier]
         self._next = max(FIRST_OBJECT, max(self.names) + 1)

@@ -1,8 +1,8 @@
 """Images: moving objects drawn over the room, with shadows and fill lights on top.
 
-A separate drawing of the room saves most work: a stationary camera draws it once. Where a moving object is nearer than the
-room it is seen; this is exact to the pixel. Moving objects are drawn for all cameras of an instant together, and for the key
-light, whose image gives the shadows. The fill lights follow from the slopes of the depth.
+A separate drawing of the room saves most work, because a stationary camera draws it once. A moving object is visible where it is
+nearer than the room; this is exact to the pixel. Moving objects are drawn for all cameras together, and for the key light, whose
+image gives the shadows. The fill lights follow from the slopes of the depth.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class Request:
     """Take each colour as the mean of two by two; depth and mask stay the same."""
 
     def parts(self) -> tuple[Request, ...]:
-        """What is drawn for it: itself, or its colours at twice the size, and depth and mask if they are wanted."""
+        """The drawings for it: itself, or its colours at twice the size, and depth and mask if they are requested."""
         if not (self.fine and self.rgb):
             return (self,)
         colors = replace(self, view=self.view.finer, depth=False, mask=False, fine=False)
@@ -67,16 +67,16 @@ class Request:
 
     @property
     def is_shaded(self) -> bool:
-        """Whether shadows are seen."""
+        """Whether the image has shadows."""
         return self.rgb and self.shadows
 
 
 class Renderer:
-    """Takes the images of one world.
+    """Renderer of one world.
 
     Args:
         client: The physics server.
-        room: What the backdrop draws.
+        room: The bodies of the room, which the backdrop draws.
         room_ids: Mask id of each room body.
         ids: Returns the mask ids of body b and link l at `[b, l + 1]`.
         appearance: Appearance of visuals that the server does not report.
@@ -110,34 +110,34 @@ class Renderer:
         Args:
             body: PyBullet's number of the body.
             link: PyBullet's number of the link.
-            texture: What to draw.
+            texture: The texture.
         """
         self._link_textures[body, link] = texture
 
     def clear_link_texture(self, body: int, link: int) -> None:
-        """Draw no texture over one link; the numbers are PyBullet's."""
+        """Remove the texture of one link; the numbers are PyBullet's."""
         self._link_textures.pop((body, link), None)
 
     def clear_link_textures(self) -> None:
-        """Draw no textures over links."""
+        """Remove the textures of all links."""
         self._link_textures.clear()
 
     def shadow_map(self) -> ShadowMap:
-        """Look from the key light, for cameras that look at the present instant."""
+        """Return the shadow map of the key light at this instant."""
         view, height = self._view_of_light(), self._present_painter().table_height
         return ShadowMap(view, height, self._rasterizer.shoot([], self.lighting, view).blocked())
 
     def render(
         self, view: CameraView, *, rgb: bool, depth: bool, mask: bool, shadows: bool | ShadowMap, antialiasing: bool = False
     ) -> Images:
-        """Take the images of one camera.
+        """Render the images of one camera.
 
         Args:
             view: The camera.
-            rgb: Deliver colours.
-            depth: Deliver metric depth.
-            mask: Deliver mask ids.
-            shadows: Draw shadows and fill lights; a map from `shadow_map` of this instant saves making one.
+            rgb: Return colours.
+            depth: Return metric depth [m].
+            mask: Return mask ids.
+            shadows: Draw shadows and fill lights; a map from `shadow_map` of this instant is reused.
             antialiasing: Smooth the edges between surfaces.
         """
         as_record(view, CameraView, "camera")
@@ -148,25 +148,25 @@ class Renderer:
         return self.render_all([Request(view, rgb, depth, mask, shadows is not False, antialiasing)], light)[0]
 
     def image(self, view: CameraView) -> NDArray[np.uint8]:
-        """Return an image for people, uint8 (h, w, 3): with shadows, smooth edges and smooth thin lines."""
+        """Return an image for display, uint8 (h, w, 3): with shadows, antialiasing and supersampling."""
         as_record(view, CameraView, "camera")
         image = self.render_all([Request(view, depth=False, mask=False, shadows=True, antialiasing=True, fine=True)])[0].rgb
         assert image is not None
         return image
 
     def render_all(self, requests: Sequence[Request], shadows: ShadowMap | None = None) -> list[Images]:
-        """Take the images of some cameras at this instant, cheaper than one after the other and the same.
+        """Render the images of several cameras at this instant: the same images as one by one, in less time.
 
         Args:
-            requests: What each is to deliver.
-            shadows: The shadows, from `shadow_map` of this instant; made where they are needed when None.
+            requests: The cameras and the requested images.
+            shadows: The shadows, from `shadow_map` of this instant; None computes them if needed.
         """
         parts = [request.parts() for request in requests]
         taken = iter(self._take([part for group in parts for part in group], shadows))
         return [_joined(request, [next(taken) for _ in group]) for request, group in zip(requests, parts, strict=True)]
 
     def _take(self, requests: Sequence[Request], shadows: ShadowMap | None) -> list[Images]:
-        """Take the images of some cameras at their own size."""
+        """Render the images of some cameras at their own size."""
         if not requests:
             return []
         painter = self._present_painter()
@@ -216,7 +216,7 @@ class Renderer:
     def _kept_links(
         self, shooting: Shooting, number: int, backdrops: Sequence[KeptBackdrop], room: Painter
     ) -> StationaryLinks | None:
-        """Stationary links before the room, from the second time on that nothing of it changed."""
+        """Stationary links in front of the room, cached from the second unchanged image on."""
         if not isinstance(shooting, NumpyShooting) or shooting.state is None or shooting.lamps or self._link_textures:
             return None
         ids = self._ids()
@@ -232,7 +232,7 @@ class Renderer:
         return self._stationary_links
 
     def _color(self, sheet: Sheet, shot: Shot, shadows: ShadowMap | None, lamps: Sequence[Lamp]) -> None:
-        """Put colours of what moves before those of the room, with shadows, fill lights and textures."""
+        """Draw the colours of moving objects over the room, with shadows, fill lights and textures."""
         normals = normals_of_depth(sheet.backdrops, shot) if shot.normals is None else shot.normals
         colors = colors_in_light(shot, normals, self.lighting, shadows, lamps)
         if self._link_textures:
@@ -262,7 +262,7 @@ class Renderer:
         return self._painter[1]
 
     def _backdrop(self, painter: Painter, view: CameraView) -> KeptBackdrop:
-        """The room as a camera sees it; kept from the second time on that the same is asked."""
+        """Image of the room from a camera; cached from the second equal request on."""
         key = view.key
         kept = self._backdrops.get(key)
         if kept is not None:
@@ -277,7 +277,7 @@ class Renderer:
 
 
 def _images(requests: Sequence[Request], sheet: Sheet) -> list[Images]:
-    """Return what is asked for of the images of some cameras."""
+    """Return the requested images of some cameras."""
     return [
         Images(
             sheet.part(sheet.bytes, n) if request.rgb else None,
@@ -289,7 +289,7 @@ def _images(requests: Sequence[Request], sheet: Sheet) -> list[Images]:
 
 
 def _joined(request: Request, parts: Sequence[Images]) -> Images:
-    """Return what a request is to deliver from the images of its parts."""
+    """Return the images of a request from those of its parts."""
     if parts[0].rgb is None or not request.fine:
         return parts[0]
     return replace(parts[-1], rgb=halved(parts[0].rgb))

@@ -1,6 +1,6 @@
 """Light, shadows and textures on the room and on moving objects.
 
-Textures on moving objects are projected along the main axes of each link, whatever its mesh says.
+Textures on moving objects are projected along the main axes of each link; texture coordinates of meshes are ignored.
 """
 
 from __future__ import annotations
@@ -34,11 +34,11 @@ _EDGE = np.float32(1e9)
 
 
 class KeptBackdrop:
-    """The room as one camera sees it, and what follows from that alone.
+    """Image of the room from one camera, and values derived from it.
 
     Args:
         view: The camera.
-        image: What it sees of the room.
+        image: Its image of the room.
         bare: Colours (h, w, 3) without shadows if those of the image have some.
 
     Attributes:
@@ -46,7 +46,7 @@ class KeptBackdrop:
         image: The same.
         bare: Colours without shadows.
         is_shaded: Whether those of the image have shadows.
-        table_spots: A key light, and where the pixels of the table lie in its image; None until it is asked for.
+        table_spots: A key light, and the positions of the pixels of the table in its image; None until the first request.
     """
 
     def __init__(self, view: CameraView, image: Backdrop, bare: NDArray[np.uint8] | None = None) -> None:
@@ -56,7 +56,7 @@ class KeptBackdrop:
         self.table_spots: tuple[CameraView, TableSpots] | None = None
 
     def with_stationary(self, sheet: Sheet, number: int, covered: NDArray[np.bool_], shadows: ShadowMap) -> KeptBackdrop:
-        """Return the room with stationary links before it.
+        """Return the room with stationary links in front of it.
 
         Args:
             sheet: Images of both.
@@ -85,11 +85,11 @@ class KeptBackdrop:
 
     @cached_property
     def surfaces(self) -> NDArray[np.uint8]:
-        """Which surface each pixel sees, counted down from 255, (h, w); of 256 surfaces apart two look like one."""
+        """Surface in each pixel, counted down from 255, (h, w); surfaces whose numbers differ by 256 are not distinguished."""
         return (255 - self.image.owner).astype(np.uint8)
 
     def table(self, shadows: ShadowMap) -> TableSpots:
-        """Where its pixels that see the table lie in the image that the key light takes."""
+        """Positions of its pixels of the table in the image of the key light."""
         light = shadows.view
         if self.table_spots is None or self.table_spots[0] is not light:
             self.table_spots = light, table_spots(light, self.view, shadows.height, self.image.table)
@@ -107,9 +107,9 @@ class Sheet:
     Attributes:
         backdrops: The same.
         depth: Depth (n,) [m].
-        colors: Colours (n,) of type `PIXEL`; none where there are no colours.
-        surfaces: Which surface each pixel shows (n,); none where there are no colours.
-        ids: Mask ids (n,); none where there are no ids.
+        colors: Colours (n,) of type `PIXEL`; empty without colours.
+        surfaces: Surface in each pixel (n,); empty without colours.
+        ids: Mask ids (n,); empty without ids.
     """
 
     def __init__(self, backdrops: Sequence[KeptBackdrop], has_colors: bool, has_ids: bool) -> None:
@@ -139,7 +139,7 @@ class Sheet:
         self.colors[pixels] = np.ascontiguousarray(colors).reshape(-1).view(PIXEL)
 
     def shade_tables(self, shadows: ShadowMap, key: NDArray[np.float32], near: NDArray[np.bool_] | None = None) -> None:
-        """Darken the table where moving objects stand in the key light.
+        """Darken the table in the shadows of moving objects.
 
         Args:
             shadows: The shadows.
@@ -166,7 +166,7 @@ class Sheet:
         self.put(pixels, shaded)
 
     def put_pools(self, shadows: ShadowMap, lamps: Sequence[Lamp]) -> None:
-        """Brighten the table around lamps that shine."""
+        """Brighten the table around lamps that are on."""
         for start, backdrop in zip(self.starts, self.backdrops):
             view, table = backdrop.view, backdrop.table(shadows).pixels
             depth = backdrop.image.depth.ravel().take(table)[:, None]
@@ -182,7 +182,7 @@ class Sheet:
                 self.put(pixels, colors.astype(np.uint8))
 
     def put_colors(self, shot: Shot, colors: NDArray[np.uint8]) -> None:
-        """Write the colours (n, 3) of what the cameras see; those of glass over others."""
+        """Write the colours (n, 3) of the visible objects; those of glass over others."""
         pixels, solid = shot.pixels, len(shot.pixels) - len(shot.opacity)
         self.put(pixels[:solid], colors[:solid])
         if len(shot.opacity):
@@ -191,7 +191,7 @@ class Sheet:
             self.put(pixels[solid:], np.rint(under).astype(np.uint8))
 
     def put_depth_and_ids(self, shot: Shot, ids: NDArray[np.int32]) -> None:
-        """Write all but the colours of what the cameras see; `ids` are the mask ids of body b and link l at `[b, l + 1]`."""
+        """Write depth and ids of the visible objects; `ids` has the mask id of body b and link l at `[b, l + 1]`."""
         self.depth[shot.pixels] = shot.depth
         if len(self.surfaces):
             self.surfaces[shot.pixels] = shot.surface
@@ -218,8 +218,8 @@ def _pool(squared: NDArray[np.float32], lamp: Lamp) -> NDArray[np.float32]:
 def smoothed(images: NDArray[np.uint8], surfaces: NDArray[np.uint8]) -> None:
     """Smooth the edges in images (c, h, w, 3) between pixels that see different surfaces (c, h, w).
 
-    Of a row of pixels along such an edge, one line goes from where it steps to one side to where it steps to the next; each pixel
-    takes from the other side what lies there of it. A. Reshetov, Morphological Antialiasing, 2009.
+    Along a row of pixels at such an edge, a line connects the two steps of the edge. Each pixel is blended with the other side by
+    its share beyond the line. A. Reshetov, Morphological Antialiasing, 2009.
     """
     flat, own_pixels = images.reshape(-1, 3), images.reshape(-1).view(PIXEL)
     for first, step, share in _crossings_both_ways(surfaces):
@@ -256,8 +256,8 @@ def _turned_back(shape: tuple[int, ...]) -> NDArray[np.int64]:
 
 
 def _crossings(surfaces: NDArray[np.uint8]) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
-    """Pixels (n,) of images (c, h, w) that see another surface than those below them, and how far the edge lies above their
-    border as a share of a pixel (n,), negative where it lies below.
+    """Pixels (n,) of images (c, h, w) whose surface differs from that below them, and the distance of the edge above their
+    border as a share of a pixel (n,), negative below it.
     """
     width = surfaces.shape[2]
     flat = surfaces.ravel()
@@ -337,7 +337,7 @@ class LinkTexture:
 
 
 def _rays(shot: Shot, chosen: NDArray[np.int64]) -> NDArray[np.float32]:
-    """Unit directions (3, k) in the world in which some pixels are seen."""
+    """Unit directions (3, k) in the world from the camera to some pixels."""
     rays = np.ones((3, len(chosen)), dtype=np.float32)
     rays[0], rays[1] = shot.column.take(chosen), shot.row.take(chosen)
     for _, view, part in shot.parts(chosen):
@@ -376,7 +376,7 @@ def _in_world(shot: Shot) -> NDArray[np.float32]:
 
 
 def _spots(shot: Shot, light: CameraView, chosen: NDArray[np.int64]) -> LightSpots:
-    """Where some pixels lie in the image that the key light takes."""
+    """Positions of some pixels in the image of the key light."""
     depth = shot.depth.take(chosen)
     points, found = np.empty((4, len(chosen)), dtype=np.float32), np.empty((3, len(chosen)), dtype=np.float32)
     np.multiply(shot.column.take(chosen), depth, out=points[0])
@@ -392,7 +392,7 @@ def _spots(shot: Shot, light: CameraView, chosen: NDArray[np.int64]) -> LightSpo
 
 
 def light_blocks(shot: Shot, light: CameraView) -> NDArray[np.int64]:
-    """Where what cameras see lies in the image of a light, as the numbers of blocks of four by four of its pixels (n,)."""
+    """Return the blocks of four by four pixels of the image of a light that contain visible points of cameras (n,)."""
     spots = _spots(shot, light, np.arange(len(shot.pixels)))
     width, height = light.size
     column, row = (
@@ -402,21 +402,21 @@ def light_blocks(shot: Shot, light: CameraView) -> NDArray[np.int64]:
 
 
 def bytes_of(colors: NDArray[np.float32]) -> NDArray[np.uint8]:
-    """Colours (n, 3) of those in 0..255 and above, (3, n), along the tone curve; overwrites them."""
+    """Return colours (n, 3) after the tone curve, of colours (3, n) in 0..255 and above, which are overwritten."""
     return np.ascontiguousarray(toned(colors).T)
 
 
 def colors_in_light(
     shot: Shot, normals: NDArray[np.float32], lighting: Lighting, shadows: ShadowMap | None, lamps: Sequence[Lamp]
 ) -> NDArray[np.float32]:
-    """Return the colours (3, n) in 0..255 of what some cameras see.
+    """Return the colours (3, n) in 0..255 of the objects in some cameras.
 
     Args:
-        shot: What they see.
+        shot: The visible objects.
         normals: Unit normals (3, n) in the world.
         lighting: The lights.
         shadows: The shadows. Without them fills are part of the ambient light.
-        lamps: Lamps that shine; without shadows they light nothing.
+        lamps: Lamps that are on; without shadows they have no effect.
     """
     colors, share, is_lit = shot.colors, None, shot.normals is None
     if not is_lit or shadows is not None:
@@ -463,14 +463,14 @@ def _mirrored(
     lit: NDArray[np.float32] | np.float32,
     lighting: Lighting,
 ) -> NDArray[np.float32]:
-    """Colours (3, k) in 0..255 of glossy points, with what they mirror: more of it at a grazing angle; overwrites `colors`.
+    """Return colours (3, k) in 0..255 of glossy points with reflections, stronger at grazing angles; overwrite `colors`.
 
     C. Schlick, An Inexpensive BRDF Model for Physically-based Rendering, 1994, equation 15.
 
     Args:
         colors: Their own colours (3, k) in the light.
-        gloss: Share of red, green, blue that they mirror (3, k).
-        rays: Unit directions (3, k) in the world in which they are seen.
+        gloss: Share of red, green, blue that they reflect (3, k).
+        rays: Unit directions (3, k) in the world from the camera to them.
         normals: Their unit normals (3, k) in the world.
         lit: Share of the key light that reaches them (k,).
         lighting: The lights.
@@ -502,7 +502,7 @@ def _light(
     lighting: Lighting,
     has_fills: bool,
 ) -> NDArray[np.float32]:
-    """Brightness (n,), or (3, n) where lights are coloured, with a highlight where what mirrors the light looks upwards.
+    """Brightness (n,), or (3, n) where lights are coloured, with a highlight where the reflecting surface faces upwards.
 
     Args:
         normals: Unit normals (3, n) in the world.
@@ -510,7 +510,7 @@ def _light(
         share: Share of the key light that reaches the points (n,); all of it when None.
         shades: Share of all other light that reaches them (n,); all of it when None.
         lighting: The lights.
-        has_fills: Whether fills shine; otherwise they are part of the ambient light, and all lights are white.
+        has_fills: Whether fill lights are on; otherwise they are part of the ambient light, and all lights are white.
     """
     key_light = lighting.key
     mirrored = (np.float32(2.0) * cosine) * normals[2]
@@ -553,7 +553,7 @@ def _on(normals: NDArray[np.float32], light: Light) -> NDArray[np.float32]:
 
 
 def _bias(cosine: NDArray[np.float32]) -> NDArray[np.float32]:
-    """By how much (n,) an object must be nearer to the light to shade a point; surfaces that light grazes have more room [m]."""
+    """Depth bias (n,) of points for shadows [m]; it is larger at grazing light."""
     tangent = np.sqrt(np.float32(1.0) - np.minimum(cosine, np.float32(1.0)) ** 2) / np.maximum(cosine, np.float32(0.15))
     tangent *= np.float32(0.008)
     tangent += np.float32(0.006)
@@ -613,7 +613,7 @@ def _texture_colors(
 
 
 def normals_of_depth(backdrops: Sequence[KeptBackdrop], shot: Shot) -> NDArray[np.float32]:
-    """Unit normals (3, n) in the world of what some cameras see, from its depth.
+    """Return unit normals (3, n) in the world of the visible surfaces of some cameras, from their depth.
 
     On a plane m . P = 1 the inverse depth is m . ray, affine over the image; its slopes therefore give m. At edges the smaller
     of the two one-sided slopes is that of the surface itself.

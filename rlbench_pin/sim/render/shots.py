@@ -1,4 +1,4 @@
-"""Images of moving objects: drawn by numpy for all cameras at once, or by PyBullet's renderers one after the other."""
+"""Images of moving objects: drawn by numpy for all cameras at once, or by PyBullet's renderers one by one."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _DULL: NDArray[np.float32] = np.zeros((3, 0), dtype=np.float32)
 
 @dataclass(frozen=True, eq=False)
 class Shot:
-    """The pixels of some images that see moving objects, image by image; then those that see glass, which hides the others."""
+    """The pixels of some images that show moving objects, image by image; then those of glass in front of the others."""
 
     views: Sequence[CameraView]
     """Camera of each image (c,)."""
@@ -67,7 +67,7 @@ class Shot:
     """How much of the ambient light reaches the points (n,), 0..1; all of it when None."""
 
     def parts(self, chosen: NDArray[np.int64] | None = None) -> Iterator[tuple[int, CameraView, slice]]:
-        """Yield each image that sees some, by number, with its camera and its part of the pixels, or of those `chosen`."""
+        """Yield each image with such pixels, by number, with its camera and its part of the pixels, or of those `chosen`."""
         ends = (self.ends if chosen is None else np.searchsorted(chosen, self.ends)).tolist()
         for n, (begin, end) in enumerate(zip(ends, ends[1:])):
             if end > begin:
@@ -75,7 +75,7 @@ class Shot:
 
 
 class Shooting(Protocol):
-    """Moving objects as the cameras of one instant see them.
+    """Moving objects in the cameras of one instant.
 
     Attributes:
         lamps: Lamps that shine.
@@ -149,7 +149,7 @@ class NumpyShooting:
 
 
 class NumpyRasterizer:
-    """Draws triangles with numpy; what has shapes that it cannot draw is left to TinyRenderer.
+    """Rasterizer with numpy; TinyRenderer draws scenes with shapes that numpy cannot draw.
 
     Args:
         client: The physics server.

@@ -1,7 +1,7 @@
-"""Stationary links before stationary cameras: drawn and coloured once, with their shadows, until something of this changes.
+"""Cache of stationary links in front of stationary cameras: drawn and coloured once, with shadows, until a part of it changes.
 
-Afterwards they are a part of the room. Only what moves has to be drawn, and of what is stationary the pixels on which something
-that moves casts a shadow.
+Afterwards they are part of the room. Only moving links are drawn, and the pixels of stationary links on which a moving link casts
+a shadow.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from rlbench_pin.sim.render.shots import NumpyShooting, Shot
 
 @dataclass(frozen=True, eq=False)
 class StationaryLinks:
-    """Stationary links as the cameras of a group see them."""
+    """Stationary links in the cameras of a group."""
 
     backdrops: Sequence[KeptBackdrop]
     """The room as each camera sees it; with them if the camera is stationary."""
@@ -35,22 +35,22 @@ class StationaryLinks:
     """Their shadows."""
 
     def before(self, backdrops: Sequence[KeptBackdrop]) -> list[KeptBackdrop]:
-        """Return the room as the cameras see it now, with stationary links where it is kept."""
+        """Return the present room in the cameras, with stationary links where they are cached."""
         each = zip(self.backdrops, self.is_kept, backdrops, strict=True)
         return [kept if is_kept else room for kept, is_kept, room in each]
 
     def moving(
         self, shooting: NumpyShooting, number: int, limit: NDArray[np.float32]
     ) -> tuple[Shot, ShadowMap, NDArray[np.bool_]]:
-        """Return what a group of cameras sees of other links and of what these shade.
+        """Return the other links in a group of cameras, and the pixels that these shade.
 
         Args:
-            shooting: What the cameras see.
+            shooting: The cameras of the instant.
             number: Number of the group.
-            limit: Depth of all their pixels (n,) from which on nothing is seen [m].
+            limit: Depth of the room in all their pixels (n,), which hides farther links [m].
 
         Returns:
-            What they see, all shadows, and in which blocks of the image of the key light the table has other shadows, (n, n).
+            The visible pixels, all shadows, and which blocks of the image of the key light have other table shadows, (n, n).
         """
         blocked, changed = shooting.moving()
         shadows = ShadowMap(self.shadows.view, self.shadows.height, blocked, self.shadows)
@@ -68,12 +68,12 @@ def stationary_links(
     light: CameraView,
     ids: NDArray[np.int32],
 ) -> StationaryLinks:
-    """Draw stationary links as the cameras of a group see them that are stationary.
+    """Draw stationary links in the stationary cameras of a group.
 
     Args:
-        shooting: What the cameras see.
+        shooting: The cameras of the instant.
         number: Number of the group.
-        backdrops: The room as they see it.
+        backdrops: Their images of the room.
         room: The room.
         lighting: The lights.
         light: Camera of the key light.

@@ -1,4 +1,4 @@
-"""Small images as textures: read, made square, and halved level by level so that far surfaces do not flicker."""
+"""Textures: images made square, with mipmap levels against flicker on far surfaces."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _LARGEST = 512  # [px]
 
 
 class Texture:
-    """A square image that repeats, with all its halvings in one row of texels.
+    """A repeating square image, with all its mipmap levels in one array of texels.
 
     Args:
         pixels: uint8 (h, w, 3); resampled to a power of two up to 512.
@@ -43,7 +43,7 @@ class Texture:
 
     @cached_property
     def gray(self) -> Texture:
-        """The same pattern without colour, between dim and bright, to shade a colour with."""
+        """The same pattern in grey, as a factor for a colour."""
         shades = self.texels.mean(axis=1, keepdims=True)
         low, high = float(shades.min()), float(shades.max())
         twin = copy.copy(self)
@@ -62,12 +62,12 @@ class Texture:
         return self.texels[-1]
 
     def indices(self, u: NDArray, v: NDArray, texels_per_pixel: NDArray) -> NDArray[np.int32]:
-        """Rows of `texels` for texture coordinates; v grows upwards, the image's top row is v = 1.
+        """Rows of `texels` for texture coordinates; v increases upwards, the top row of the image is v = 1.
 
         Args:
             u: Horizontal coordinate (n,), repeating with period 1.
             v: Vertical coordinate (n,).
-            texels_per_pixel: Texels of the finest level that one pixel covers (n,); picks the level.
+            texels_per_pixel: Texels of the finest level that one pixel covers (n,); selects the level.
         """
         # the exponent of a number of at least 1 is its logarithm to base 2, rounded down
         level = np.maximum(texels_per_pixel, np.float32(1.0)).astype(np.float32, copy=False).view(np.int32) >> 23
@@ -89,11 +89,11 @@ class Texture:
 
 @lru_cache(maxsize=32)
 def shaded_texture(path: Path | None, share: float, tint: tuple[float, float, float]) -> Texture:
-    """Return a pattern to multiply colours by: a share of an image over its mean brightness, times a tint.
+    """Return a pattern as a factor for colours: an image relative to its mean brightness, mixed with white, times a tint.
 
     Args:
-        path: The image; None is plain.
-        share: 0 is plain, 1 the image alone.
+        path: The image; None gives a plain texture.
+        share: Share of the image in the mix: 0 is plain, 1 is the image only.
         tint: Factor of red, green and blue.
     """
     plain = Texture(np.full((1, 1, 3), 255, dtype=np.uint8))
@@ -111,10 +111,10 @@ def read_texture(path: Path) -> Texture:
     """Read an image file.
 
     Raises:
-        CameraError: It is missing or no image.
+        CameraError: It is missing or not an image.
     """
     try:
         with Image.open(path) as image:
             return Texture(np.asarray(image.convert("RGB")))
     except (OSError, UnidentifiedImageError, ValueError) as error:
-        raise CameraError(f"The texture '{path}' cannot be read as an image: {error}") from error
+        raise CameraError(f"The texture '{path}' cannot be read as an image: {error}. Name an image file.") from error

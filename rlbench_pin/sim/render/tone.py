@@ -1,4 +1,4 @@
-"""How brightness becomes bytes: as it is up to 70 %, then ever less, so that white surfaces in full light keep their shape."""
+"""Tone curve from brightness to bytes: linear up to 70 %, then compressed, so that white surfaces in full light keep shading."""
 
 from __future__ import annotations
 

@@ -57,7 +57,7 @@ def models() -> tuple[Model, ...]:
     cap = Link("cap", 0.02, (Visual(mesh_shape("cap", _cap()), glossy((1.0, 0.0, 0.0))),), parts)
     joint = Joint("cap_joint", "prismatic", "base", "cap", (0.0, 0.0, 0.042), (0.0, 0.0, -1.0), 0.0, TRAVEL, damping=1.0)
     notes = (
-        "link `cap` has its origin at the centre of the cap's top, 0.042 m above the table; cap_joint grows when it is pressed",
+        "link `cap` has its origin at the centre of the cap's top, 0.042 m above the table; pressing increases cap_joint",
         f"guard ring on link `base`: inner radius {GUARD_RADIUS - GUARD_WALL:.4f}, rim at z = {GUARD_TOP}; closed fingers fit in",
         "cap diameter 0.035, collar diameter 0.05, both on link `cap`; recolour the links `base` and `cap`",
     )

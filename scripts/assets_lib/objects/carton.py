@@ -163,7 +163,7 @@ def _model(design: Design) -> Model:
     notes = (
         "front faces -x, long side along y; hollow, open on top under the lid; "
         f"inside x -{x:.3f}..{x:.3f}, y -{y:.3f}..{y:.3f}, floor at z = 0.005",
-        f"link `lid` has its origin on the hinge at the middle of the back edge {design.hinge}; at 0 it is shut and "
+        f"link `lid` has its origin on the hinge at the middle of the back edge {design.hinge}; at 0 it is closed and "
         f"spans x -{length:.3f}..0, z {GAP}..{GAP + THICK:.3f} there, "
         f"{OVERHANG} beyond the front wall; it opens upwards and backwards",
         f"middle of the free edge {(-length, 0.0, GAP + THICK / 2.0)} in `lid`",

@@ -147,7 +147,7 @@ def man(color: str, kind: str) -> Model:
     link = Link(name, 0.04, tuple(visuals), solids, friction=0.9, center=(0.0, 0.0, 0.012))
     notes = (
         f"foot {2.0 * FOOT} across, {height} high; the fingers hold its uppermost {TOP}, an octagon {2.0 * COLUMN} wide",
-        "two crossed boxes are its foot for contact: it stands without rocking",
+        "two crossed boxes are its foot for contact, so that it does not rock",
     )
     return Model(name, f"objects/{name}", "bottom centre", (link,), notes=notes)
 

@@ -173,7 +173,7 @@ def models() -> tuple[Model, ...]:
     notes = (
         f"the dial, of diameter {2 * RADIUS}, faces -x; its middle is at z = {AXLE_Z}, and three o'clock at -y",
         f"link `movement` is the long hand, at twelve at 0, {HAND[0]} long from the axle, at x = {HAND_X:.3f}, and the key; "
-        "the joint `hand` grows clockwise for a viewer in front",
+        "the joint `hand` increases clockwise for a viewer in front",
         f"the key at the back, {WING[0]} x {WING[1]} x {WING[2]}, is upright at 0; its middle is at x = {WING_X}",
         f"a glass that is not drawn closes the rim, {RIM} before the dial; the short hand is fixed at twelve",
     )

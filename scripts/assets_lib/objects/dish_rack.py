@@ -81,7 +81,7 @@ def _plate() -> Model:
         Visual(mesh_shape("rings", rings), (0.20, 0.36, 0.58)),
     )
     link = Link("rack_plate", 0.15, visuals, plate_solids(r, PLATE_HEIGHT), friction=0.8)
-    notes = (f"diameter {2 * r}, {PLATE_HEIGHT} high; a solid with twelve sides to what touches it, a corner towards -y",)
+    notes = (f"diameter {2 * r}, {PLATE_HEIGHT} high; a solid with twelve sides for contact, a corner towards -y",)
     return Model("rack_plate", "objects/rack_plate", "centre", (link,), notes=notes)
 
 

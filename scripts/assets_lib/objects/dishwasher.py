@@ -181,7 +181,7 @@ def _plate() -> Model:
         Visual(mesh_shape("ring", ring), (0.80, 0.15, 0.15)),
     )
     link = Link("plate", 0.15, visuals, plate_solids(PLATE_RADIUS, PLATE_HEIGHT), friction=0.8)
-    notes = (f"diameter {2 * r}, {PLATE_HEIGHT} high; a solid with twelve sides to what touches it, a corner towards -y",)
+    notes = (f"diameter {2 * r}, {PLATE_HEIGHT} high; a solid with twelve sides for contact, a corner towards -y",)
     return Model("dinner_plate", "objects/dinner_plate", "centre", (link,), notes=notes)
 
 

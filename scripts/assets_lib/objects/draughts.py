@@ -66,7 +66,7 @@ def _piece(color: str) -> Model:
     link = Link(f"draught_{color}", 0.02, visuals, solids, friction=0.9)
     notes = (
         f"diameter {2 * RADIUS}, {THICKNESS} thick; rests with its origin at {THICKNESS / 2.0} m",
-        "two crossed boxes to what touches it, which rest on a board without rocking",
+        "two crossed boxes for contact, so it does not rock on a board",
     )
     return Model(f"draught_{color}", f"objects/draught_{color}", "centre", (link,), notes=notes)
 

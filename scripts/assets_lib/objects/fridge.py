@@ -277,7 +277,7 @@ def _model(design: Design) -> Model:
     notes = (
         "front faces -x; hollow; both doors hang on the left edge for a viewer in front (at +y) and open towards -x",
         f"links `upper_link` and `lower_link` have their origins on the hinge x {FRONT - GAP:.3f}, y {design.half} at half door "
-        f"height, z {sum(upper) / 2.0:.3f} and {sum(lower) / 2.0:.3f}; shut, a door spans x -{THICK}..0 and y -{width}..0 there, "
+        f"height, z {sum(upper) / 2.0:.3f} and {sum(lower) / 2.0:.3f}; closed, each spans x -{THICK}..0 and y -{width}..0 there, "
         f"z -+{(upper[1] - upper[0]) / 2.0:.2f} and -+{(lower[1] - lower[0]) / 2.0:.2f}",
         f"handle bars vertical, diameter {2 * BAR_RADIUS}, at x, y {(HANDLE[0], round(HANDLE[1] - width, 6))} in the links; "
         f"middle and length {bars}; {-HANDLE[0] - THICK - BAR_RADIUS:.3f} m free behind them",

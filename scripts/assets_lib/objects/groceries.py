@@ -65,7 +65,7 @@ def _cupboard() -> Model:
         f"open towards -x, front edge at x = {-DEPTH / 2.0}, rails behind at x = {DEPTH / 2.0 - BOARD:.3f}, "
         f"sides at y = +-{WIDTH / 2.0 - BOARD:.3f}",
         f"upper sides of the shelves at z = {SHELVES[0]} and {SHELVES[1]}; {free[0]:.3f} and {free[1]:.3f} free above",
-        "the thin panel behind is only seen; the rails stop what slides there",
+        "the thin panel behind is visual only; the rails stop what slides there",
     )
     return Model("cupboard", "objects/cupboard", "bottom centre", (link,), notes=notes)
 

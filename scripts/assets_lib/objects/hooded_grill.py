@@ -171,7 +171,7 @@ def models() -> tuple[Model, ...]:
     notes = (
         f"front faces -x, {WIDTH} wide along y, boards beside it to y = -+{WIDTH / 2.0 + 0.07:.2f}; rim at z = {HEIGHT}; "
         f"grate, one slab for collisions, upper side at z = {GRATE}",
-        f"link `hood` has its origin on the hinge at the middle of the rear edge {HINGE}; shut, it spans x -0.28..0 and "
+        f"link `hood` has its origin on the hinge at the middle of the rear edge {HINGE}; closed, it spans x -0.28..0 and "
         "z 0..0.112 there; it is hollow and opens upwards and backwards",
         f"handle bar along y, diameter {2 * BAR_RADIUS}, length {BAR_LENGTH}, middle {HANDLE} in `hood`; "
         f"{-HANDLE[0] - 0.274 - BAR_RADIUS:.3f} m free behind it",

@@ -147,7 +147,7 @@ def models() -> tuple[Model, ...]:
     notes = (
         f"front faces -x at x = {FRONT}; solid but for the niche: y {NICHE[0]}, z {NICHE[1]}, {DEEP} deep",
         f"link `tongue` hangs from an axle at x = {AXLE[0]}, y = {MIDDLE}, z = {AXLE[1]}, {z} long, {y} wide; "
-        "pushed inwards its joint grows",
+        "pushed inwards its joint position increases",
         "recolour the link `light` over the niche",
     )
     return (Model("ice_fridge", "objects/ice_fridge", "bottom centre", (_fridge(), tongue, lamp), joints, notes),)

@@ -164,7 +164,7 @@ def _model(design: Design) -> Model:
     joint = Joint("screen_hinge", "revolute", "base", "screen", hinge, (0.0, 1.0, 0.0), 0.0, 2.0, damping=0.01)
     notes = (
         f"the keyboard's near side faces -x; it lies on a stand {design.stand[2]} high, its upper side at z = {design.top:.3f}",
-        f"link `screen` has its origin on the hinge {tuple(round(v, 4) for v in hinge)}; at 0 it is shut and spans "
+        f"link `screen` has its origin on the hinge {tuple(round(v, 4) for v in hinge)}; at 0 it is closed and spans "
         f"x -{screen[0]}..0, y -+{screen[1] / 2.0}, z -+{screen[2] / 2.0} there; it opens upwards and backwards",
     )
     links = (_base(design), _screen(design))

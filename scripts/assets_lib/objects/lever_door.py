@@ -221,7 +221,7 @@ def _notes(design: Design) -> tuple[str, ...]:
     half = design.leaf_size[2] / 2.0
     return (
         f"stands across x; opening {OPENING} wide, {design.height} high; the leaf hangs at +y and opens towards +x, away from -x",
-        f"link `leaf` has its origin on the hinge at half height {tuple(round(v, 4) for v in design.hinge)}; shut, it spans "
+        f"link `leaf` has its origin on the hinge at half height {tuple(round(v, 4) for v in design.hinge)}; closed, it spans "
         f"x -{THICK}..0, y -{WIDE}..0, z -{half}..{half} there",
         f"link `lever_link` has its origin on the pivot inside the leaf, {tuple(round(v, 4) for v in design.pivot)} in `leaf`; "
         f"the levers are bars of diameter {2 * RADIUS} from y 0 to {REACH} at x = -+{THICK / 2.0 + STANDOFF:.4f}; "

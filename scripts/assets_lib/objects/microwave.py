@@ -244,7 +244,7 @@ def _model(design: Design) -> Model:
     left, right = design.width / 2.0, design.panel - design.width / 2.0
     notes = (
         "front faces -x; hollow; the door hangs on the left edge for a viewer in front (at +y) and opens towards -x",
-        f"link `door_link` has its origin on the hinge at half door height {tuple(round(v, 4) for v in hinge)}; shut, the door "
+        f"link `door_link` has its origin on the hinge at half door height {tuple(round(v, 4) for v in hinge)}; closed, the door "
         f"spans y -{w}..0 and x -{t}..0 there",
         f"handle bar vertical, diameter {2 * BAR_RADIUS}, length {design.bar}, centre {(*design.grip, 0.0)} in `door_link`; "
         f"{-HANDLE[0] - t - BAR_RADIUS:.3f} m free behind it",

@@ -140,7 +140,7 @@ def _ticks(x: float) -> Mesh:
 
 
 def _glow_link() -> Link:
-    """Return what glows while the oven is on: window of the shut door, pilot lamp, plate of the left-most knob."""
+    """Return what glows while the oven is on: window of the closed door, pilot lamp, plate of the left-most knob."""
     t, w, h = DOOR
     size = (w - 0.11, h - 0.13)
     place = (HINGE[0] - t - 0.0024, 0.0, HINGE[2] + h / 2.0 - 0.015)
@@ -250,7 +250,7 @@ def models() -> tuple[Model, ...]:
     inside = DEPTH / 2.0 - WALL
     notes = (
         "front faces -x; the door hangs on its lower edge and folds down towards -x",
-        f"link `door_link` has its origin on the hinge {HINGE}; shut, it "
+        f"link `door_link` has its origin on the hinge {HINGE}; closed, it "
         f"spans x -{DOOR[0]}..0, y -+{DOOR[1] / 2.0}, z 0..{DOOR[2]} there; "
         f"folded down, its upper side is at z = {HINGE[2]}",
         f"handle bar along y, diameter {2 * BAR_RADIUS}, length {BAR_LENGTH}, centre {HANDLE} in `door_link`, "
@@ -258,8 +258,8 @@ def models() -> tuple[Model, ...]:
         f"inside: x -{DEPTH / 2.0}..{inside}, y -+{WIDTH / 2.0 - WALL}, floor at z = {FLOOR}, ceiling {CEILING}; "
         f"the grid's upper side is at z = {GRID}",
         f"link `knob_link` is the left-most of six knobs for a viewer in front, {tuple(round(v, 4) for v in place)}; "
-        "the joint `knob` grows anticlockwise for that viewer; its raised bar, 0.012 x 0.042, is upright at 0, x -0.030..-0.012",
-        f"link `glow` is not seen; coloured {GLOW} it shines: window of the shut door, pilot lamp, plate of the left-most knob",
+        "the joint `knob` increases anticlockwise in their view; its raised bar, 0.012 x 0.042, upright at 0, x -0.030..-0.012",
+        f"link `glow` is not seen; coloured {GLOW} it shines: window of the closed door, pilot lamp, plate of the left-most knob",
     )
     links = (_body_link(), _door_link(), knob, _glow_link())
     return (Model("oven", "objects/oven", "bottom centre", links, (door, turn, lights), notes),)

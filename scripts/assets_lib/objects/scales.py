@@ -108,9 +108,9 @@ def _scales() -> Model:
     tray = Joint("tray", "prismatic", "scales", "tray_link", (0.0, 0.0, TRAY_HEIGHT), (0.0, 0.0, -1.0), 0.0, TRAVEL)
     needle = Joint("needle", "revolute", "scales", "needle_link", DIAL, (-1.0, 0.0, 0.0), -6.3, 6.3)
     notes = (
-        "dials towards -x and, the other way round, towards x; joint `tray` grows as the tray sinks: give it a spring",
+        "dials towards -x and, the other way round, towards x; joint `tray` increases as the tray sinks: give it a spring",
         "joint `needle` points up at 0, less is clockwise for a viewer in front; lock it and let the task set it",
-        f"tray {TRAY}: link `tray_link` has its origin at the middle of its underside, things lie at z = {SLAB} on it; mass 0.2",
+        f"tray {TRAY}: link `tray_link` has its origin at the centre of its underside, objects rest at z = {SLAB}; mass 0.2",
         f"needle {NEEDLE} long, only seen; dial centre {DIAL}",
     )
     return Model("scales", "objects/scales", "bottom centre", (base, _tray_link(), _needle_link()), (tray, needle), notes)

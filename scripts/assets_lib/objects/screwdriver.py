@@ -103,7 +103,7 @@ def _block() -> Model:
         "screw", "revolute", "screw_block", "screw_link", (0.0, 0.0, BLOCK[2]), (0.0, 0.0, -1.0), -3.2, 3.2, damping=0.002
     )
     notes = (
-        f"joint `screw` grows when it is tightened; its slot lies along y at 0, {SLOT} wide, from z = {HEAD_FLOOR} to {HEAD_TOP} "
+        f"tightening increases joint `screw`; its slot is along y at 0, {SLOT} wide, from z = {HEAD_FLOOR} to {HEAD_TOP} "
         "in `screw_link`",
         "the screw turns but does not go down; give it friction",
     )

@@ -214,7 +214,7 @@ def _box_model() -> Model:
     notes = (
         f"front faces -x, long side along y; hollow; inside x -+{depth / 2.0 - WALL:.3f}, y -+{width / 2.0 - WALL:.3f}, "
         f"floor at z = {WALL}, rim at z = {height}",
-        f"link `lid` has its origin on the hinge at the middle of the back edge {HINGE}; at 0 it is shut and "
+        f"link `lid` has its origin on the hinge at the middle of the back edge {HINGE}; at 0 it is closed and "
         f"spans x -{LID[0]}..0, z {GAP}..{GAP + LID[2]:.3f} there, {OVERHANG} beyond the front wall; "
         "it opens upwards and backwards",
     )

@@ -202,7 +202,7 @@ def _tumbler() -> Model:
         ),
     )
     link = Link("glass", 0.15, visuals, (cylinder_shape(GLASS, TALL, (0.0, 0.0, TALL / 2.0)),), friction=0.8)
-    notes = (f"diameter {2 * GLASS}, {TALL} high; solid to what touches it",)
+    notes = (f"diameter {2 * GLASS}, {TALL} high; solid for contact",)
     return Model("drinking_glass", "objects/drinking_glass", "bottom centre", (link,), notes=notes)
 
 

@@ -209,7 +209,7 @@ def _remote() -> Model:
     notes = (
         f"aims along +x; body {REMOTE}, {y} across; its ends at x = -+{x / 2.0}",
         f"caps of diameter {2 * CAP_RADIUS} on the links `power`, `plus`, `minus` at x = {tuple(CAPS.values())}; each has its "
-        f"origin at the centre of its top, {PROUD} above the body, and its joint grows when it is pressed, at most {TRAVEL}",
+        f"origin at the centre of its top, {PROUD} above the body, and its joint increases when it is pressed, at most {TRAVEL}",
     )
     return Model("remote", "objects/remote", "bottom centre", tuple(links), tuple(joints), notes)
 

@@ -159,7 +159,7 @@ def models() -> tuple[Model, ...]:
     )
     notes = (
         f"front faces -x; wall face at x = 0, plate to x = {-PLATE_THICKNESS}, top at z = {HEIGHT}",
-        f"rocker about the y axis at x = {AXLE}, z = {SWITCH_HEIGHT}: pushing its upper half in makes the joint grow; "
+        f"rocker about the y axis at x = {AXLE}, z = {SWITCH_HEIGHT}: pushing its upper half in increases the joint position; "
         "it rests at either end, because its centre of mass lies above the axle",
         "recolour the link `lamp`, two domes in front and a disc on the back: that is its light",
     )

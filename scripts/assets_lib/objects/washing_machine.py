@@ -189,7 +189,7 @@ def models() -> tuple[Model, ...]:
     notes = (
         "front faces -x; hollow; the round door hangs on the left for a viewer in front (at +y) and opens towards -x",
         f"link `door_link` has its origin on the hinge {tuple(round(v, 4) for v in HINGE)} at the height of its middle; "
-        f"shut, the disc of radius {RADIUS} spans x -{THICK}..0 there, its middle at y = {CENTER:.3f}",
+        f"closed, the disc of radius {RADIUS} spans x -{THICK}..0 there, its middle at y = {CENTER:.3f}",
         f"bar of the grip upright, diameter {2 * BAR_RADIUS}, length {BAR_LENGTH}, middle {tuple(round(v, 4) for v in GRIP)} in "
         f"`door_link`; {-GRIP[0] - THICK - BAR_RADIUS:.3f} m free behind it",
         f"drum: x {FRONT + WALL:.3f}..0.1, y -+{HOLE}, z {MIDDLE - HOLE:.3f}..{MIDDLE + HOLE:.3f}, square for collisions, "

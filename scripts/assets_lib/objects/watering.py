@@ -175,7 +175,7 @@ def _plant() -> Model:
     )
     notes = (
         f"pot {2 * POT_TOP} across and {POT_HEIGHT} high, open above; soil at z = {SOIL}",
-        f"the stem stands at x = {bottom[0]}, the soil towards -x is free; leaves and flower are only seen",
+        f"the stem stands at x = {bottom[0]}, the soil towards -x is free; leaves and flower are visual only",
     )
     return Model("potted_plant", "objects/potted_plant", "bottom centre", (link,), notes=notes)
 

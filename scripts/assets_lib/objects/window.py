@@ -103,7 +103,7 @@ def models() -> tuple[Model, ...]:
     notes = (
         "stands across x, inside towards -x; for a viewer there the left wing, at +y, opens outwards, towards +x; "
         "the right one is fixed",
-        f"link `wing` has its origin on the hinge at half height {hinge}; shut, it spans x -{WING[0]}..0, "
+        f"link `wing` has its origin on the hinge at half height {hinge}; closed, it spans x -{WING[0]}..0, "
         f"y -{WING[1]}..0, z -+{WING[2] / 2.0} there",
         f"link `handle_link` has its origin on the pivot {pivot} in `wing`; at 0 its grip hangs down, "
         f"z {WIDTH / 2.0 - LENGTH:.3f}..{WIDTH / 2.0}, {WIDTH} wide, 0.014 thick, "

@@ -96,7 +96,7 @@ def test_the_builder(serve: Serve, browser: Chrome, tmp_path: Path) -> None:
     assert _status(served.address) == 200
     browser.switch_to.new_window("tab")
     browser.get(served.address.rstrip("/")[:-4] + "nope/")
-    _says(browser, "lacks its token")
+    _says(browser, "has no valid token")
     browser.get("data:text/html,<title>elsewhere</title>")
     script = """
     const done = arguments[1], socket = new WebSocket(arguments[0].replace('http', 'ws'), ['viser-v1.1.1']);

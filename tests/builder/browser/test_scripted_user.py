@@ -162,7 +162,7 @@ def _say_what_is_asked(desk: Desk) -> None:
     page.press("Apply title")
     page.type("Variations and success", "The cube has to lie on the square, let go. The two stand anywhere together.")
     page.press("Apply description")
-    page.type("Sentences, one a line", "\n".join(SENTENCES))
+    page.type("Sentences, one per line", "\n".join(SENTENCES))
     page.press("Apply sentences")
     page.check("cube")
     until(lambda: document.behaviour.graspable == ("cube",), "the cube may be grasped")

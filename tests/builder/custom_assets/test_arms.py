@@ -82,7 +82,7 @@ def test_a_joint_beside_the_arm_is_named(tmp_path: Path) -> None:
     """The flange is above the jaw that moves."""
     text = Z1.read_text().replace('<parent link="gripperStator"/>', '<parent link="link05"/>')
     (tmp_path / "z1.urdf").write_text(text.replace("package://example-robot-data/robots/z1_description", str(Z1.parents[1])))
-    with pytest.raises(UploadRefused, match="joint 'jointGripper' moves, and is not on the way to 'link06'.*--flange"):
+    with pytest.raises(UploadRefused, match="joint 'jointGripper' moves, but is not in the chain to 'link06'.*--flange"):
         make_arm("z1", tmp_path / "z1.urdf", tmp_path / "out", flange="link06")
     assert not (tmp_path / "out").exists()
 
@@ -106,7 +106,7 @@ def test_missing_numbers_are_listed(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "flange", "error", "says"),
     [
-        ("My Arm", "link06", TaskEnvironmentError, "is no name of an arm"),
+        ("My Arm", "link06", TaskEnvironmentError, "is not a name of an arm"),
         ("panda", "link06", TaskEnvironmentError, "an arm of the catalogue"),
         ("z1", "link99", UploadRefused, "it has no link 'link99'. Links: "),
         ("z1", "world", RobotModelError, "No joint of 'z1.urdf' moves"),

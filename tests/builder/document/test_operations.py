@@ -126,7 +126,7 @@ def test_waypoints_that_the_python_computes_are_not_reordered(opened: Opener, li
     assert line in str(refused.value) and document.text == texts
     with pytest.raises(RlbenchPinError, match="number of a waypoint"):
         document.move_waypoint("waypoint0", 99)
-    with pytest.raises(EditRefused, match="no waypoint"):
+    with pytest.raises(EditRefused, match="not a waypoint"):
         document.move_waypoint(document.spec.body[0].name, 0)  # type: ignore[union-attr]
 
 

@@ -76,7 +76,7 @@ def test_a_first_save_that_is_killed_leaves_both_files_or_none(tmp_path: Path, s
         assert TaskDocument.new(tmp_path, "thing").unsaved
         assert list(tmp_path.iterdir()) == []
         return
-    with pytest.raises(TaskFilesError, match="there already"):
+    with pytest.raises(TaskFilesError, match="already exists"):
         TaskDocument.new(tmp_path, "thing")
     assert _contents(pair) == NEW
     assert sorted(file.name for file in tmp_path.iterdir()) == ["thing.py", "thing.toml"]
@@ -218,20 +218,20 @@ def test_line_ends_and_letters_stay(tmp_path: Path) -> None:
 def test_what_is_no_task_is_not_opened(tmp_path: Path) -> None:
     """A missing file, one that is no text, one that is too large, another kind of file: refused with what to do."""
     pair = _pair(tmp_path)
-    with pytest.raises(TaskFilesError, match="no file of a task"):
+    with pytest.raises(TaskFilesError, match="not a file of a task"):
         TaskDocument.open(tmp_path / "thing.txt")
     with pytest.raises(TaskFilesError, match=r"other.toml'.*does not exist"):
         TaskDocument.open(tmp_path / "other.py")
     with pytest.raises(TaskFilesError, match=r"open_drawer2.toml'.*from the scene .open_drawer.\. Open that task"):
         TaskDocument.open(LIBRARY / "open_drawer2.toml")
     pair.files[0].write_bytes(b"\xff\xfe")
-    with pytest.raises(TaskFilesError, match="no text in UTF-8"):
+    with pytest.raises(TaskFilesError, match="not UTF-8"):
         TaskDocument.open(pair.files[0])
     with pair.files[0].open("wb") as file:
         file.truncate(MAX_FILE_SIZE + 1)
     with pytest.raises(TaskFilesError, match="at most"):
         TaskDocument.open(pair.files[0])
-    with pytest.raises(TaskFilesError, match="there already"):
+    with pytest.raises(TaskFilesError, match="already exists"):
         TaskDocument.new(tmp_path, "thing")
     with pytest.raises(TaskFilesError, match="not a name"):
         TaskDocument.new(tmp_path, "../thing")
@@ -286,6 +286,6 @@ def test_what_a_killed_writer_leaves_goes_at_the_next_opening(tmp_path: Path) ->
 def test_a_task_is_not_begun_over_a_link_that_leads_nowhere(tmp_path: Path) -> None:
     """The link stays."""
     (tmp_path / "thing.py").symlink_to("thing.py")
-    with pytest.raises(TaskFilesError, match="there already"):
+    with pytest.raises(TaskFilesError, match="already exists"):
         TaskDocument.new(tmp_path, "thing")
     assert (tmp_path / "thing.py").is_symlink()

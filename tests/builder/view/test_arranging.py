@@ -134,7 +134,7 @@ def test_a_curve_is_made_of_poses(copied: Copied, show: Show) -> None:
     _select(window, "waypoint2")
     _choose(window, "Path", "curve")
     _choose(window, "Curve", "poses to pass")
-    _press(window, "Add a pose behind the last")
+    _press(window, "Add a pose after the last")
 
     def heights() -> list[float]:
         assert document.spec is not None

@@ -61,7 +61,7 @@ def test_a_hollow_mesh_is_taken_apart(tmp_path: Path) -> None:
     assert link.inertial.mass == 0.5
 
 
-@pytest.mark.parametrize(("scale", "why"), [(100.0, "the limit is 2 m"), (1e-5, "nothing")])
+@pytest.mark.parametrize(("scale", "why"), [(100.0, "the limit is 2 m"), (1e-5, "too small")])
 def test_meshes_of_wrong_size_are_refused(scale: float, why: str) -> None:
     """With the scale as the next step."""
     with pytest.raises(UploadRefused, match=why):

@@ -121,21 +121,21 @@ def test_the_page_does_not_ask_about_python_that_the_builder_wrote(show: Show, t
         settle(window)
         return text(window, "Try")
 
-    assert "Read it first" not in text(window, "Try")
-    assert "Read it first" not in do(lambda d: d.set_behaviour("title", "Reach it."))
-    assert "Read it first" not in do(lambda d: d.add("frame", {}))
-    assert "Read it first" not in do(lambda d: d.save())
+    assert "read it first" not in text(window, "Try")
+    assert "read it first" not in do(lambda d: d.set_behaviour("title", "Reach it."))
+    assert "read it first" not in do(lambda d: d.add("frame", {}))
+    assert "read it first" not in do(lambda d: d.save())
     assert {asked for asked in worker.asked if asked.startswith("open")} == {"open True"}
     typed = document.python_text + "\nprint(1)\n"
-    assert "Read it first" in do(lambda d: d.set_python_text(typed))
-    assert "Read it first" in do(lambda d: d.set_behaviour("title", "Touch it."))
+    assert "read it first" in do(lambda d: d.set_python_text(typed))
+    assert "read it first" in do(lambda d: d.set_behaviour("title", "Touch it."))
     assert worker.asked[-1] == "open False"
     do(lambda d: d.undo())
-    assert "Read it first" not in do(lambda d: d.undo())
+    assert "read it first" not in do(lambda d: d.undo())
     assert worker.asked[-1] == "open True"
     (tmp_path / "reach_it.py").write_text(typed)
-    assert "Read it first" in do(lambda d: d.reload())
-    assert "Read it first" in text(show(TaskDocument.open(tmp_path / "reach_it.py"), WorkerStandIn()), "Try")
+    assert "read it first" in do(lambda d: d.reload())
+    assert "read it first" in text(show(TaskDocument.open(tmp_path / "reach_it.py"), WorkerStandIn()), "Try")
 
 
 def test_words_of_the_validator_and_kinds_of_conditions_have_legends(copied: Copied, show: Show) -> None:

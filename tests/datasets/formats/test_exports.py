@@ -263,7 +263,7 @@ def test_an_export_of_a_damaged_dataset_leaves_nothing(tmp_path: Path, name: str
 def test_cameras_that_are_not_stored_are_named(root: Path, tmp_path: Path, name: str) -> None:
     """So are tasks."""
     _exporter(name)
-    with pytest.raises(DatasetError, match=r"no colours of \['overhead'\]"):
+    with pytest.raises(DatasetError, match=r"no colour images of \['overhead'\]"):
         find_exporter(name, ("overhead",))(root, tmp_path / "out")  # type: ignore[arg-type]
     with pytest.raises(DatasetError, match=r"no task 'push_button', only \['reach_target'\].*rlbench-pin record"):
         _exporter(name)(root, tmp_path / "out", tasks=("push_button",))

@@ -211,5 +211,5 @@ def test_a_variation_that_is_no_number_is_named(tmp_path: Path) -> None:
     folder = tmp_path / "task" / "somewhere" / "episodes" / "episode0"
     folder.mkdir(parents=True)
     (folder / "low_dim_obs.pkl").write_bytes(dump([observation]))
-    with pytest.raises(EpisodeFileError, match="names the variation 'third'"):
+    with pytest.raises(EpisodeFileError, match="has the variation 'third'"):
         read_folder(folder)

@@ -72,7 +72,7 @@ def test_equal_content_is_equal_to_the_byte() -> None:
         ('"steps": 10', '"steps": -1', r"steps has to be a whole number >= 0"),
         ('"steps": 10', '"steps": "ten"', r"Got 'ten'"),
         ('"steps": 10', '"steps": 1.5', r"Got 1.5"),
-        ('"seconds": 0.5', '"seconds": NaN', "it holds NaN"),
+        ('"seconds": 0.5', '"seconds": NaN', "it contains NaN"),
         ('"seconds": 0.5', '"seconds": 1e999', "finite number"),
         ('"success": true', '"success": false', "contradicts its end"),
         ('"task": "reach_target"', '"task": "another"', "has to be of its tasks"),

@@ -1,1 +1,1 @@
-"""Moving objects as triangles, drawn by numpy for all cameras of an instant at once."""
+"""Rasterizer: draws moving objects as triangles with numpy, for all cameras at once."""

@@ -1,10 +1,10 @@
-"""Which triangle each pixel of some cameras sees, and how far away.
+"""Visibility: the triangle in each pixel of some cameras, and its depth.
 
-All points are projected for all cameras in one go, and the few triangles that face one and hold the middle of a pixel are cut
-into spans of pixels, row by row. With P the matrix of the homogeneous image points (u z, v z, z) of its corners, 1/z is
-(1, 1, 1) P^-1 (u, v, 1), affine over a triangle, and any quantity q of the corners is q P^-1 (u, v, 1) z: perspective comes out
-right. What is stationary before a stationary camera is drawn once: keys of pixels, which merge by the greatest, are kept in
-layers.
+All points are projected for all cameras at once. The triangles that face a camera and cover the centre of a pixel are cut into
+spans of pixels, row by row. With P the matrix of the homogeneous image points (u z, v z, z) of its corners, 1/z is
+(1, 1, 1) P^-1 (u, v, 1), affine over a triangle, and any quantity q of the corners is q P^-1 (u, v, 1) z, which is correct in
+perspective. Stationary links in front of a stationary camera are drawn once: the keys of their pixels, which merge by the
+maximum, are cached in layers.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _SOLID = np.float32(0.999)
 
 @dataclass(frozen=True, eq=False)
 class Sight:
-    """Cameras that want the same."""
+    """Cameras with equal requests."""
 
     views: Sequence[CameraView]
     """The cameras."""
@@ -42,7 +42,7 @@ class Sight:
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """The pixels of some cameras that see a triangle, camera by camera; then those that see glass, which hides the others."""
+    """The pixels of some cameras that show a triangle, camera by camera; then those of glass in front of the others."""
 
     ends: NDArray[np.int64]
     """Which pixels are the first of each camera (c + 1,), or (2 c + 1,) where there is glass."""
@@ -89,7 +89,7 @@ class Drawn:
 
 @dataclass(frozen=True, eq=False)
 class Blocked:
-    """Where moving objects stand in a light, in a part of the image that it takes."""
+    """Where moving objects block a light, in a part of its image."""
 
     row: int
     """First row of the part."""
@@ -103,7 +103,7 @@ class Targets:
     """The keys of the pixels of all cameras, in one row.
 
     Args:
-        projection: What the cameras see.
+        projection: The projected triangles.
         moving: Which links (l,) move in the image of the last camera if that is the camera of a light; only where these are it
             is drawn.
 
@@ -138,12 +138,12 @@ class Targets:
 
 
 class Drawing:
-    """All triangles as some cameras see them; an image is the same whatever other cameras look, and was drawn before.
+    """All triangles from some cameras; an image depends neither on the other cameras nor on earlier drawings.
 
     Args:
         placed: The triangles.
-        layers: What was drawn before.
-        opacity: Of each (m,): 0 is not seen, 1 hides all, what lies between is glass, which casts no shadow.
+        layers: The cached drawings.
+        opacity: Of each triangle (m,): 0 is invisible, 1 is opaque, values between are glass, which casts no shadow.
         views: The cameras.
         light: Camera of a light, if one is to be drawn.
     """
@@ -171,16 +171,16 @@ class Drawing:
             front[front == targets.keys] = 0
 
     def states(self) -> tuple[object | None, ...]:
-        """Return of each camera, the light last, what stays the same object while the same links are stationary, or None."""
+        """Return for each camera, the light last, an object that stays the same while the same links are stationary, or None."""
         return tuple(None if layer is None else layer.state for layer in self._layers)
 
     def blocked(self) -> Blocked:
-        """Return what stands in the light where other links than stationary ones are."""
+        """Return where moving links block the light."""
         rows, columns = self._targets.windows[-1]
         return _blocked(rows.start, columns.start, self._targets.images[-1])
 
     def all_blocked(self, stationary: bool = False) -> Blocked:
-        """Return what stands in the light, or which stationary links do."""
+        """Return where all links, or only stationary ones, block the light."""
         if self._layers[-1] is None:
             return self.blocked()
         keys = self._kept(-1).nearest
@@ -191,7 +191,7 @@ class Drawing:
         return _blocked(rows.start, columns.start, keys[rows, columns])
 
     def changed(self) -> NDArray[np.bool_]:
-        """Return of every four by four pixels of the image that the light takes whether links that move are there."""
+        """Return for each block of four by four pixels of the image of the light whether moving links are there."""
         rows, columns = self._targets.windows[-1]
         differs = self._targets.images[-1] != self._kept(-1).nearest[rows, columns]
         blocks = np.ascontiguousarray(differs).view(np.uint32)
@@ -202,13 +202,13 @@ class Drawing:
         return every
 
     def seen(self, sight: Sight, first: int, limit: NDArray[np.float32] | None, again: NDArray[np.int64] | None = None) -> Drawn:
-        """Return what some cameras see.
+        """Return the visible triangles of some cameras.
 
         Args:
             sight: The cameras.
             first: Number of the first of them.
-            limit: Depth of all their pixels (n,), image after image, from which on nothing is seen [m]; nothing hides anything
-                when None.
+            limit: Depth of the room in all their pixels (n,), image after image, which hides farther triangles [m]; None hides
+                nothing.
             again: With it stationary links are left out in the pixels of cameras with layers, but for these pixels (k,).
         """
         targets = self._targets
@@ -228,7 +228,7 @@ class Drawing:
         return _drawn(np.concatenate([keys, front]), np.concatenate([is_seen, front > 0]), sight, first, limit, self._projection)
 
     def stationary(self, sight: Sight, first: int, limit: NDArray[np.float32]) -> Drawn:
-        """Return which stationary links some cameras see that have layers, before some depth of all pixels (n,) [m]."""
+        """Return the visible stationary links of cameras with layers, in front of a depth of all pixels (n,) [m]."""
         layers = self._layers[first : first + len(sight.views)]
         each = zip(layers, sight.views, strict=True)
         keys = np.concatenate(
@@ -250,7 +250,7 @@ def _drawn(
     limit: NDArray[np.float32] | None,
     projection: Projection,
 ) -> Drawn:
-    """What some cameras see, before what hides it.
+    """Return the visible triangles of some cameras in front of the room.
 
     Args:
         keys: Keys of their pixels (n,), and where there is glass, those of glass in front of them (2 n,).
@@ -306,10 +306,10 @@ def _blocked(row: int, column: int, keys: NDArray[np.int64]) -> Blocked:
 def _from_layers(
     targets: Targets, projection: Projection, placed: Placed, kept: Sequence[Layer | None], shown: NDArray[np.bool_]
 ) -> NDArray[np.bool_]:
-    """Fill all images with what stationary cameras see of stationary links.
+    """Fill all images of stationary cameras with their stationary links.
 
     Returns:
-        What has still to be drawn, (c, m).
+        Which triangles are still to be drawn, (c, m).
     """
     link = placed.parts.link
     missing = np.zeros((len(kept), len(placed.still)), dtype=np.bool_)

@@ -27,8 +27,8 @@ def flat_normals(corners: NDArray[np.float64]) -> NDArray[np.float64]:
 def creased_normals(corners: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the normals (m, 3, 3) of triangles with corners (m, 3, 3).
 
-    At each corner it is the mean of the normals of those faces around it that turn by less than 35 degrees from its own, weighted
-    by their angles there, so that it does not depend on how a face is cut into triangles.
+    The normal at a corner is the mean of the normals of the adjacent faces that differ by less than 35 degrees from its own,
+    weighted by their angles there, so that it does not depend on the triangulation of a face.
     """
     if not len(corners):
         return np.zeros((0, 3, 3))
@@ -57,7 +57,7 @@ _AROUND, _ALONG = 20, 10
 
 @dataclass(frozen=True, eq=False)
 class Triangles:
-    """Triangles that are seen from the side where their corners turn counter-clockwise."""
+    """Triangles, visible from the side from which their corners are counter-clockwise."""
 
     corners: NDArray[np.float64]
     """(m, 3, 3) [m]."""
@@ -68,7 +68,7 @@ class Triangles:
 
 
 def triangles_of(kind: int, size: tuple[float, ...], file: str) -> Triangles | None:
-    """Return a visual in its own frame; None for what is not known here.
+    """Return a visual in its own frame; None for an unknown geometry.
 
     Args:
         kind: PyBullet's number of the geometry.
@@ -142,7 +142,7 @@ def _cells(grid: NDArray) -> NDArray:
 def _read_obj(file: Path) -> Triangles:
     """Read corners, normals and faces; faces with more than three corners become fans, files without normals get some.
 
-    The brightness of colours of vertices, which many programs write behind the places, are the shades.
+    Shades are the brightness of vertex colours, which many programs write after the coordinates.
     """
     points: list[list[float]] = []
     normals: list[list[float]] = []

@@ -1,6 +1,6 @@
 """Triangles in the images of some cameras: projected, clipped at the near plane, and cut into runs of pixels.
 
-Triangles out of sight are left out. Of the triangles in a pixel the nearest is kept.
+Triangles outside of all images are left out. In each pixel the nearest triangle is kept.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Outlines:
 
 
 class Projection:
-    """Triangles as some cameras see them.
+    """Triangles projected into some cameras.
 
     Args:
         placed: The triangles.
@@ -44,11 +44,11 @@ class Projection:
     Attributes:
         views: The same.
         normals: Normals of the corners in the world, (3 corners, 3, m).
-        surface: What `Parts.surface` says of the corners, (3 corners, c, m).
+        surface: Values of `Parts.surface` at the corners, (3 corners, c, m).
         corner_points: Numbers (3, m) of the points at the corners of the triangles.
         facing: Whether each camera (c, m) is on the side from which a triangle is seen.
         reached: Whether something of each link (l,) may be in the image of each camera, (c, l).
-        close: Whether some points lie before the near plane of each camera (c,).
+        close: Whether some points are in front of the near plane of each camera (c,).
     """
 
     def __init__(self, placed: Placed, views: Sequence[CameraView]) -> None:
@@ -69,7 +69,7 @@ class Projection:
             self._pixels = (points[:, :2] / points[:, 2:]).ravel()
 
     def bounds(self, camera: int, links: NDArray[np.bool_]) -> tuple[tuple[int, int], tuple[int, int]]:
-        """First and last column, and first and last row, of the part of an image that holds all points of some links (l,)."""
+        """First and last column, and first and last row, of the part of an image that contains all points of some links (l,)."""
         pixels = self._pixels[2 * camera * self._count : 2 * (camera + 1) * self._count].reshape(2, -1)
         if not links.all():
             pixels = np.concatenate(
@@ -191,7 +191,7 @@ def _clipped(projection: Projection, camera: NDArray[np.int64], triangle: NDArra
 
 
 def _reaches_in(points: NDArray[np.float64], sizes: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Whether triangles (k,) reach into the pyramid of a camera, unless all corners lie beyond one of its sides.
+    """Whether triangles (k,) may be in the view frustum of a camera: not all corners are outside of one of its sides.
 
     Args:
         points: Homogeneous image points (3 corners, 3, k).
@@ -219,7 +219,7 @@ _MIN_INVERSE = np.float32(1e-9)
 
 
 class Spans:
-    """Runs of pixels in one row that lie in one triangle.
+    """Runs of pixels in one row of one triangle.
 
     Args:
         outlines: The triangles.
@@ -245,9 +245,9 @@ class Spans:
         self._length = (high - low).astype(np.int64) + 1
 
     def draw_into(self, nearest: NDArray[np.int64], plane: NDArray[np.float64], starts: NDArray, widths: NDArray) -> None:
-        """Put the key of each triangle where it is greater than what is there.
+        """Write the key of each triangle where it is greater than the present key.
 
-        Keys are ordered by inverse depth; of triangles that are equally near that with the highest number is seen.
+        Keys are ordered by inverse depth; of equally near triangles the one with the highest number is visible.
 
         Args:
             nearest: Greatest key (n,) of each pixel of all images so far, 0 for none; changed here.

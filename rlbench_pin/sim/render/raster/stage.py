@@ -1,4 +1,4 @@
-"""The triangles of all links, and where they are in the world."""
+"""The triangles of all links, and their positions in the world."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class Parts:
 
 
 def join(shapes: Mapping[Link, Sequence[tuple[int, Triangles]]], segments: Sequence[int], has_pattern: bool = False) -> Parts:
-    """Put the visuals of all links together.
+    """Join the visuals of all links.
 
     Args:
         shapes: Of each link its visuals, by number, in the frame of the link.
@@ -180,7 +180,7 @@ class Placed:
         self._rested, self._rests_after = np.zeros(count, dtype=np.int64), np.full(count, _MIN_REST)
 
     def place(self, placements: Mapping[Link, NDArray[np.float64]]) -> None:
-        """Put the links where they are now; those that have not moved cost nothing.
+        """Move the links to their present poses; links that have not moved cost no time.
 
         Args:
             placements: Matrix (4, 4) of the frame of every link.
@@ -242,7 +242,7 @@ class Layer:
 
 
 class Layers:
-    """Layers of cameras, from the second time on that the same camera looks."""
+    """Layers of cameras, from the second image of the same camera on."""
 
     def __init__(self) -> None:
         self._layers: OrderedDict[tuple[object, ...], Layer | None] = OrderedDict()
@@ -299,7 +299,7 @@ class Appearance:
 
 @dataclass(frozen=True)
 class Lamp:
-    """A light that shines now."""
+    """A light of the scene that is on."""
 
     position: tuple[float, float, float]
     """Its middle in the world [m]."""
@@ -311,7 +311,7 @@ class Lamp:
 
 @dataclass(frozen=True, eq=False)
 class Materials:
-    """How visuals look, in PyBullet's order."""
+    """Appearance of the visuals, in PyBullet's order."""
 
     colors: NDArray[np.float32]
     """Colours (3, v) in 0..255."""
@@ -332,7 +332,7 @@ class Materials:
 
 
 class Stage:
-    """Reads what a physics server shows.
+    """Reader of shapes, colours and poses from a physics server.
 
     Args:
         client: The server.
@@ -340,8 +340,8 @@ class Stage:
         appearance: Appearance that the server does not report.
 
     Attributes:
-        layers: What was drawn of these shapes and stands still.
-        materials: How they look.
+        layers: Cached drawings of stationary shapes.
+        materials: Their appearance.
     """
 
     def __init__(self, client: PhysicsClient, room: frozenset[int], appearance: Appearance) -> None:
@@ -357,7 +357,7 @@ class Stage:
         self.materials = _materials([], {}, {}, frozenset())
 
     def update(self) -> Placed | None:
-        """Take shapes, colours and places of this instant; None when there is a shape that cannot be drawn here."""
+        """Read the present shapes, colours and poses; return None if a shape cannot be drawn by numpy."""
         identifier = self._client.id
         uids = [
             bullet.getBodyUniqueId(i, physicsClientId=identifier) for i in range(bullet.getNumBodies(physicsClientId=identifier))
@@ -379,7 +379,7 @@ class Stage:
         return self._placed
 
     def lamps(self) -> list[Lamp]:
-        """Return the lamps that shine now."""
+        """Return the lamps that are on."""
         materials, placed = self.materials, self._placed
         if placed is None or not materials.reach.any():
             return []
