@@ -56,7 +56,7 @@ def play(task: str, episodes: int) -> Outcomes:
             for episode in range(episodes):
                 variation = episode % running.variation_count()
                 outcome = running.try_demo(seed=FIRST_SEED + episode, variation=variation, record=False, disturb=(kind,))
-                if "No moment was found" not in outcome.cause:
+                if "No segment of the demonstration allows" not in outcome.cause:
                     outcomes.append(outcome.cause)
             found[kind] = outcomes
     return found

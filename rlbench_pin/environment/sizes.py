@@ -1,4 +1,4 @@
-"""Objects of other sizes: the scene with scaled bodies, and with everything that is attached to them."""
+"""Scenes with scaled bodies; attached frames, regions, sensors and waypoints are adapted."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from rlbench_pin.urdf import read_urdf
 
 
 def resized(scene: SceneSpec, sizes: Mapping[str, float]) -> SceneSpec:
-    """Return a scene in which bodies have another size.
+    """Return a scene in which bodies have other sizes.
 
-    Frames, regions, sensors and waypoints that are attached to such a body keep their place on it, and regions and sensors have
-    its scale. A body that stands on something stays on it.
+    Frames, regions, sensors and waypoints that are attached to such a body keep their place on it, and regions and sensors
+    are scaled with it. A body stays on the surface that supports it.
 
     Args:
         scene: The scene.
-        sizes: Factor of the size of each body, by name.
+        sizes: Scale factor of each body, by name.
     """
     parents = {posed.name: posed.parent.partition("/")[0] for posed in scene.posed()}
 
@@ -50,7 +50,7 @@ def resized(scene: SceneSpec, sizes: Mapping[str, float]) -> SceneSpec:
 
 
 def _scaled_joints(scene: SceneSpec, sizes: Mapping[str, float]) -> tuple[JointSpec, ...]:
-    """Return the joints with the start and the rest position of the sliders of scaled bodies, whose limits PyBullet scales."""
+    """Return the joints with scaled start and rest positions of the sliders of scaled bodies; PyBullet scales the limits."""
     sliders = {
         f"{body.name}/{joint.name}": sizes[body.name]
         for body in scene.body
@@ -72,7 +72,7 @@ def _scaled(pose: tuple[float, ...], factor: float) -> tuple[float, ...]:
 
 
 def _lowest(scene: SceneSpec, body: BodySpec) -> float:
-    """Return how far the base link of a body reaches below its origin, as it stands on its parent (negative) [m]."""
+    """Return the lowest z coordinate of the base link of a body relative to its origin, in its start pose [m]."""
     parts = next(iter(solid_geometry(resolve_asset(scene, body.asset), body.scale).values()), ())
     turned = pose_to_se3((0.0, 0.0, 0.0, *body.pose[3:]))
     return float(bounds((shape, turned * placement) for shape, placement in parts)[0, 2])
