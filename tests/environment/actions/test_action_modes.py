@@ -99,7 +99,7 @@ def test_ten_centimetres_straight_down() -> None:
     [
         (np.zeros(5), r"shape \(8,\), not \(5,\)"),
         (np.full(8, np.nan), "NaN or infinity at index 0, 1"),
-        (np.append(np.zeros(7), 2.0), "must lie between 0"),
+        (np.append(np.zeros(7), 2.0), "must be between 0"),
         ("left", "takes 8 numbers"),
     ],
 )
