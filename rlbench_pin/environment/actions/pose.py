@@ -119,7 +119,7 @@ class EndEffectorPoseViaPlanning(PoseMode):
         """Return the values, or raise InvalidActionError if the eighth is not between 0 and 1."""
         if len(values) > 7 and not 0.0 <= values[7] <= 1.0:
             raise InvalidActionError(
-                f"The number that says whether collisions are ignored is {values[7]}; it must be 0 or 1 (ignored)."
+                f"The optional last value of the pose is {values[7]}; it must be 0 (avoid collisions) or 1 (ignore collisions)."
             )
         return values
 
