@@ -235,11 +235,11 @@ class Pieces:
 class Poses:
     """Placed shapes.
 
-        No joint moves by more than T_j, so that no point of a shape moves farther than
+    No joint moves by more than T_j, so that no point of a shape moves farther than
 
-            D = sum_j min(l_j + D0 / (1 - sum_i T_i), r_j) T_j,  D0 = sum_i l_i T_i               (1)
+        D = sum_j min(l_j + D0 / (1 - sum_i T_i), r_j) T_j,  D0 = sum_i l_i T_i               (1)
 
-        with levers l_j, the largest distance of its bounding sphere from the joint axis, and reaches r_j (`robot.motion_bounds`).
+    with levers l_j, the largest distance of its bounding sphere from the joint axis, and reaches r_j (`robot.distances`).
 
     Args:
         shapes: The shapes.

@@ -77,7 +77,7 @@ def as_goal_poses(pose: PoseLike | Sequence[PoseLike], what: str = "goal") -> li
     as_finite(poses, f"The {what}", InvalidRequest)
     norms = np.linalg.norm(poses[:, 3:], axis=1)
     if not norms.min() >= SMALLEST_NORM or not np.isfinite(norms).all():
-        raise InvalidRequest(f"The {what}", pose, "has a quaternion of norm zero", "The order is x, y, z, w.")
+        raise InvalidRequest(f"The {what}", pose, "has a quaternion of norm zero", "Pass x, y, z, qx, qy, qz, qw.")
     return list(poses)
 
 

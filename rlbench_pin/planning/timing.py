@@ -371,7 +371,7 @@ def _checked_path(path: JointPath | FloatArray, limits: JointLimits) -> JointPat
 
 def _checked_duration(seconds: float) -> float:
     if not seconds <= LONGEST:
-        raise RetimingError(f"the motion would take {seconds:.4g} s, and {LONGEST:g} s are possible; raise the limits")
+        raise RetimingError(f"the motion would take {seconds:.4g} s, the maximum is {LONGEST:g} s; raise the limits")
     return seconds
 
 
