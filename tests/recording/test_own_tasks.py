@@ -121,7 +121,7 @@ def test_two_tasks_of_one_name_are_refused(mine: Path, tmp_path: Path) -> None:
     """One file twice is one task; two files of one name are none."""
     other = shutil.copytree(mine.parent, tmp_path / "other") / mine.name
     config = RecordConfig(tasks=(str(mine), str(other)), episodes=1, images=IMAGES)
-    with pytest.raises(TaskError, match="Two different tasks are called 'touch_it'"):
+    with pytest.raises(TaskError, match="Two different tasks have the name 'touch_it'"):
         record(config, tmp_path / "out", engine=SerialEngine())
 
 

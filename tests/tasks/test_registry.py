@@ -196,7 +196,7 @@ def test_two_files_of_one_name_are_told_apart(tmp_path: Path) -> None:
     one, other = write_task(tmp_path / "a"), write_task(tmp_path / "b")
     assert find_task(one) is not find_task(other)
     assert list(own_tasks([one, one])) == ["touch_nothing"]
-    with pytest.raises(TaskError, match="Two task files are called 'touch_nothing'"):
+    with pytest.raises(TaskError, match="Two task files have the name 'touch_nothing'"):
         own_tasks([one, other])
 
 
