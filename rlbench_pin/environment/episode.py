@@ -103,7 +103,7 @@ def demo_seeds(amount: int, seed: int | None, rng: np.random.Generator) -> list[
     Raises:
         InvalidArgument: `amount` is less than 1, the seed is not an integer >= 0, or the last seed is too large.
     """
-    amount = as_whole(amount, "The number of live demonstrations", InvalidArgument, least=1, most=MAX_DEMOS)
+    amount = as_whole(amount, "amount, the number of live demonstrations,", InvalidArgument, least=1, most=MAX_DEMOS)
     if seed is None:
         return [int(s) for s in rng.integers(2**31, size=amount)]
     first = checked_seed(seed)

@@ -138,7 +138,7 @@ def test_an_own_task_and_the_librarys_of_that_name_do_not_mix(tmp_path: Path) ->
     with pytest.raises(UntrustedTaskFile, match="The installed task of that name"):
         record(library, tmp_path / "own", engine=SerialEngine(), resume=True)
     record(library, tmp_path / "library", engine=SerialEngine())
-    with pytest.raises(DatasetConflict, match="the library's task 'reach_target'"):
+    with pytest.raises(DatasetConflict, match="the library task 'reach_target'"):
         record(own, tmp_path / "library", engine=SerialEngine(), resume=True)
 
 

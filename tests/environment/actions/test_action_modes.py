@@ -120,7 +120,7 @@ def test_targets_outside_each_face_of_the_workspace_are_refused(axis: int, side:
     before = task.get_observation().get_low_dim_data()
     target = DOWN.copy()
     target[axis] = TIP_WORKSPACE[side, axis]
-    with pytest.raises(InvalidActionError, match=f"{'xyz'[axis]} must lie between"):
+    with pytest.raises(InvalidActionError, match=f"{'xyz'[axis]} must be between"):
         task.step(np.append(target, 1.0))
     assert np.array_equal(task.get_observation().get_low_dim_data(), before)
 
