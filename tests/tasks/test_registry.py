@@ -306,7 +306,11 @@ def test_a_sound_package_is_listed_and_the_broken_ones_are_reported(site: Path) 
 @pytest.mark.simulation
 @pytest.mark.parametrize(
     ("name", "says"),
-    [("same_name", "these tasks are ignored"), ("bad_import", "cannot be loaded"), ("touch_nothin", "Did you mean 'touch_nothing'")],
+    [
+        ("same_name", "these tasks are ignored"),
+        ("bad_import", "cannot be loaded"),
+        ("touch_nothin", "Did you mean 'touch_nothing'"),
+    ],
 )
 def test_a_name_that_does_not_work_says_why(site: Path, name: str, says: str) -> None:
     """A clash names both origins, a broken module its error, a misspelt name the nearest."""
