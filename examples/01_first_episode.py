@@ -1,7 +1,7 @@
-"""A first episode: reset, look, act, read the reward.
+"""A first episode: reset, observe, act, read the reward.
 
-What to look for: `reset` returns sentences and an observation; `step` returns observation, reward and whether the episode has
-ended; the same seed gives the same episode again; images, depth and masks are plain arrays.
+What to look for: `reset` returns instructions and an observation; `step` returns observation, reward and whether the episode has
+ended; the same seed gives the same episode; images, depth and masks are plain arrays.
 """
 
 from __future__ import annotations

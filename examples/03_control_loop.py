@@ -1,7 +1,7 @@
 """A control loop: joint velocities at 20 Hz from the Jacobian of the analytic model.
 
-What to look for: the model and the simulated arm share one URDF, so the tip pose computed from joint positions is the one
-observed; a step without images takes well under a millisecond.
+What to look for: the model and the simulated arm use the same URDF, so the tip pose computed from joint positions is equal to the
+observed one; a step without images takes well under a millisecond.
 """
 
 from __future__ import annotations

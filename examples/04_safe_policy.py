@@ -1,7 +1,7 @@
-"""A policy that drives into the table, with the safety filter in front of it and without.
+"""A policy that drives into the table, with and without the safety filter.
 
-What to look for: `SafeArm` wraps the action mode, not the policy. The same actions end a centimetre before the table instead of
-in it, and the filter says how often and why it changed them. The image shows both arms at the end, the unfiltered one left.
+What to look for: `SafeArm` wraps the action mode, not the policy. The same actions end a centimetre above the table instead of
+in it, and the filter reports how often and why it changed them. The image shows both arms at the end, the unfiltered arm left.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ class Fall:
 
     touched: set[str]
     deepest: float
-    """How deep the arm got into the table [m]."""
+    """Largest penetration of the table by the arm [m]."""
     lowest: float
     """Lowest height of the tip [m]."""
     image: np.ndarray
 
 
 def policy() -> Iterator[np.ndarray]:
-    """Lower the shoulder and stretch the elbow, without looking; swing sideways on the way."""
+    """Lower the shoulder and stretch the elbow, without use of the observation; swing sideways."""
     for step in range(STEPS):
         action = np.zeros(8)
         action[0], action[1], action[3], action[7] = 0.4 * np.sin(0.1 * step), 0.8, -0.4, 1.0
@@ -39,7 +39,7 @@ def policy() -> Iterator[np.ndarray]:
 
 
 def run(arm: JointVelocity | SafeArm) -> Fall:
-    """Let the policy act and watch the table."""
+    """Run the policy and measure contacts with the table."""
     config = ObservationConfig()
     config.set_all_high_dim(False)
     config.front_camera.rgb, config.front_camera.image_size = True, (256, 256)
@@ -57,7 +57,7 @@ def run(arm: JointVelocity | SafeArm) -> Fall:
 
 
 def main() -> None:
-    """Run the policy twice and set both ends beside each other."""
+    """Run the policy twice and draw both final states side by side."""
     guarded = SafeArm(JointVelocity())
     falls = {"without": run(JointVelocity()), "with": run(guarded)}
     for name, fall in falls.items():

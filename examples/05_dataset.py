@@ -1,7 +1,7 @@
-"""A dataset: record it with two processes, read it back, and turn its key frames into actions.
+"""A dataset: record it with two processes, read it, and convert its key frames to actions.
 
-What to look for: `record` goes on where it was stopped (start the program twice); reading takes from a file only what is asked
-for; a demonstration of a hundred frames has a handful of key frames, and their poses, planned again, solve the task again.
+What to look for: `record` resumes after an interruption (start the program twice); only the requested fields are read from a
+file; a demonstration of a hundred frames has a few key frames, and planned motions to their poses solve the task.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ TASK = "pick_and_lift"
 
 
 def main() -> None:
-    """Record four demonstrations, look into the files, play the key frames of the first."""
+    """Record four demonstrations, read the files, and play the key frames of the first."""
     front = ImageConfig(cameras=("front",), products=("rgb",), image_size=(64, 64))
     config = RecordConfig(tasks=(TASK,), episodes=4, images=front)
     report = record(config, ROOT, engine=ProcessEngine(2), resume=True)

@@ -1,10 +1,11 @@
 """Learn to reach: PPO of Stable-Baselines3 on `rlbench_pin/reach_target-state-v0` (`pip install -e '.[rl]'` in a clone).
 
-The policy chooses a tip velocity 20 times a second and sees the tip and the ball. It is paid the task's own shaped reward, minus
-the distance to the ball, until it touches the ball or 50 steps are over; success is the sparse reward of the benchmark.
+The policy observes the tip and the ball, and returns a tip velocity 20 times per second. Its reward is the shaped reward of the
+task, the negative distance to the ball. An episode ends when the tip touches the ball, or after 50 steps. Success is the sparse
+reward of the benchmark.
 
-What to look for: the mean reward per episode rises, and the share of touched balls from next to nothing to nearly all.
-`train_ppo.png` shows the way there. A few minutes on one core.
+What to look for: the mean reward per episode rises, and the fraction of touched balls rises from almost 0 to almost 1.
+`train_ppo.png` has the learning curve. The training takes a few minutes on one core.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ class TipVelocity(gymnasium.ActionWrapper):
 
 
 class TipAndBall(gymnasium.ObservationWrapper):
-    """Where the ball is, seen from the tip, and where the tip is [m]."""
+    """Position of the ball relative to the tip, and position of the tip [m]."""
 
     def __init__(self, env: gymnasium.Env) -> None:
         super().__init__(env)
@@ -67,7 +68,7 @@ class Progress(BaseCallback):
 
 
 def make(shaped: bool = True) -> gymnasium.Env:
-    """Return the task as the policy meets it."""
+    """Return the environment of the policy."""
     env = gymnasium.make(
         "rlbench_pin/reach_target-state-v0",
         max_episode_steps=EPISODE,
@@ -78,7 +79,7 @@ def make(shaped: bool = True) -> gymnasium.Env:
 
 
 def evaluate(policy: BaseAlgorithm, env: gymnasium.Env) -> tuple[float, float]:
-    """Return mean reward per episode and share of successes over the test seeds."""
+    """Return the mean reward per episode and the success rate over the test seeds."""
     rewards, successes = [], []
     for seed in TESTS:
         observation, info = env.reset(seed=seed)
@@ -93,7 +94,7 @@ def evaluate(policy: BaseAlgorithm, env: gymnasium.Env) -> tuple[float, float]:
 
 
 def draw(episodes: Monitor, title: str) -> None:
-    """Draw the reward of every training episode, and the mean of the last 20."""
+    """Draw the reward of each training episode, and the mean of the last 20."""
     rewards, steps = np.array(episodes.get_episode_rewards()), np.cumsum(episodes.get_episode_lengths())
     means = [rewards[max(0, i - 19) : i + 1].mean() for i in range(len(rewards))]
     figure, axes = plt.subplots(figsize=(6.4, 3.2), layout="constrained")

@@ -1,10 +1,10 @@
 """Pick and lift by a planner and a follower: `python 07_plan_and_follow.py --seeds 0 20`.
 
-Neither depends on the simulator: the planner gets a snapshot of the world and returns a timed trajectory, the follower turns the
-trajectory and the measured joints into a joint velocity 20 times a second.
+Neither depends on the simulator: the planner gets a snapshot of the world and returns a timed trajectory, and the follower
+computes a joint velocity from the trajectory and the measured joints 20 times per second.
 
-What to look for: the whole grasp is planned before the arm moves, so that a turn of the gripper that leads nowhere costs nothing;
-the block that is held is part of the arm in the next plan; the joints stay within a fraction of a degree of their trajectory.
+What to look for: the whole grasp is planned before the arm moves, so that a gripper yaw without a plan costs no motion;
+the held block is part of the arm in the next plan; the joints stay within a fraction of a degree of their trajectory.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ SETTLE = 20  # control ticks that the arm may take to come to rest
 
 
 class Picker:
-    """Plans, follows and grips; all that it does in the world goes through `task.step`."""
+    """Plans, follows and grasps; it acts on the world only through `task.step`."""
 
     def __init__(self, task: TaskEnvironment, seed: int) -> None:
         self.task, self.rng = task, np.random.default_rng(seed)
@@ -38,7 +38,7 @@ class Picker:
         _, self.obs = task.reset(seed=seed)
 
     def pick_and_lift(self) -> bool:
-        """Take the block from above and bring it to the marker; return whether the task is solved."""
+        """Grasp the block from above and move it to the marker; return whether the task is solved."""
         world = self.task.world
         for plan in self.plan_grasp(world.body("block").pose):
             self.follow(plan)
@@ -50,10 +50,10 @@ class Picker:
         return self.success
 
     def plan_grasp(self, block: FloatArray) -> tuple[Plan, Plan]:
-        """Plan above the block and down to it, with the turn of the gripper for which both are possible.
+        """Plan above the block and down to it, with the first gripper yaw for which both are possible.
 
         Args:
-            block: Pose of the block (7,); a cube can be gripped in four turns.
+            block: Pose of the block (7,); a cube has four equivalent yaws.
         """
         self.planner.update(self.task.world.snapshot())
         refused = []
@@ -67,12 +67,12 @@ class Picker:
         raise refused[0]
 
     def plan(self, pose: FloatArray | list[FloatArray], straight: bool | None = None) -> Plan:
-        """Plan from where the arm is; a grasped body is part of the arm."""
+        """Plan from the present configuration; a grasped body is part of the arm."""
         self.planner.update(self.task.world.snapshot())
         return self.planner.plan_to_pose(self.obs.joint_positions, pose, straight=straight, rng=self.rng)
 
     def follow(self, plan: Plan) -> None:
-        """Follow a trajectory by joint velocities until the arm rests at its end, or the task is solved."""
+        """Follow a trajectory by joint velocities until the arm is at rest at its end, or the task is solved."""
         follower = TrajectoryFollower(plan.trajectory, VelocityFollowing(self.model.limits))
         rest = SETTLE
         while not self.success and rest > 0:

@@ -2,8 +2,8 @@
 
 observation -> goal of the tip -> velocity of the tip -> `DifferentialIK` -> joint velocities -> `env.step`
 
-What to look for: the policy has no memory and sees nothing but the observation; the controller keeps the limits of all joints,
-so that the policy need not know them; three tasks differ in the one function that says where the tip should be.
+What to look for: the policy has no memory and uses only the observation; the controller keeps the limits of all joints,
+so that the policy does not need them; the three tasks differ only in the function that returns the goal of the tip.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def pick(observation: Observation) -> Goal:
 
 
 def from_above(observation: Observation, place: FloatArray) -> FloatArray:
-    """Return `place` (3,) when the tip is right above it, otherwise a point above it [m]."""
+    """Return `place` (3,) if the tip is directly above it, otherwise a point above it [m]."""
     sideways = np.linalg.norm(place[:2] - observation["gripper_pose"][:2])
     return place if sideways < SIDEWAYS else place + [0.0, 0.0, ABOVE]
 
@@ -59,10 +59,10 @@ TASKS: dict[str, Callable[[Observation], Goal]] = {"reach_target": touch, "push_
 
 
 def twist_to(place: FloatArray, tip: FloatArray) -> FloatArray:
-    """Return the twist (6,) in the tip's own axes that brings it to `place` (3,) with the gripper pointing down.
+    """Return the twist (6,) in tip axes that moves the tip to `place` (3,) with the gripper pointing down.
 
     Args:
-        place: Where the tip should be [m].
+        place: Target position of the tip [m].
         tip: Pose of the tip (7,).
     """
     error = relative([*place, 0.0, 1.0, 0.0, 0.0], tip)  # pose of the goal, seen from the tip
@@ -72,7 +72,7 @@ def twist_to(place: FloatArray, tip: FloatArray) -> FloatArray:
 
 
 def play(env: gymnasium.Env, controller: DifferentialIK, goal: Callable[[Observation], Goal], seed: int) -> tuple[bool, int]:
-    """Play one episode; return whether it was solved, and in how many steps."""
+    """Play one episode; return its success and its number of steps."""
     observation, info = env.reset(seed=seed)
     for step in range(STEPS):
         place, gripper = goal(observation)

@@ -3,8 +3,8 @@
 cameras -> point cloud -> clusters -> `WorldSnapshot.from_point_cloud` -> `MotionPlanner` -> QP controller. On a real robot the
 same code works with the cameras and joints of that robot.
 
-Expected result: the block of the colour in the instruction is found among three, the motions avoid the other two, and the block
-ends in the ring that floats above the table.
+Expected result: the program finds the block with the colour in the instruction among three blocks, avoids the other two, and
+moves the block into the ring above the table.
 """
 
 from __future__ import annotations
@@ -46,12 +46,12 @@ class PointCloud:
 
     @property
     def color(self) -> FloatArray:
-        """Median colour of the brighter points, on which the light falls."""
+        """Median colour of the brighter points, which are lit."""
         brightness = self.colors.sum(axis=1)
         return np.median(self.colors[brightness >= np.percentile(brightness, 75)], axis=0)
 
     def box(self) -> tuple[FloatArray, FloatArray]:
-        """Sides and middle of the box around the points [m]."""
+        """Size and centre of the box around the points [m]."""
         low, high = self.points.min(axis=0), self.points.max(axis=0)
         return high - low, 0.5 * (low + high)
 
@@ -89,7 +89,7 @@ def clusters(cloud: PointCloud) -> list[PointCloud]:
 
 
 class Picker:
-    """Perceives, plans and moves; it uses observations and the instruction, nothing else."""
+    """Perception, planning and control from observations and the instruction only."""
 
     def __init__(self, task: TaskEnvironment, seed: int) -> None:
         self.task, self.rng = task, np.random.default_rng(seed)
@@ -99,7 +99,7 @@ class Picker:
         self.gripper, self.success = OPEN, False
 
     def pick_and_lift(self) -> bool:
-        """Find block and ring, grasp the block from above and bring it into the ring."""
+        """Find block and ring, grasp the block from above and move it into the ring."""
         cloud = merge(self.obs, self.model)
         objects = clusters(cloud)
         ring = max(objects, key=lambda found: found.points[:, 2].min())
@@ -123,7 +123,7 @@ class Picker:
         return self.success
 
     def see(self, points: FloatArray, boxes: Mapping[str, Box], attached: Sequence[str] = ()) -> None:
-        """Give the planner the world: points, known boxes, and which of them the gripper holds."""
+        """Update the world of the planner: points, known boxes, and the held box."""
         q, fingers = self.obs.joint_positions, self.obs.gripper_joint_positions
         self.planner.update(WorldSnapshot.from_point_cloud(points, q, fingers, boxes=boxes, attached=attached, cell=0.015))
 
@@ -141,7 +141,7 @@ class Picker:
         raise refused[0]
 
     def plan(self, pose: FloatArray | list[FloatArray], straight: bool | None = None) -> Plan:
-        """Plan from where the arm is."""
+        """Plan from the present configuration."""
         return self.planner.plan_to_pose(self.obs.joint_positions, pose, straight=straight, rng=self.rng)
 
     def follow(self, plan: Plan) -> None:
@@ -166,7 +166,7 @@ class Picker:
 
 
 def heading(points: FloatArray) -> float:
-    """Return the yaw [rad] at which the rectangle around the points, seen from above, is smallest."""
+    """Return the yaw [rad] of the smallest rectangle around the points from above."""
     yaws = np.linspace(0.0, 0.5 * np.pi, 46)[:-1]
     turned = [points[:, :2] @ np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]]) for yaw in yaws]
     return float(yaws[np.argmin([np.prod(np.ptp(flat, axis=0)) for flat in turned])])

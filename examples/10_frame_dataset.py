@@ -1,9 +1,10 @@
 """Training data: frames of demonstrations with chunks of actions, and key frames (`pip install -e '.[learn]'` in a clone).
 
-A small network learns by imitation which joint positions the next half second of a reach commands: it sees the joints and the
-place of the ball. `FrameDataset` needs no PyTorch; `DataLoader` takes it as it is, here with two worker processes.
+A small network learns by imitation to predict the commanded joint positions of the next half second of a reach. Its inputs are
+the joints and the position of the ball. `FrameDataset` needs no PyTorch; `DataLoader` accepts it directly, here with two worker
+processes.
 
-What to look for: the error of the predicted joint positions on an episode that training does not meet falls to a fraction.
+What to look for: the error of the predicted joint positions on a held-out episode falls to a fraction.
 """
 
 from __future__ import annotations
@@ -28,14 +29,14 @@ def inputs(batch: dict[str, torch.Tensor]) -> torch.Tensor:
 
 
 def error(network: torch.nn.Module, batch: dict[str, torch.Tensor]) -> torch.Tensor:
-    """Return the mean error of the predicted joint positions [rad]; actions that only repeat the last one do not count."""
+    """Return the mean error of the predicted joint positions [rad], without actions that only repeat the last one."""
     predicted = network(inputs(batch)).reshape(-1, HORIZON, 7) + batch["joint_positions"][:, None].float()
     apart = (predicted - batch["action"][..., :7].float()).abs().mean(dim=2)
     return apart[~batch["action_is_pad"]].mean()
 
 
 def main() -> None:
-    """Record, train on all episodes but the last, and compare on the last."""
+    """Record, train on all episodes except the last, and compare on the last."""
     config = RecordConfig(tasks=(TASK,), episodes=20, variations=1, images=ImageConfig(products=()))
     record(config, ROOT, engine=ProcessEngine(2), resume=True)
 

@@ -1,4 +1,4 @@
-"""Observation and Demo: plain records of arrays."""
+"""`Observation` and `Demo`: plain records of arrays."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rlbench_pin.values import as_names, as_record, as_several, as_text, as_whol
 
 Array = np.ndarray
 RandomState = tuple[Any, ...]
-"""State of numpy's global generator, as `numpy.random.get_state()` returns it."""
+"""State of the global numpy generator, from `numpy.random.get_state()`."""
 
 CAMERAS: tuple[str, ...] = ("left_shoulder", "right_shoulder", "overhead", "wrist", "front")
 PRODUCTS: tuple[str, ...] = ("rgb", "depth", "mask", "point_cloud")
@@ -31,15 +31,15 @@ LOW_DIM: tuple[str, ...] = (
 
 
 class OptionalFields:
-    """Fields that an observation has only when something sets them; until then they are None and not among its `vars`."""
+    """Fields that exist only after an assignment; before, they are None and not in `vars`."""
 
     ignore_collisions: bool | None = None
-    """In demonstrations: whether the segment that leads here was planned without collision checks."""
+    """In demonstrations: whether the segment to this frame was planned without collision checks."""
 
 
 @dataclass(eq=False)
 class Observation(OptionalFields):
-    """Observation at one instant; a field is None when it is switched off.
+    """Observation at one instant; a disabled field is None.
 
     Images are (h, w, ...) arrays, top row first: rgb uint8, depth float32, mask int32, point cloud float32 in the world frame
     [m]. Joint data are (n,) float64 in [rad], [rad/s], [N m]; `gripper_pose` is the tip pose (7,) in the world.
@@ -72,28 +72,28 @@ class Observation(OptionalFields):
     joint_forces: Array | None = None
     """Torque that each motor applied in the last physics step, gravity included [N m]."""
     gripper_open: float | None = None
-    """1 while the first finger is beyond 90 % of its range, otherwise 0."""
+    """1 if the first finger is above 90 % of its range, otherwise 0."""
     gripper_pose: Array | None = None
     """Pose of the tip, the point between the fingertips, in the world: x, y, z [m], qx, qy, qz, qw."""
     gripper_matrix: Array | None = None
     """The same pose as a homogeneous matrix, tip to world."""
     gripper_joint_positions: Array | None = None
-    """Position of each finger, 0 shut [m]."""
+    """Position of each finger [m]; 0 is closed."""
     gripper_touch_forces: Array | None = None
     """Contact force on each finger, x, y, z in its own frame, left finger first [N]."""
     task_low_dim_state: Array | None = None
-    """State of the task's objects in the world; one length for each task."""
+    """State of the objects of the task in the world; its length is constant for a task."""
     misc: dict[str, Any] = field(default_factory=dict)
-    """Further values by name."""
+    """Further values, by name."""
     ignore_collisions: InitVar[bool | None] = None
 
     def __post_init__(self, ignore_collisions: bool | None) -> None:
-        """Set what belongs to `OptionalFields`, so that `Observation(**vars(observation))` makes a copy."""
+        """Set the `OptionalFields`, so that `Observation(**vars(observation))` makes a copy."""
         if ignore_collisions is not None:
             self.ignore_collisions = ignore_collisions
 
     def get_low_dim_data(self) -> Array:
-        """Concatenate the low-dimensional fields that are present, in the order of `LOW_DIM`, to one vector."""
+        """Return the present low-dimensional fields as one vector, in the order of `LOW_DIM`."""
         values = (getattr(self, name) for name in LOW_DIM)
         parts = [np.atleast_1d(np.asarray(v, dtype=float)) for v in values if v is not None]
         return np.concatenate(parts) if parts else np.zeros(0)
@@ -102,9 +102,9 @@ class Observation(OptionalFields):
 PHASE, INTERVENTION = "phase", "intervention"
 """Keys of `misc` in recovery demonstrations."""
 Disturbance = Literal["push", "slip", "stop"]
-"""`push`: the gripper is moved aside; `slip`: the fingers let go of what they hold; `stop`: the arm stops on its way."""
+"""`push`: the gripper is pushed sideways; `slip`: the fingers release the held object; `stop`: the arm stops."""
 DISTURBANCES: tuple[Disturbance, ...] = get_args(Disturbance)
-"""Phases in which the demonstration is disturbed."""
+"""Disturbances, which are also phases of a demonstration."""
 TASK, RECOVERY = "task", "recovery"
 """The other phases."""
 FIELDS: tuple[str, ...] = tuple(f.name for f in fields(Observation) if f.name != "misc")
@@ -112,22 +112,22 @@ FIELDS: tuple[str, ...] = tuple(f.name for f in fields(Observation) if f.name !=
 
 
 class Demo(Sequence[Observation]):
-    """One demonstration: a sequence of observations and all that is needed to play it again.
+    """One demonstration: a sequence of observations and the data to replay it.
 
     Args:
         observations: One per control tick, the first before any motion.
         random_seed: Seed of the episode; `reset(seed=...)` with it gives the same start state. Demonstrations of other programs
-            have the state of numpy's global generator in its place.
-        num_reset_attempts: Placement attempts the reset needed.
+            have the state of the global numpy generator instead.
+        num_reset_attempts: Number of placement attempts of the reset.
         variation_number: Variation of the task.
-        instructions: Sentences that describe the goal.
+        instructions: Instructions, which describe the goal.
         state: Portable snapshot of the world at the first frame, name -> array.
-        versions: Name -> version of the package and of the libraries it was made with.
-        attempt: Which try of the seed this demo is, from 0.
+        versions: Name -> version of the package and its libraries at the recording.
+        attempt: Number of the attempt at the seed, from 0.
         task_name: Snake-case name of the task.
         robot: Name of the arm, or absolute path of its TOML file; empty in a demonstration of other programs.
         joint_names: Names of its joints, in the order of joint positions.
-        factors: Factors of generalisation and their levels, such as `light_color:2`; empty without.
+        factors: Factors of generalisation and their levels, such as `light_color:2`; empty for none.
         task_version: Version of the task, from 1.
     """
 
@@ -177,7 +177,7 @@ class Demo(Sequence[Observation]):
         self.task_version = as_whole(task_version, "Demo.task_version", least=1)
 
     def with_observations(self, observations: Sequence[Observation]) -> Demo:
-        """Return the same demonstration as it was observed another time."""
+        """Return the same demonstration with other observations."""
         names = (
             "random_seed", "num_reset_attempts", "variation_number", "instructions", "state", "versions", "attempt",
             "task_name", "robot", "joint_names", "factors", "task_version",
@@ -186,17 +186,17 @@ class Demo(Sequence[Observation]):
 
     @property
     def seed(self) -> int | None:
-        """`random_seed` where it is a whole number; None where it is a state, or missing."""
+        """`random_seed` if it is an integer; None if it is a generator state, or missing."""
         return int(self.random_seed) if is_whole(self.random_seed) else None
 
     def restore_state(self) -> None:
-        """Set numpy's global generator from `random_seed`: a whole number seeds it, a state is set.
+        """Set the global numpy generator from `random_seed`: an integer seeds it, a state is restored.
 
-        For programs that draw from that generator; nothing in this package does. `TaskEnvironment.reset_to_demo` brings back the
-        start of the demonstration.
+        This method is for programs that draw from that generator; this package does not. `TaskEnvironment.reset_to_demo` restores
+        the start of the demonstration.
 
         Raises:
-            TaskEnvironmentError: There is no seed, or it is neither.
+            TaskEnvironmentError: There is no seed, or it is neither an integer nor a state.
         """
         seed = self.random_seed
         if self.seed is not None and self.seed >= 0:
@@ -227,7 +227,7 @@ class Demo(Sequence[Observation]):
 
 
 def _words(number: int) -> list[int]:
-    """Cut a whole number into words of 32 bits, the lowest first."""
+    """Split an integer into words of 32 bits, the lowest first."""
     return [number >> shift & 0xFFFFFFFF for shift in range(0, number.bit_length(), 32)]
 
 

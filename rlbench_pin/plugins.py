@@ -1,6 +1,6 @@
-"""Tasks that other packages bring, by their entry points: read when names are asked for, once per process, without an import.
+"""Tasks of other packages, from their entry points, which are read once per process, without an import of the packages.
 
-A package says in its `pyproject.toml` what its tasks are called and where their classes are:
+A package defines the names and the classes of its tasks in its `pyproject.toml`:
 
     [project.entry-points."rlbench_pin.tasks"]
     sort_two_cubes = "my_tasks.sort_two_cubes:SortTwoCubes"
@@ -16,21 +16,21 @@ from functools import lru_cache
 from importlib.metadata import Distribution, EntryPoint, distributions
 
 GROUP = "rlbench_pin.tasks"
-"""The group of entry points in which a package names its tasks."""
+"""The group of entry points for tasks."""
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
 _VALUE = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_]\w*")
 
 
 @dataclass(frozen=True)
 class PluginTask:
-    """One task that an installed package names."""
+    """One task of an installed package."""
 
     name: str
     """Name of the task."""
     value: str
     """Reference of its class: `module:Class`."""
     origin: str
-    """The package that brings it, with its version."""
+    """The package of the task, with its version."""
 
     def load(self) -> object:
         """Import the module and return the object of the entry point; errors of the module propagate."""
@@ -45,14 +45,14 @@ class Plugins:
     tasks: dict[str, PluginTask] = field(default_factory=dict)
     """Name -> task, in alphabetical order."""
     faults: dict[str, str] = field(default_factory=dict)
-    """Name of a task, or of a package -> why it was left out."""
+    """Name of a task or a package -> reason why it is omitted."""
 
 
 def installed_plugins(library: Collection[str]) -> Plugins:
-    """Return the tasks of installed packages, and what was left out: wrong entries, and names that two sides claim.
+    """Return the tasks of installed packages, and the omitted ones: invalid entries, and names that occur twice.
 
     Args:
-        library: Names of the tasks of the library; they stay what they are.
+        library: Names of the tasks of the library; they take precedence.
     """
     entries, faults = _all_entries()
     claims: dict[str, list[PluginTask]] = {}
@@ -63,12 +63,12 @@ def installed_plugins(library: Collection[str]) -> Plugins:
         origins = [f"'{task.origin}' ({task.value})" for task in claimants]
         if name in library:
             found.faults[name] = (
-                f"The task '{name}' of {' and '.join(origins)} is refused: rlbench_pin itself has a task of that name. "
-                "Give the other one another name."
+                f"The task '{name}' of {' and '.join(origins)} is ignored: rlbench_pin has a task of that name. "
+                "Rename the task in that package."
             )
         elif len(claimants) > 1:
             found.faults[name] = (
-                f"The task name '{name}' is claimed by {' and by '.join(origins)}, so neither is used. Uninstall one of them."
+                f"The task name '{name}' occurs in {' and in '.join(origins)}, so these tasks are ignored. Uninstall one of them."
             )
         else:
             found.tasks[name] = claimants[0]
@@ -77,7 +77,7 @@ def installed_plugins(library: Collection[str]) -> Plugins:
 
 @lru_cache(maxsize=1)
 def _all_entries() -> tuple[tuple[PluginTask, ...], dict[str, str]]:
-    """Return the sound entries of all packages in the order of the path, and the faults of others."""
+    """Return the valid entries of all packages in the order of the path, and the faults of the others."""
     tasks: list[PluginTask] = []
     faults: dict[str, str] = {}
     seen: set[str] = set()
@@ -97,7 +97,7 @@ def _all_entries() -> tuple[tuple[PluginTask, ...], dict[str, str]]:
                 else:
                     tasks.append(PluginTask(entry.name, entry.value, origin))
         except Exception as error:  # a file that no installer writes: the other packages go on
-            faults[package] = f"The entry points of '{origin}' cannot be read: {error}. Install it again."
+            faults[package] = f"The entry points of '{origin}' cannot be read: {error}. Reinstall that package."
     return tuple(tasks), faults
 
 
@@ -113,9 +113,9 @@ def _origin(distribution: Distribution) -> tuple[str, str]:
 
 def _fault(entry: EntryPoint, origin: str) -> str:
     if _NAME.fullmatch(entry.name) is None:
-        return f"'{origin}' calls a task '{entry.name}'. Use small letters, digits and underscores."
+        return f"'{origin}' has a task with the invalid name '{entry.name}'. Use lower-case letters, digits and underscores."
     if _VALUE.fullmatch(entry.value.strip()) is None:
-        return f"'{origin}' says that the task '{entry.name}' is '{entry.value}'. Write `module:Class` there."
+        return f"'{origin}' defines the task '{entry.name}' as '{entry.value}'. Write `module:Class` instead."
     return ""
 
 

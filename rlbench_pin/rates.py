@@ -1,4 +1,4 @@
-"""How sure a rate is: so many of so many, and the interval around it."""
+"""Success rates with confidence intervals."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Rate:
-    """So many of so many, with the interval that holds the true rate in 95 of 100 cases."""
+    """A rate as a number of successes in a number of trials, with a 95 % confidence interval."""
 
     count: int
     of: int
 
     @property
     def value(self) -> float:
-        """The fraction, 0 when nothing was tried."""
+        """The fraction of successes; 0 without trials."""
         return self.count / self.of if self.of else 0.0
 
     @property
@@ -25,7 +25,7 @@ class Rate:
         return wilson(self.count, self.of)
 
     def as_dict(self) -> dict[str, float | int | list[float]]:
-        """Plain numbers for JSON."""
+        """Return plain numbers for JSON."""
         return {
             "count": self.count,
             "of": self.of,

@@ -1,9 +1,9 @@
 """Demonstrate every task with every arm, and write docs/results/arms.json, .md and .png.
 
 Usage: python scripts/arms_matrix.py [TASK ...] [--robots NAME ...] [--episodes 20] [--workers 2] [--out docs/results]
-Each cell is the share of seeds whose first demonstration succeeds; those of the Panda are in docs/results/demo_success.json.
-Finished trials are kept in out/arms: the same command goes on where it was stopped, and tasks on which nothing changed are not
-played again. `--report` writes what there is, and plays nothing. Arms that are not named keep the figures of the table.
+A cell is the fraction of seeds whose first demonstration succeeds; docs/results/demo_success.json has those of the Panda.
+Finished trials are stored in out/arms: the same command resumes after an interruption, and unchanged tasks are not played again.
+`--report` writes the present results, and plays nothing. Arms without a name on the command line keep their rates in the table.
 """
 
 from __future__ import annotations

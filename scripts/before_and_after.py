@@ -2,7 +2,7 @@
 
 Usage: python scripts/before_and_after.py --before OLD    OLD is the folder of another checkout
 
-Each checkout plays the demonstrations of seed 0 by itself. This one chooses the cameras; the arm is hidden unless it holds an
+Each checkout plays the demonstrations of seed 0. This checkout selects the cameras; the arm is hidden unless it holds an
 object.
 """
 

@@ -1,9 +1,9 @@
-"""Rebuild everything in `rlbench_pin/assets`: robots, room, objects, catalogue. The same input gives the same bytes.
+"""Rebuild all files in `rlbench_pin/assets`: robots, room, objects, catalogue. The output is byte-identical for the same input.
 
 Usage: python scripts/build_assets.py [--out FOLDER] [--only objects|panda|ur5e|...] [--family NAME ...] [--airo FOLDER]
-`--family` rebuilds the named families alone and leaves the catalogue as it is; run without it before committing.
-Objects need numpy and scipy alone; arms need Pinocchio and example-robot-data, too, and take a minute or a few each. The UR5e
-is made from the wheel of airo-models 0.0.12, installed or unpacked in the folder of `--airo`; without it that arm stays as it is.
+`--family` rebuilds only the named families and does not change the catalogue; run without it before a commit.
+Objects need only numpy and scipy; arms also need Pinocchio and example-robot-data, and take some minutes each. The UR5e
+is built from the wheel of airo-models 0.0.12, installed or in the folder of `--airo`; without it the arm is not changed.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def build_arm(name: str, out: Path, airo: Path | None) -> None:
         else:
             getattr(module, f"build_{name}")(out)
     except SourceMissing as error:
-        print(f"{name} stays as it is. {error}", file=sys.stderr)
+        print(f"{name} is not changed. {error}", file=sys.stderr)
 
 
 def replace_folder(new: Path, old: Path) -> None:

@@ -28,7 +28,7 @@ def main() -> int:
     parser.add_argument(
         "--out", type=Path, default=ROOT / "out", help="folder of the sources, `docs_src`, and of the site, `docs`"
     )
-    parser.add_argument("--jobs", default="auto", help="processes of Sphinx")
+    parser.add_argument("--jobs", default="auto", help="number of Sphinx processes")
     options = parser.parse_args()
     out = options.out.resolve()
     source, site, rendered = out / "docs_src", out / "docs", out / "docs_markdown"

@@ -1,7 +1,7 @@
 """Check every arm of the catalogue as `rlbench-pin arm check` does, time its resets, and write docs/results/arm_checks.md.
 
 Usage: python scripts/check_arms.py [--actions 50000] [--resets 5] [--out docs/results/arm_checks.md]
-Takes about half an hour of one core; times are those of the processor.
+This takes about half an hour on one core; times are processor times.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def main() -> None:
     """Check all arms and write the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--actions", type=int, default=50_000, help="random actions of each arm through the safety filter")
-    parser.add_argument("--resets", type=int, default=5, help="resets of each task and arm")
+    parser.add_argument("--resets", type=int, default=5, help="number of resets of each task and arm")
     parser.add_argument("--out", type=Path, default=ROOT / "docs" / "results" / "arm_checks.md", help="page to write")
     options = parser.parse_args()
     arms = list(SUPPORTED_ROBOTS)

@@ -1,4 +1,4 @@
-"""Compare two checkouts of this repository, or two interpreters: neither must change what the package computes.
+"""Compare two checkouts of this repository, or two interpreters; the package must compute the same results with both.
 
     python scripts/compare_behaviour.py OLD NEW                        # everything, hours on two cores
     python scripts/compare_behaviour.py OLD NEW --tasks open_drawer --sections tasks cameras
@@ -6,7 +6,7 @@
     python3.13 scripts/compare_behaviour.py --record new.json          # tasks and cameras, with this interpreter
     python scripts/compare_behaviour.py old.json new.json --out docs/results/interpreters.json
 
-Each section runs once in each checkout, in a process of its own, with the interpreter of `CHECKOUT/.venv` where there is one:
+Each section runs once in each checkout, in its own process, with the interpreter of `CHECKOUT/.venv` if it exists:
 
 * tasks: SHA-256 of reset observations, demonstrations and world states, every task, several seeds
 * cameras: SHA-256 of demonstrations with five cameras, six tasks
@@ -16,11 +16,11 @@ Each section runs once in each checkout, in a process of its own, with the inter
 * times: processor time of import, step, reset and demonstration, measured in turns
 
 `--renamed` names a JSON file with the intended changes: `{"keys": {"old": "new"}, "names": {"package.Old": "package.New"}}`.
-The exit code is 0 when nothing differs. Times are printed and never change the exit code.
+The exit code is 0 if all results are equal. Times are printed and do not change the exit code.
 
-`--record` writes the hashes of one seed of each task to a JSON file; a stopped run goes on.
-Two such files are compared instead of two checkouts.
-`--out` writes the hashes of OLD and, for each interpreter compared with it, what differs. This file may be OLD for a third one.
+`--record` writes the hashes of one seed of each task to a JSON file; an interrupted run resumes.
+Two such files can be compared instead of two checkouts.
+`--out` writes the hashes of OLD and, for each compared interpreter, the differences. This file may be OLD for a third one.
 """
 
 from __future__ import annotations
@@ -186,7 +186,7 @@ def record(out: Path, tasks: list[str]) -> None:
     if out.exists():
         hashes = json.loads(out.read_text(encoding="utf-8"))
         if hashes.pop("runs") != [run]:
-            raise SystemExit(f"{out} was recorded with another interpreter or other versions. Delete it, or name another file.")
+            raise SystemExit(f"{out} was recorded with another interpreter or other versions. Delete it, or pass another file.")
     for name in tasks:
         if f"{name} 0 reset" not in hashes["tasks"]:
             for section in RECORDED:
@@ -340,15 +340,15 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("old", type=Path, nargs="?", help="checkout before the change, or a file of `--record`")
     parser.add_argument("new", type=Path, nargs="?", help="checkout after the change, or a file of `--record`")
-    parser.add_argument("--record", type=Path, metavar="FILE", help="write what this interpreter gives, and compare nothing")
+    parser.add_argument("--record", type=Path, metavar="FILE", help="write the hashes of this interpreter, without a comparison")
     parser.add_argument("--out", type=Path, help="JSON file for the comparison of two files")
     parser.add_argument("--sections", nargs="+", choices=SECTIONS, default=SECTIONS)
-    parser.add_argument("--tasks", nargs="+", help="names of tasks; all of the old checkout when not given")
+    parser.add_argument("--tasks", nargs="+", help="names of tasks (default: all of the old checkout)")
     parser.add_argument("--seeds", type=int, default=3, help="seeds of each task")
     parser.add_argument("--rounds", type=int, default=5, help="pairs of time measurements")
     parser.add_argument("--repeats", type=int, default=10, help="resets of each timed task in one measurement")
     parser.add_argument("--renamed", type=Path, help="JSON file with intended changes of keys and names")
-    parser.add_argument("--shown", type=int, default=40, help="differences that are printed")
+    parser.add_argument("--shown", type=int, default=40, help="maximum number of printed differences")
     args = parser.parse_args()
     if args.record:
         from rlbench_pin.tasks import library_names
@@ -356,7 +356,7 @@ def main() -> int:
         record(args.record, args.tasks or list(library_names()))
         return 0
     if args.old is None or args.new is None:
-        parser.error("two checkouts, or two files of `--record`, are needed")
+        parser.error("pass two checkouts, or two files of `--record`")
     old, new = args.old.resolve(), args.new.resolve()
     if old.is_file() and new.is_file():
         return int(compare_records(old, new, args.shown, args.out) > 0)

@@ -1,4 +1,4 @@
-"""Draw docs/images/sheets/: the events of a demonstration of every task, and docs/images/looks.jpg of appearance settings.
+"""Draw docs/images/sheets/: the events of a demonstration of each task, and docs/images/looks.jpg: appearance settings.
 
 Usage: python scripts/contact_sheets.py [TASK ...] [--variation N] [--seed N] [--robot NAME]
 With another arm than the Panda the sheets are smaller, and docs/images/arms/NAME_TASK.jpg.

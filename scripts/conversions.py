@@ -1,9 +1,10 @@
 """Replay demonstrations of each arm with every other arm, and write docs/results/conversions.json and .md.
 
 Usage: python scripts/conversions.py [TASK ...] [--robots NAME ...] [--episodes 5] [--workers 2] [--out docs/results]
-A cell is the share of demonstrations of the first arm that succeed when the tip of the second arm follows the same poses, from
-the same scene (`convert_demo`). Finished demonstrations are kept in out/conversions/trials.jsonl: the same command goes on where
-it was stopped; what depends on files that have changed is played again. `--report` writes what there is, and plays nothing.
+A cell is the fraction of demonstrations of the first arm that succeed when the tip of the second arm follows the same poses, in
+the same scene (`convert_demo`). Finished demonstrations are stored in out/conversions/trials.jsonl: the same command resumes
+after an interruption; demonstrations that depend on changed files are repeated. `--report` writes the present results, and
+plays nothing.
 """
 
 from __future__ import annotations
@@ -219,7 +220,7 @@ def _count(found: Mapping[str, object] | None) -> str:
 def main() -> None:
     """Play what is missing, and write the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("tasks", nargs="*", default=TASKS, help="ten when none is named")
+    parser.add_argument("tasks", nargs="*", default=TASKS, help="names of tasks (default: ten tasks)")
     parser.add_argument("--robots", nargs="+", default=list(SUPPORTED_ROBOTS), help="all when none is named")
     parser.add_argument("--episodes", type=int, default=5, help="demonstrations of each arm and task")
     parser.add_argument("--workers", type=int, default=2, help="processes")

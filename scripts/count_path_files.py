@@ -1,6 +1,6 @@
-"""Count the files of the package that one step, one waypoint of a demonstration and one evaluated action pass through.
+"""Count the files of the package that one step, one waypoint of a demonstration and one evaluated action use.
 
-These are the paths of docs/architecture.md. A file counts when a function of it is called in this process:
+These are the paths of docs/architecture.md. A file is counted if one of its functions is called in this process:
 
 * step: from the call of `TaskEnvironment.step` to its return;
 * waypoint: from the start of one segment of a demonstration to the start of the next;

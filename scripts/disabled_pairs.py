@@ -1,4 +1,4 @@
-"""Write the SRDF of an arm beside its URDF: the pairs of links whose collisions are ignored. The same input gives the same bytes.
+"""Write the SRDF of an arm next to its URDF: the pairs of links whose collisions are ignored. The output is deterministic.
 
 Usage: python scripts/disabled_pairs.py ARM_URDF
 """

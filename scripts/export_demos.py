@@ -2,8 +2,8 @@
 
     python scripts/export_demos.py --out out/export --tasks reach_target pick_and_lift --episodes 4 --workers 2
 
-It records (or resumes), verifies, reads one episode lazily, and writes the same data as a LeRobotDataset (when pyarrow is
-there), a robomimic file per task, and RLBench-style folders. Run it again: what is recorded is found, not made again.
+It records (or resumes), verifies, reads one episode lazily, and writes the same data as a LeRobotDataset (if pyarrow is
+installed), a robomimic file per task, and RLBench-style folders. A second run uses the recorded episodes.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def main() -> None:
 
 def _export(name: ExportFormat, root: Path, out: Path, tasks: tuple[str, ...] = ()) -> None:
     if out.exists():
-        print(f"{out} is there already")
+        print(f"{out} already exists")
         return
     try:
         print(f"wrote {export_dataset(name, root, out, tasks=tasks)}")
@@ -62,7 +62,7 @@ def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=Path, default=Path("out/export"))
     parser.add_argument("--tasks", nargs="+", default=["reach_target", "pick_and_lift"])
-    parser.add_argument("--episodes", type=int, default=4, help="of each task")
+    parser.add_argument("--episodes", type=int, default=4, help="number of episodes of each task")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--image-size", type=int, default=96, help="width and height of the images [px]")
     parser.add_argument("--workers", type=int, default=2)

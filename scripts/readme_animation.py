@@ -1,7 +1,7 @@
-"""Draw all tasks of the library side by side: a film of their demonstrations, and a sheet of their ends.
+"""Draw all tasks of the library side by side: a video of their demonstrations, and an image of their final states.
 
-Usage: python scripts/readme_animation.py [TASK ...] [--out FILE.webp]    docs/images/tasks.webp, and tasks.jpg beside it
-All tasks take as long in the film, so that they do not go at the same speed; the last moment stands still for a while.
+Usage: python scripts/readme_animation.py [TASK ...] [--out FILE.webp]    docs/images/tasks.webp, and tasks.jpg next to it
+All tasks have the same duration in the video, so their speeds differ; the last frame is held for a moment.
 """
 
 from __future__ import annotations

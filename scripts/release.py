@@ -1,9 +1,9 @@
-"""Build wheel and sdist of a version into dist/, after everything that a release needs is checked.
+"""Build wheel and sdist of a version into dist/, after the checks of a release.
 
     python scripts/release.py
 
-It refuses and names the reasons when the working tree is dirty, when the version differs between files, when CHANGELOG.md has no
-section for it, or when a generated page or table is older than the code. The last check takes minutes.
+It stops with the reasons if the working tree is dirty, the version differs between files, CHANGELOG.md has no section for
+the version, or a generated page or table is older than the code. The last check takes minutes.
 """
 
 from __future__ import annotations

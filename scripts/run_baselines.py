@@ -1,7 +1,8 @@
 """Play all baselines and write docs/results/baselines/, the tables and the learning curves of docs/baselines.md.
 
-`make baselines` calls it. Hours on two cores. Whatever stops it, the same command goes on: recordings, trainings and
-evaluations resume, and what is finished is read. Named rows are played alone. It wants the extras `learn`, `rl` and `classical`.
+`make baselines` calls it. It takes hours on two cores. Run the same command to resume after an interruption: recordings,
+trainings and evaluations continue, and finished results are read. With names of rows, only these are played. It needs the
+extras `learn`, `rl` and `classical`.
 """
 
 from __future__ import annotations
@@ -75,7 +76,7 @@ class Run:
                 code = subprocess.run(program, stdout=file, stderr=subprocess.STDOUT, check=False).returncode
             if code != 0:
                 raise SystemExit(
-                    f"`rlbench-pin {' '.join(words)}` ended with {code}; '{log}' has what it said. The same command goes on."
+                    f"`rlbench-pin {' '.join(words)}` ended with {code}; '{log}' has its output. Run the same command to resume."
                 )
             self._done.add(command)
         bar.update()
@@ -95,7 +96,7 @@ def main() -> int:
     parser.add_argument("--jobs", type=int, default=2, help="worker processes (default: %(default)s)")
     arguments = parser.parse_args()
     if unknown := [name for name in arguments.rows if name not in known]:
-        parser.error(f"there is no row {', '.join(unknown)}; there are {', '.join(known)}")
+        parser.error(f"there is no row {', '.join(unknown)}; choose from {', '.join(known)}")
     chosen = [known[name] for name in arguments.rows or known]
     run = Run(arguments.out, arguments.jobs)
     with tqdm(total=sum(1 for row in chosen for _ in commands(row)), unit="command", dynamic_ncols=True) as bar:

@@ -3,7 +3,7 @@
 Usage: python scripts/task_statistics.py [TASK ...]
 Writes docs/results/demo_lengths.json and .png (mean length of five demonstrations of the first variation, sorted) and
 docs/results/words.json and .png (how often each content word occurs in all sentences of all variations).
-Tasks that demo_lengths.json already has are not measured again, unless they are named.
+Tasks in demo_lengths.json are not measured again, unless they are named on the command line.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ def write(path: Path, content: Mapping[str, Any]) -> None:
 def main() -> None:
     """Measure what is missing or named, and draw both figures."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("tasks", nargs="*", help="tasks to measure again; by default those that have no length yet")
+    parser.add_argument("tasks", nargs="*", help="tasks to measure again (default: tasks without a length)")
     named = parser.parse_args().tasks
     file = RESULTS / "demo_lengths.json"
     known: dict[str, list[int]] = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}

@@ -1,10 +1,10 @@
-"""Turn the hand's poses in scene files by 180 degrees about the hand's z, as the tip frame was turned on 2026-11-22.
+"""Rotate tip poses in scene files by 180 degrees about the z axis of the tip, like the tip frame on 2026-11-22.
 
-Scene files from before name tip poses in the old frame. The script rewrites waypoints, and what hangs on them, so that the
-hand goes where it went; comments and everything else stay. Run it once per file.
+Older scene files have tip poses in the old frame. The script rewrites waypoints and their children, so that the
+gripper moves to the same poses; it does not change comments and other entries. Run it once per file.
 
 Usage: python scripts/turn_tip_frame.py [--frames PREFIX ...] FILE.toml ...
-`--frames grasp_ drop_` turns the frames of these prefixes as well: poses of the hand that waypoints are moved to.
+`--frames grasp_ drop_` also rotates the frames with these prefixes, which are target poses of waypoints.
 """
 
 from __future__ import annotations
@@ -126,7 +126,7 @@ def main(arguments: Sequence[str]) -> int:
     """Rewrite the files of the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("files", nargs="+", type=Path)
-    parser.add_argument("--frames", nargs="*", default=[], help="prefixes of frames that are poses of the hand")
+    parser.add_argument("--frames", nargs="*", default=[], help="prefixes of frames that are poses of the gripper")
     options = parser.parse_args(arguments)
     for file in options.files:
         turn_file(file, options.frames)

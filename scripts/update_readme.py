@@ -1,7 +1,7 @@
 """Write the pages that are generated from docs/results/: demo_success.md, benchmarks.md, and a summary in README.md.
 
-`make sweep` measures docs/results/demo_success.json; docs/results/benchmarks.json is a copy of what `make bench` wrote.
-With `--check` nothing is written; it only says whether they fit.
+`make sweep` measures docs/results/demo_success.json; docs/results/benchmarks.json is a copy of the output of `make bench`.
+With `--check` nothing is written; it only reports whether the pages are up to date.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ def replace_part(text: str, name: str, content: str) -> str:
     begin, end = f"<!-- generated: {name} -->", f"<!-- /generated: {name} -->"
     pattern = re.compile(re.escape(begin) + ".*?" + re.escape(end), re.DOTALL)
     if len(pattern.findall(text)) != 1:
-        raise SystemExit(f"The document needs exactly one part between '{begin}' and '{end}'.")
+        raise SystemExit(f"The document has to contain exactly one part between '{begin}' and '{end}'.")
     return pattern.sub(lambda _: f"{begin}\n{content}\n{end}", text)
 
 
@@ -113,7 +113,7 @@ def main() -> int:
     outdated = []
     for document, marker, results, text in PARTS:
         if not (RESULTS / results).is_file():
-            print(f"no docs/results/{results}, so {document} stays as it is", file=sys.stderr)
+            print(f"no docs/results/{results}, so {document} is not changed", file=sys.stderr)
             continue
         file = ROOT / document
         before = file.read_text(encoding="utf-8") if file.is_file() else ""

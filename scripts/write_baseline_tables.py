@@ -1,6 +1,6 @@
 """Write the tables of docs/baselines.md and docs/results/baselines.md from docs/results/baselines/, which `make baselines` plays.
 
-With `--check` nothing is written; it only says whether the pages are out of date.
+With `--check` nothing is written; it only reports whether the pages are out of date.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Write the table of docs/deviations.md from the `[[deviation]]` entries of the library's scenes.
 
-The prose around it is written by hand. With `--check` nothing is written; it only says whether the page is out of date.
+The text around it is handwritten. With `--check` nothing is written; it only reports whether the page is out of date.
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
 """Write docs/results/factors.md: what factors of generalisation cost a policy.
 
-`python scripts/write_factor_results.py FILE...` takes the profiles of results files into docs/results/factors.json, in place of
+`python scripts/write_factor_results.py FILE...` adds the profiles of results files to docs/results/factors.json, replaces
 earlier ones of the same policy and the same settings, and writes the page. Files of one policy and commit with the same
-episodes make one table.
+episodes form one table.
 Without files it writes the page from factors.json.
-With `--check` nothing is written; it only says whether the page is out of date.
+With `--check` nothing is written; it only reports whether the page is out of date.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Write the table of docs/factors.md from the catalogue, and with `--images` also docs/images/factors.jpg.
 
-With `--check` nothing is written; it only says whether the table is out of date.
+With `--check` nothing is written; it only reports whether the table is out of date.
 """
 
 from __future__ import annotations

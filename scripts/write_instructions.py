@@ -1,6 +1,6 @@
-"""Write docs/results/instructions.md: every sentence of every variation of the library, for review.
+"""Write docs/results/instructions.md: all instructions of all variations of the library, for review.
 
-With `--check` nothing is written; it only says whether the page is out of date.
+With `--check` nothing is written; it only reports whether the page is out of date.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ def _begin(task: Task, variation: int) -> None:
             return
         except BoundaryError:
             continue
-    raise SystemExit(f"{task.get_name()}, variation {variation}: {DRAWS} draws in a row found no place.")
+    raise SystemExit(f"{task.get_name()}, variation {variation}: {DRAWS} successive draws found no placement.")
 
 
 def page() -> str:

@@ -1,7 +1,7 @@
 """Write docs/leaderboard.md: a table for each protocol, from the results files of docs/results/submissions/.
 
-Baselines of docs/results/baselines/ that follow a protocol are listed, too. A file that does not belong on the page is an error.
-With `--check` nothing is written; it only says whether the page is out of date.
+Baselines of docs/results/baselines/ that follow a protocol are listed too. A file that does not qualify is an error.
+With `--check` nothing is written; it only reports whether the page is out of date.
 """
 
 from __future__ import annotations

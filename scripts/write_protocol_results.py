@@ -1,8 +1,8 @@
-"""Write docs/results/protocols.md: what policies reach by the published protocols, in the order of the published tables.
+"""Write docs/results/protocols.md: results of policies by the published protocols, in the order of the published tables.
 
-`python scripts/write_protocol_results.py FILE...` takes the rows of results files into docs/results/protocols.json, in place of
+`python scripts/write_protocol_results.py FILE...` adds the rows of results files to docs/results/protocols.json, replaces
 earlier ones of the same policy and protocol, and writes the page. Without files it writes the page from protocols.json.
-With `--check` nothing is written; it only says whether the page is out of date.
+With `--check` nothing is written; it only reports whether the page is out of date.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Write the hashes of the initial states of a protocol's test episodes into its file: `write_protocol_states.py peract18`.
 
-With `--check` nothing is written; it only says for which tasks the hash in the file is another. `--tasks` limits the tasks.
+With `--check` nothing is written; it only reports the tasks whose hash in the file differs. `--tasks` limits the tasks.
 """
 
 from __future__ import annotations

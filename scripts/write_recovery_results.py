@@ -1,8 +1,8 @@
 """Play recovery demonstrations of every task, and write docs/results/recovery.json and recovery.md.
 
-`python scripts/write_recovery_results.py --episodes 3 --workers 2` goes on where it was interrupted, at the same commit.
-With `--film` it only draws docs/images/recovery.webp: a push, two slips and a stop. A red bar marks the disturbance, a green one
-the recovery.
+`python scripts/write_recovery_results.py --episodes 3 --workers 2` resumes after an interruption, at the same commit.
+With `--film` it only draws the video docs/images/recovery.webp: a push, two slips and a stop. A red bar marks the disturbance, a
+green bar the recovery.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def play(task: str, episodes: int) -> Outcomes:
             for episode in range(episodes):
                 variation = episode % running.variation_count()
                 outcome = running.try_demo(seed=FIRST_SEED + episode, variation=variation, record=False, disturb=(kind,))
-                if "No moment was found" not in outcome.cause:
+                if "No segment of the demonstration allows" not in outcome.cause:
                     outcomes.append(outcome.cause)
             found[kind] = outcomes
     return found
@@ -140,7 +140,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--episodes", type=int, default=3, help="episodes of each task and disturbance")
     parser.add_argument("--workers", type=int, default=2, help="worker processes")
-    parser.add_argument("--film", action="store_true", help="draw the film only")
+    parser.add_argument("--film", action="store_true", help="draw only the video")
     options = parser.parse_args()
     if options.film:
         film()

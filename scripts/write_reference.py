@@ -1,7 +1,7 @@
-"""Write what is generated in the pages of docs/reference/, from the code that they describe.
+"""Write the generated parts of the pages in docs/reference/, from the code that they describe.
 
-The prose around the generated parts is written by hand in the pages themselves. With `--check` nothing is written; it only
-says which pages are out of date.
+The text around the generated parts is handwritten in the pages. With `--check` nothing is written; it only
+reports which pages are out of date.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Write the tables of docs/results_files.md: how wide intervals are, and how many episodes a difference needs.
+"""Write the tables of docs/results_files.md: widths of confidence intervals, and numbers of episodes to detect a difference.
 
-The prose around them is written by hand. With `--check` nothing is written; it only says whether the page is out of date.
+The text around them is handwritten. With `--check` nothing is written; it only reports whether the page is out of date.
 """
 
 from __future__ import annotations

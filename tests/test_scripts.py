@@ -97,7 +97,7 @@ def test_export_demos(tmp_path: Path) -> None:
     assert (tmp_path / "lerobot").is_dir() == (importlib.util.find_spec("pyarrow") is not None)
     again = export(tmp_path)
     assert "0 recorded now, 2 found, 0 missing" in again
-    assert f"{tmp_path / 'rlbench'} is there already" in again
+    assert f"{tmp_path / 'rlbench'} already exists" in again
     assert "wrote" not in again
     assert len(stored_demos(tmp_path / "dataset", TASK, -1, -1, random_selection=False)) == 2
 

@@ -1,6 +1,6 @@
 """A policy for reach_target: the tip goes straight to the ball. Evaluate it as `my_policy.py:GoThere`, from this folder.
 
-What to look for: it declares its action mode and its observations; all else is up to it.
+What to look for: the policy declares its action mode and its observations.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from rlbench_pin.evaluation import PolicyContext
 
 
 class GoThere:
-    """Tip velocities towards the ball [m/s]; `gain` is the share of the way to cover per second [1/s]."""
+    """Tip velocities towards the ball [m/s]; `gain` is the fraction of the distance to cover per second [1/s]."""
 
     def __init__(self, gain: float = 3.0) -> None:
         self.gain, self.action_mode = gain, MoveArmThenGripper(EndEffectorVelocity(), Discrete())

@@ -1,9 +1,9 @@
-"""A checkpoint of LeRobot, from LeRobot's own environment: `python serve_lerobot.py FOLDER unix:/tmp/policy.sock`.
+"""Serve a LeRobot checkpoint from the Python environment of LeRobot: `python serve_lerobot.py FOLDER unix:/tmp/policy.sock`.
 
 That environment needs `pip install msgpack`; `policy_server.py` and `lerobot_directory.py` of rlbench_pin are next to this file.
 FOLDER is `pretrained_model` of a checkpoint, trained on an export of `rlbench-pin dataset export lerobot`.
 
-What to look for: images come from the cameras and in the size that the checkpoint says.
+What to look for: the checkpoint defines the cameras and the image size.
 """
 
 from __future__ import annotations

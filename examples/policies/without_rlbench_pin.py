@@ -1,4 +1,4 @@
-"""The same policy, in an environment that has numpy and msgpack alone: `python without_rlbench_pin.py unix:/tmp/policy.sock`.
+"""The same policy in an environment with only numpy and msgpack: `python without_rlbench_pin.py unix:/tmp/policy.sock`.
 
 `policy_server.py` is next to this file; rlbench_pin has it in `rlbench_pin/evaluation/policies/`. With rlbench_pin installed
 evaluates `unix:/tmp/policy.sock`, until Ctrl-C ends this here.

@@ -1,1 +1,1 @@
-"""Baselines: small policies and learners that show the scale."""
+"""Baselines: small policies and learners as references for results."""

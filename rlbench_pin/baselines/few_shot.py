@@ -63,7 +63,7 @@ COLOUR = 0.06
 KEPT = 0.8
 """Share of the nearest neighbours that count; the others are hidden in one of the scenes."""
 FAR = 0.05
-"""Distances beyond are no worse [m]."""
+"""Upper bound of distances [m]."""
 TURNS = np.linspace(-np.pi, np.pi, 24, endpoint=False)
 """Turns that are tried [rad]."""
 SHIFTS = [(x, y) for x in np.linspace(-0.2, 0.2, 5) for y in np.linspace(-0.2, 0.2, 5)]
@@ -84,7 +84,7 @@ STEPS = 20
 
 @dataclass(frozen=True)
 class PlanarMotion:
-    """A turn about the vertical axis of the world, then a shift: from the demonstration's scene to the other."""
+    """A rotation about the vertical axis of the world, then a translation, from the scene of the demonstration to another."""
 
     yaw: float = 0.0
     """[rad]"""
@@ -119,7 +119,7 @@ class PlanarMotion:
 
 @dataclass(frozen=True)
 class Match:
-    """A motion, and how well it fits."""
+    """A motion and its registration error."""
 
     motion: PlanarMotion
     cost: float
@@ -237,7 +237,7 @@ CONSIDERED = 4
 
 
 def nearest_config() -> ObservationConfig:
-    """Return what the learner observes: colours and points of four cameras, and the arm."""
+    """Return the observation settings of the learner: colours and points of four cameras, and the arm."""
     config = blank_observations()
     config.gripper_open = config.gripper_pose = config.joint_velocities = config.joint_poses = True
     for name in CAMERAS:
@@ -269,10 +269,10 @@ class Shown:
 
 
 class Nearest:
-    """Remembers demonstrations; practises nothing.
+    """A few-shot learner that stores demonstrations, without training.
 
     Args:
-        local: Whether parts of the scene are looked for apart; otherwise it moves as a whole.
+        local: Register parts of the scene separately; otherwise the scene as a whole.
     """
 
     pictures = "first"
@@ -282,22 +282,22 @@ class Nearest:
         self._local = local
 
     def meta_train(self, tasks: Sequence[TrainingTask]) -> None:
-        """Practise nothing."""
+        """Do nothing: this learner is not trained."""
 
     def recall(self, learned: Mapping[str, Any]) -> None:
-        """Nothing was learned."""
+        """Do nothing: this learner has no trained state."""
 
     def adapt(self, demonstrations: Sequence[Demonstration]) -> NearestPolicy:
-        """Remember the demonstrations."""
+        """Store the demonstrations."""
         return NearestPolicy([remembered(demonstration) for demonstration in demonstrations], self._local)
 
 
 class NearestPolicy(KeyFramePolicy):
-    """Replays the key frames of the demonstration that fits best; where that did not help, those of the next one.
+    """Replays the key frames of the best matching demonstration; after a failure, those of the next one.
 
     Args:
         shown: The demonstrations.
-        local: Whether parts of the scene are looked for apart.
+        local: Register parts of the scene separately.
     """
 
     def __init__(self, shown: Sequence[Shown], local: bool) -> None:
@@ -307,12 +307,12 @@ class NearestPolicy(KeyFramePolicy):
         self._next, self._tries, self._tip = 0, 0, np.full(7, np.nan)
 
     def reset(self, instruction: str, context: PolicyContext) -> None:
-        """Begin an episode."""
+        """Start an episode."""
         super().reset(instruction, context)
         self._plans, self._next, self._tries, self._tip = [], 0, 0, np.full(7, np.nan)
 
     def predict(self, observation: Observation, instruction: str) -> KeyFrame:
-        """Return the next key frame. Where the arm has not moved towards the last one, that was refused."""
+        """Return the next key frame. If the arm has not moved towards the last one, that action was invalid."""
         assert observation.gripper_pose is not None
         if not self._plans:
             self._plans = self._looked(observation, instruction)

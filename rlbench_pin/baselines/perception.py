@@ -37,7 +37,7 @@ def arm_surface(arm: RobotModel, q: FloatArray, fingers: FloatArray) -> FloatArr
 PALETTE = {color.name: np.array(color.rgb) for color in COLORS}
 """Colour words and their red, green, blue from 0 to 1."""
 BRIGHT = 75.0
-"""Percentile of brightness of the points that are compared: those that the light falls on."""
+"""Percentile of brightness above which points are compared, to select lit points."""
 
 
 def lit_color(colors: FloatArray) -> FloatArray:
@@ -49,7 +49,7 @@ def lit_color(colors: FloatArray) -> FloatArray:
 
 
 def distances(colors: FloatArray, name: str) -> FloatArray:
-    """Return how far colours (..., 3) are from a named one; light and shade change the brightness, less than the hue."""
+    """Return the distances of colours (..., 3) from a named one; brightness has less weight than hue."""
     wanted = PALETTE[name]
     brightest = colors.max(axis=-1)
     hue = colors / np.maximum(brightest, 0.08)[..., None] - wanted / max(float(wanted.max()), 0.08)
@@ -66,18 +66,18 @@ def name_of(color: FloatArray, names: Sequence[str] = tuple(PALETTE)) -> str:
 SPACING = 0.006
 """Mean distance of points on a surface [m]."""
 MAX_POINTS = 6000
-"""Points of one link at most."""
+"""Maximum number of points of one link."""
 NO_JOINTS: Mapping[str, float] = MappingProxyType({})
 
 
 @dataclass(frozen=True, eq=False)
 class Axis:
-    """Where a joint is, in the frame of the model."""
+    """Axis of a joint in the frame of the model."""
 
     origin: FloatArray
     """A point on the axis (3,) [m]."""
     direction: FloatArray
-    """Unit vector (3,): the axis of a hinge, the way of a slide."""
+    """Unit vector (3,): rotation axis of a hinge, direction of a slide."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +100,7 @@ class KnownModel:
         return _load(urdf)
 
     def points_at(self, joints: Mapping[str, float] = NO_JOINTS) -> FloatArray:
-        """Return the surface of all links at joint values, 0 where none is given, in the frame of the model (n, 3) [m]."""
+        """Return the surface of all links at joint values (default 0) in the frame of the model (n, 3) [m]."""
         return np.concatenate([self.link_points(link, joints) for link in self.surfaces])
 
     def link_points(self, link: str, joints: Mapping[str, float] = NO_JOINTS) -> FloatArray:
@@ -115,7 +115,7 @@ class KnownModel:
         return data.oMf[self.kinematics.getFrameId(link)].copy()
 
     def axis(self, joint: str, joints: Mapping[str, float] = NO_JOINTS) -> Axis:
-        """Return where a joint is."""
+        """Return the axis of a joint."""
         data, number = self.kinematics.createData(), self.kinematics.getJointId(joint)
         q = self._configuration(joints)
         pin.computeJointJacobians(self.kinematics, data, q)
@@ -156,15 +156,15 @@ def _sampled(link: UrdfLink) -> FloatArray:
 
 
 CAMERAS = ("left_shoulder", "right_shoulder", "overhead", "wrist", "front")
-"""The cameras that are looked through."""
+"""Names of the cameras whose images are used."""
 LOWEST, HIGHEST = np.array([-0.1, -0.85, -0.003]), np.array([1.1, 0.85, 0.9])
-"""Corners of the box over the table in which objects are looked for; heights count from the table [m]."""
+"""Corners of the box over the table in which objects are detected; heights are relative to the table [m]."""
 FLAT = 0.003
-"""What is lower than this belongs to the plane of the table [m]."""
+"""Height below which points belong to the plane of the table [m]."""
 OWN = 0.03
-"""Points nearer than this to the arm's own surface are taken for the arm [m]."""
+"""Distance from the surface of the arm below which points belong to the arm [m]."""
 VOXEL = 0.003
-"""One point is kept of each cube of this side [m]."""
+"""Edge of the cubic cells of which each keeps one point [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,11 +180,11 @@ class Cloud:
         return len(self.points)
 
     def where(self, chosen: NDArray[np.bool_] | NDArray[np.int64]) -> Cloud:
-        """Return the points that a mask (n,) or indices choose."""
+        """Return the points that a mask (n,) or indices select."""
         return Cloud(self.points[chosen], self.colors[chosen])
 
     def between(self, low: float, high: float) -> Cloud:
-        """Return what is between two heights over the table [m]."""
+        """Return the points between two heights over the table [m]."""
         height = self.points[:, 2] - TABLE_HEIGHT
         return self.where((height >= low) & (height < high))
 
@@ -202,12 +202,12 @@ class Cloud:
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """What is seen at one instant, taken apart."""
+    """The points of one observation, segmented."""
 
     objects: Cloud
-    """What stands on the table or floats above it."""
+    """Points of objects on or above the table."""
     marks: Cloud
-    """The plane of the table, with what is painted on it."""
+    """Points of the table plane, including markings."""
 
 
 def back_project(depth: FloatArray, intrinsics: FloatArray, extrinsics: FloatArray) -> FloatArray:
@@ -226,11 +226,11 @@ def back_project(depth: FloatArray, intrinsics: FloatArray, extrinsics: FloatArr
 
 
 def look(observation: Observation, arm: RobotModel) -> View:
-    """Return what the cameras of an observation see, merged.
+    """Return the merged points of the cameras of an observation, segmented.
 
     Args:
         observation: Colours and depth [m] of cameras, joint positions, and the positions of the fingers.
-        arm: Model of the arm, to leave out its own points.
+        arm: Model of the arm, to remove its points.
     """
     clouds = [cloud for name in CAMERAS if (cloud := _seen_by(observation, name)) is not None]
     merged = thinned(Cloud(np.concatenate([c.points for c in clouds]), np.concatenate([c.colors for c in clouds])))
@@ -265,13 +265,15 @@ def camera_points(observation: Observation, cameras: Sequence[str]) -> tuple[np.
     """
     pairs = [(getattr(observation, f"{c}_point_cloud", None), getattr(observation, f"{c}_rgb", None)) for c in cameras]
     if any(p is None or c is None for p, c in pairs):
-        raise DatasetError(f"An observation lacks colours or point clouds of one of {list(cameras)}.")
+        raise DatasetError(
+            f"An observation lacks colours or point clouds of one of {list(cameras)}. Record them, or select other cameras."
+        )
     points = np.concatenate([np.asarray(p, dtype=np.float32).reshape(-1, 3) for p, _ in pairs])
     return points, np.concatenate([np.asarray(c, dtype=np.uint8).reshape(-1, 3) for _, c in pairs])
 
 
 def _seen_by(observation: Observation, name: str) -> Cloud | None:
-    """Return what one camera sees in the box over the table; None when it is switched off."""
+    """Return the points of one camera in the box over the table; None if it is disabled."""
     depth, rgb = getattr(observation, f"{name}_depth", None), getattr(observation, f"{name}_rgb", None)
     if depth is None or rgb is None:
         return None
@@ -283,9 +285,9 @@ def _seen_by(observation: Observation, name: str) -> Cloud | None:
 
 
 GAP = 0.012
-"""Points nearer than this to each other belong together [m]."""
+"""Distance below which points belong to one cluster [m]."""
 FEWEST_POINTS = 25
-"""Smaller clusters are dust."""
+"""Minimum number of points of a cluster."""
 
 
 def clusters(cloud: Cloud, gap: float = GAP, fewest: int = FEWEST_POINTS) -> list[Cloud]:
@@ -318,11 +320,11 @@ def _turn(yaw: float) -> FloatArray:
 
 
 HEADINGS = 16
-"""Headings that registration starts from."""
+"""Yaw angles from which registration starts."""
 FARTHEST = 0.03
-"""Distances count at most this much in a fit [m]."""
+"""Upper bound of distances in a fit [m]."""
 POINTS = 1200
-"""Points of the scene that are registered."""
+"""Number of scene points in the registration."""
 SURFACE = 12000
 """Points of the model that they are brought to; with few, neighbours lie on different faces and normals are wrong."""
 STAGES = (0.12, 0.04, 0.015)
@@ -358,13 +360,13 @@ class Located:
 def locate(
     model: KnownModel, cloud: Cloud, states: Iterable[Mapping[str, float]] = (NO_JOINTS,), yaws: int = HEADINGS
 ) -> Located:
-    """Return where an upright model stands on the table.
+    """Return the pose of an upright model on the table.
 
     Args:
-        model: What is looked for.
-        cloud: Its points and nothing else.
-        states: Joint values that it may have.
-        yaws: Headings to start from.
+        model: The model.
+        cloud: Points of the object only.
+        states: Joint values to try.
+        yaws: Yaw angles to start from.
     """
     scene = thinned(cloud, 0.006).points
     scene = scene[:: max(1, len(scene) // POINTS)]
@@ -440,7 +442,7 @@ def _misfit(tree: cKDTree, scene_tree: cKDTree, surface: FloatArray, scene: Floa
 
 
 TABLE = ((1.6, 2.0, 0.1), (0.3, 0.0, TABLE_HEIGHT - 0.05))
-"""Sides and middle of the table [m]."""
+"""Size and centre of the table [m]."""
 
 
 def near(world: WorldSnapshot, point: FloatArray, within: float) -> list[str]:

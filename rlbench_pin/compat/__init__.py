@@ -1,7 +1,7 @@
 """Compatibility with programs written for RLBench: packages `rlbench` and `pyrep` as views on this package.
 
 `install()` makes the names importable; `python -m rlbench_pin.compat program.py` and `RLBENCH_PIN_COMPAT=1 python program.py`
-do the same for an unchanged program. It is never done by default, and refused where the real packages
+do the same for an unchanged program. This is never the default, and it raises an error if the real packages
 are installed. The two packages are in `packages/`, a folder that `install()` appends to the module search path.
 """
 

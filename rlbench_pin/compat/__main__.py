@@ -58,12 +58,12 @@ def _prepare(arguments: Sequence[str]) -> tuple[ModuleType, str | bytes | CodeTy
     first, *rest = arguments
     if first in ("-m", "-c"):
         if not rest:
-            raise NotFound(f"{first} wants a {'module' if first == '-m' else 'text'}; --help says more.")
+            raise NotFound(f"{first} needs a {'module' if first == '-m' else 'text'}. See --help.")
         name, *rest = rest
         module, code = _module(name) if first == "-m" else (_main_module(None, None), name)
         return module, code, rest
     if first.startswith("-"):
-        raise NotFound(f"Unknown option '{first}'; options of python itself stand before -m. --help says more.")
+        raise NotFound(f"Unknown option '{first}'; put options of python before -m. See --help.")
     path = Path(first)
     if path.suffix not in (".py", ".pyw") and (path.is_dir() or path.suffix in (".zip", ".pyz")):
         _search_first(first)

@@ -46,7 +46,7 @@ def assert_action_shape(action: ArrayLike, expected_shape: tuple[int, ...]) -> N
     """Raise InvalidActionError when an action does not have the expected shape."""
     shape = np.shape(action)
     if shape != tuple(expected_shape):
-        raise InvalidActionError(f"The action has shape {shape}; {tuple(expected_shape)} is needed.")
+        raise InvalidActionError(f"The action has shape {shape}; it has to be {tuple(expected_shape)}.")
 
 
 def calculate_delta_pose(robot: Any, action: Sequence[float] | FloatArray) -> FloatArray:

@@ -65,11 +65,11 @@ def world_pose(
         ValueError: Not exactly one of `euler` and `quaternion` is given, or a number is missing or not finite.
     """
     if (euler is None) == (quaternion is None):
-        raise ValueError("Give either `euler` (3 angles) or `quaternion` (x, y, z, w), one of the two.")
+        raise ValueError("Pass either `euler` (3 angles) or `quaternion` (x, y, z, w), but not both.")
     rotation = euler_quaternion(euler) if euler is not None else np.asarray(quaternion, dtype=float)
     pose = np.concatenate([np.asarray(position, dtype=float).reshape(-1), rotation.reshape(-1)])
     if pose.shape != (7,) or not np.isfinite(pose).all() or not np.any(rotation):
-        raise ValueError(f"A pose has 3 finite numbers for the position and 3 or 4 for the rotation, not {pose.tolist()}.")
+        raise ValueError(f"A pose has to be 3 finite numbers for the position and 3 or 4 for the rotation, not {pose.tolist()}.")
     return compose(pose) if relative_to is None else compose(np.asarray(relative_to.get_pose(), dtype=float), pose)
 
 

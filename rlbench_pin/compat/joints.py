@@ -23,7 +23,7 @@ Numbers = Sequence[float] | FloatArray
 
 @dataclass
 class Requested:
-    """Motor requests of a program that our world has no equivalent for."""
+    """Motor commands of a program that have no equivalent in this simulator."""
 
     velocities: FloatArray
     """Target velocities (n,)."""
@@ -35,7 +35,7 @@ def _vector(numbers: Numbers, size: int, what: str) -> FloatArray:
     """Return `size` finite numbers, or raise ValueError."""
     values = np.array(numbers, dtype=float)
     if values.shape != (size,) or not np.isfinite(values).all():
-        raise ValueError(f"{what}: {size} finite numbers are needed, not {numbers!r}.")
+        raise ValueError(f"{what} have to be {size} finite numbers, not {numbers!r}.")
     return values
 
 
@@ -73,7 +73,7 @@ class ArmMotors:
         return self._runtime.robot.velocity_limits.copy()
 
     def teleport(self, positions: Numbers) -> None:
-        """Put the joints at positions, at rest; grasped bodies move with the gripper."""
+        """Set the joint positions, at rest; grasped bodies move with the gripper."""
         runtime = self._runtime
         runtime.robot.reset_configuration(np.asarray(positions, dtype=float))
         hand = runtime.robot.link_pose(runtime.description.hand_link)
@@ -86,7 +86,7 @@ class ArmMotors:
         return control.target.copy() if control.mode == "position" else self.positions()
 
     def set_target_positions(self, positions: Numbers) -> None:
-        """Go to positions, under position control from now on."""
+        """Set target positions, and switch to position control."""
         self._runtime.robot.set_position_targets(np.asarray(positions, dtype=float))
 
     def target_velocities(self) -> FloatArray:
@@ -94,18 +94,18 @@ class ArmMotors:
         return self._requested.velocities.copy() if not self.control_loop() else np.zeros(self._runtime.model.size)
 
     def set_target_velocities(self, velocities: Numbers) -> None:
-        """Turn the joints at velocities, under velocity control from now on.
+        """Set target velocities, and switch to velocity control.
 
-        Velocities beyond a joint's limit together with capped forces mean torques; see `set_forces`.
+        Velocities beyond the limit of a joint with force limits select torque control; see `set_forces`.
         """
         self._requested.velocities = _vector(velocities, self._runtime.model.size, "joint velocities")
         self._drive()
 
     def set_forces(self, forces: Numbers) -> None:
-        """Cap the motors' torques.
+        """Limit the motor torques.
 
-        A cap counts where the velocity that was requested is beyond the joint's limit: then it is the torque that acts, towards
-        that velocity. Motors that follow positions or reachable velocities use the force that they need.
+        A limit applies only if the requested velocity is beyond the limit of the joint: then it is the applied torque, in the
+        direction of that velocity. Motors that follow positions or reachable velocities use the force that they need.
         """
         self._requested.forces = np.abs(_vector(forces, self._runtime.model.size, "joint forces"))
         if not self.control_loop():
@@ -260,7 +260,7 @@ class BodyJointDrive:
         self._joint.set_lock(float(np.clip(position, *self.limits)))
 
     def target_velocity(self) -> float:
-        """0: joints of objects have no motors that turn."""
+        """0: joints of objects have no velocity motors."""
         return 0.0
 
     def set_target_velocity(self, velocity: float) -> None:
@@ -268,7 +268,7 @@ class BodyJointDrive:
         if velocity != 0.0:
             raise UnsupportedCall(
                 f"set_joint_target_velocity({velocity}) of '{self._joint.name}'",
-                "joints of objects have no motors that turn.",
+                "joints of objects have no velocity motors.",
                 "Call `set_joint_position` or `set_joint_target_position` in `step()`, or give the joint a spring.",
             )
         self._joint.lock()

@@ -1,7 +1,7 @@
-"""Tasks written in the paper's style, run as tasks of ours.
+"""Tasks with the API of RLBench, adapted to tasks of rlbench_pin.
 
-`adapter_of` makes a native class from a user's class. The native task calls the user's object for all methods that a task
-file may override; methods that the user did not override return to the native task.
+`adapter_of` creates a native class from the class of a user. The native task calls the user's object for all methods that a
+task file may override; methods that the user did not override call the native task.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ class PaperTask(Task):
         """
         if self._user is None:
             raise TaskError(
-                f"Task '{self.get_name()}' has a world but no object of {self.user_class.__name__}. "
+                f"Task '{self.get_name()}' has a world, but no object of {self.user_class.__name__}. "
                 "Load it with `Environment.get_task(...)` or `Scene.load(...)` of the package `rlbench`."
             )
         return cast("UserTask", self._user.owner)

@@ -1,7 +1,7 @@
 """The simulator that all views refer to, and the runtime of a scene.
 
-Users of these names expect one simulator per process, and find objects by their names. All code that steps or observes a scene's
-runtime goes through the scene, so that subclasses of the scene can override it.
+Programs for RLBench expect one simulator per process, and look up objects by name. All code that steps or observes the
+runtime of a scene calls methods of the scene, so that subclasses of the scene can override them.
 """
 
 from __future__ import annotations
@@ -25,16 +25,16 @@ from rlbench_pin.tasks import Task
 
 
 class Simulator:
-    """One arm, and the world of the task that is loaded; before the first task an empty table.
+    """One arm, and the world of the loaded task; before the first task an empty table.
 
     Args:
         robot: Name of the arm.
 
     Attributes:
         model: Analytic model of the arm.
-        runtime: World, task and planner that views refer to; another one after every `load`.
-        objects: Names, handles and parents of everything in that world.
-        planning: Settings of the planners that are built from now on.
+        runtime: World, task and planner that views refer to; each `load` replaces it.
+        objects: Names, handles and parents of all objects in that world.
+        planning: Settings of planners that are created later.
     """
 
     running: ClassVar[Simulator | None] = None
@@ -53,15 +53,15 @@ class Simulator:
         """Return the simulator of this process.
 
         Raises:
-            RuntimeError: Nothing is launched.
+            RuntimeError: No simulator is launched.
         """
         if cls.running is None:
-            raise RuntimeError("No simulator runs. Call `Environment.launch()` or `PyRep().launch()` first.")
+            raise RuntimeError("No simulator is running. Call `Environment.launch()` or `PyRep().launch()` first.")
         return cls.running
 
     @classmethod
     def make_current(cls, simulator: Simulator | None) -> None:
-        """Let views refer to `simulator` from now on; programs with several environments switch between theirs."""
+        """Make views refer to `simulator`; programs with several environments switch between them."""
         Simulator.running = simulator
 
     @property
@@ -76,7 +76,7 @@ class Simulator:
         attach_grasped_objects: bool = True,
         kind: type[RuntimeT] = Runtime,  # type: ignore[assignment]
     ) -> RuntimeT:
-        """Build the world of a task in place of the present one; the runtime is of class `kind`."""
+        """Build the world of a task and replace the present one; the runtime has the class `kind`."""
         runtime = build_runtime(
             task,
             self.model,
@@ -91,11 +91,11 @@ class Simulator:
         return runtime
 
     def unload(self) -> None:
-        """Go back to the empty table."""
+        """Replace the present world by an empty table."""
         self.load(EmptyTable, ObservationConfig())
 
     def close(self) -> None:
-        """Free the world."""
+        """Close the world."""
         self.runtime.world.close()
         if Simulator.running is self:
             Simulator.running = None
@@ -116,20 +116,20 @@ class SceneMethods(Protocol):
         """Advance one control tick."""
 
     def get_observation(self) -> Observation:
-        """Observe without stepping."""
+        """Return an observation without a simulation step."""
 
     def check_target_in_workspace(self, pos: FloatArray) -> bool:
         """Whether a target (3,) [m] may be reached for."""
 
     def prepare(self) -> None:
-        """Called when an episode is about to be laid out and the world is as it was built."""
+        """Prepare an episode; called before its objects are placed, in the original world."""
 
     def place(self, rng: np.random.Generator) -> None:
         """Put the task at a random place on the table, drawn from `rng`."""
 
 
 class SceneRuntime(Runtime):
-    """A runtime for one scene. Native code and programs call the same methods of the scene."""
+    """A runtime for one scene. Code of this package and programs call the same methods of the scene."""
 
     _scene: SceneMethods | None = None
 
@@ -149,7 +149,7 @@ class SceneRuntime(Runtime):
         super().step()
 
     def begin(self, variation: int, planning: np.random.Generator, noise: np.random.Generator) -> None:
-        """Take over the settings of an episode, and let the scene prepare it."""
+        """Set the generators of an episode, and let the scene prepare it."""
         super().begin(variation, planning, noise)
         if self._scene is not None:
             self._scene.prepare()
@@ -188,7 +188,7 @@ def runtime_of(scene: SceneLike | None) -> Runtime:
     """Return the runtime of a scene; of a runtime itself; of the simulator of this process when there is no scene.
 
     Raises:
-        TypeError: `scene` is something else.
+        TypeError: `scene` has another type.
     """
     if scene is None:
         return Simulator.current().runtime

@@ -1,7 +1,7 @@
-"""The packages on the module search path, for `install()` and for Python's start with `RLBENCH_PIN_COMPAT=1`.
+"""Adds the packages to the module search path, for `install()` and for the start of Python with `RLBENCH_PIN_COMPAT=1`.
 
-`rlbench_pin_compat.pth` runs this file by its path when Python starts with the variable set. Nothing of rlbench_pin is imported
-here, so that a start stays cheap and a program may still set variables such as `OMP_NUM_THREADS` before numpy is loaded.
+`rlbench_pin_compat.pth` executes this file when Python starts with the variable set. The file imports no part of rlbench_pin,
+so that the start is fast, and a program may set variables such as `OMP_NUM_THREADS` before numpy is loaded.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""Control by optimisation: small controllers on Pinocchio, PlaCo and OSQP, each usable alone, without a simulator.
+"""Control by optimisation: small controllers on Pinocchio, PlaCo and OSQP, each usable without a simulator.
 
-Each takes the measured state and a target as arrays and returns a command as an array or a small record. All of them keep
-position, velocity and acceleration limits in such a way that there always is a next command (`constraints`).
-`ForeignSolver` is imported when first used; it needs the extra `bench`.
+A controller takes the measured state and a target as arrays, and returns a command as an array or a small record. All
+controllers keep position, velocity and acceleration limits so that a next command always exists (`constraints`).
+`ForeignSolver` is imported at its first use; it needs the extra `bench`.
 """
 
 from __future__ import annotations

@@ -1,22 +1,21 @@
-"""Stopping in time: the motion of one command and the hardest braking after it, checked against everything and against torques.
+"""Stopping in time: checks of the motion of one command and the hardest braking after it, against collisions and torque limits.
 
-A command is safe when all of the way to standstill keeps the floors of all pairs, that is, their minimum distances: the
-command's own tick, then ticks that change each joint's velocity by at most a dt towards zero. A safe command leaves a
-state from which braking is safe, because it is the rest of the way that was checked. So there always is a safe command,
-as long as the world is stationary: brake.
+A command is safe if the whole path to standstill keeps the minimum distances (floors) of all pairs: the tick of the command,
+then ticks that change the velocity of each joint by at most a dt towards zero. After a safe command, braking is safe, because
+it is the remainder of the checked path. So a safe command always exists in a stationary world: brake.
 
-Checking the way takes few distances. Bounds on motion (`robot.distances`) clear most pairs at once. The others are
-measured at its end, and since a distance changes by no more than the motion L between two places,
+Checking the path needs few distances. Bounds on motion (`robot.distances`) clear most pairs at once. The others are
+measured at the end of the path. Since a distance changes by no more than the motion L between two configurations,
 
     d(s) >= (d_start + d_end - L) / 2        between them,
 
-what does not clear a pair is divided, first between ticks, then within one, until it does, or shows a violation, or L is
-too small to matter.
+an interval that does not clear a pair is divided, first between ticks, then within one, until it clears the pair, shows a
+violation, or L is negligible.
 
-A motor that is asked for more than its torque falls behind, also while it brakes, and what was planned for it does not hold.
-Near full stretch the Panda's second joint needs most of its torque against gravity; fast changes of the other joints push on it
-as well. So the torques of the way to standstill are computed tick by tick, tau = M(q) a + h(q, v) with the mean acceleration a of
-the tick, by recursive Newton-Euler, and have to stay within a share of what the motors have.
+A motor whose torque limit is exceeded lags behind its command, also during braking, so the checked path is no longer valid.
+Near full stretch, the second joint of the Panda needs most of its torque against gravity, and fast changes of the other joints
+load it as well. So the torques of the path are computed for each tick, tau = M(q) a + h(q, v) with the mean acceleration a of the
+tick, by recursive Newton-Euler. They must stay within a fraction of the motor limits.
 """
 
 from __future__ import annotations
@@ -35,14 +34,14 @@ from rlbench_pin.robot.model import RobotModel, loaded
 from rlbench_pin.spatial import FloatArray
 
 RESERVE = 0.95
-"""Share of the torque limits that a way to standstill may take: q, v and inertia change a little within a tick."""
+"""Usable fraction of the torque limits on the path to standstill: q, v and inertia change slightly within a tick."""
 
 
 class MotorCheck:
-    """The torques of one arm, with what it carries, on ways to standstill."""
+    """Computes the torques of one arm with its payload on paths to standstill."""
 
     def __init__(self, model: RobotModel, bounds: JointBounds) -> None:
-        """Copy the arm's dynamics, so that the payload stays here."""
+        """Copy the dynamics of the arm, so that a payload does not change the model."""
         self.bounds = bounds
         self._arm = pin.Model(model.arm)
         self._data = self._arm.createData()
@@ -51,13 +50,13 @@ class MotorCheck:
         self._payload = pin.Inertia.Zero()
 
     def carry(self, payload: pin.Inertia) -> None:
-        """Take over what the arm carries, in the frame of its last joint; the same object as before changes nothing."""
+        """Set the payload of the arm, in the frame of its last joint; the same object as before has no effect."""
         if payload is not self._payload:
             self._payload = payload
             self._arm.inertias[self._last] = loaded(self._bare, payload)
 
     def overloaded(self, q: FloatArray, v: FloatArray, command: FloatArray) -> bool:
-        """Whether a motor lacks torque for `command` from `q` [rad] at `v` [rad/s], or for braking after it."""
+        """Return whether a motor lacks torque for `command` from `q` [rad] at `v` [rad/s], or for braking after it."""
         arm, data, most = self._arm, self._data, self._most
         for tick in np.array(self._way(q, v, command)):
             if any(torque > limit or torque < -limit for torque, limit in zip(pin.rnea(arm, data, *tick).tolist(), most)):
@@ -65,9 +64,9 @@ class MotorCheck:
         return False
 
     def _way(self, q: FloatArray, v: FloatArray, command: FloatArray) -> list[tuple[list[float], list[float], list[float]]]:
-        """Return configuration, velocity before and mean acceleration of each tick, down to that in which the last joint stops.
+        """Return configuration, velocity before and mean acceleration of each tick, until the last joint stops.
 
-        Plain numbers: for few ticks of few joints they are faster than arrays.
+        Plain numbers are faster than arrays for few ticks of few joints.
         """
         dt, steps = self.bounds.dt, self._steps
         here, before, after = q.tolist(), v.tolist(), command.tolist()
@@ -82,26 +81,26 @@ class MotorCheck:
 
 BoolArray = NDArray[np.bool_]
 RESOLUTION = 2e-3
-"""Motion [m] of a piece that is not halved any more; its pairs may be below their floor by half of it, and are so by far less."""
+"""Motion below which a piece is not divided further [m]; its pairs can violate their floor by at most half of it."""
 TOLERANCE = 1e-6
 """Distances below the floor by this much are tolerated [m]: rounding."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Piece:
-    """Motion over part of a tick, velocities changing linearly from `start` to `end`, [rad/s]."""
+    """Motion over a part of a tick; velocities change linearly from `start` to `end` [rad/s]."""
 
     q: FloatArray
-    """Configuration at its begin."""
+    """Configuration at its start (n,) [rad]."""
     start: FloatArray
-    """Velocity at its begin (n,), [rad/s]."""
+    """Velocity at its start (n,), [rad/s]."""
     end: FloatArray
     """Velocity at its end (n,), [rad/s]."""
     duration: float
     """[s]."""
 
     def turns(self) -> FloatArray:
-        """Return how far each joint travels at most [rad]."""
+        """Return the maximum travel of each joint [rad]."""
         return (0.5 * self.duration) * (np.abs(self.start) + np.abs(self.end))
 
     def halves(self) -> tuple[Piece, Piece]:
@@ -122,14 +121,14 @@ class Way:
         self.end = np.sign(command) * np.maximum(speed - ticks * bounds.step, 0.0)
         """Velocity at the end of each tick, shape (ticks, n), [rad/s]."""
         self.start = self.end
-        """And at its begin."""
+        """Velocity at the start of each tick, shape (ticks, n), [rad/s]."""
         if lagging:
             self.start = np.where(late, np.concatenate([v[None], self.end[:-1]]), self.end)
         half = 0.5 * bounds.dt
         self.q = np.concatenate([q[None], q + (half * (self.start + self.end)).cumsum(axis=0)])
         """Configurations between ticks, shape (ticks + 1, n), [rad]."""
         self.turns = np.zeros_like(self.q)
-        """How far each joint has travelled at most between ticks, shape (ticks + 1, n), [rad]."""
+        """Maximum travel of each joint so far, between ticks, shape (ticks + 1, n), [rad]."""
         np.cumsum(half * (np.abs(self.start) + np.abs(self.end)), axis=0, out=self.turns[1:])
         self.dt = bounds.dt
 
@@ -145,10 +144,10 @@ class Way:
 def paths_to_standstill(
     bounds: JointBounds, q: FloatArray, v: FloatArray, command: FloatArray, loaded_joints: int
 ) -> Iterator[Way]:
-    """Yield the ways that `command` and the braking after it may take, from `q` [rad] moving at `v` [rad/s].
+    """Yield the possible paths of `command` and the braking after it, from `q` [rad] at velocity `v` [rad/s].
 
-    One, or with `hold="any"` two: all joints reach velocities at once, and the first `loaded_joints`, which carry the arm, only
-    at the end of a tick.
+    There is one path, or two with `hold="any"`: in the first all joints reach velocities at once, in the second the first
+    `loaded_joints`, which carry the arm, reach them only at the end of a tick.
     """
     yield Way(bounds, q, v, command, np.full(len(command), bounds.hold == "acceleration"))
     if bounds.hold == "any":
@@ -158,14 +157,14 @@ def paths_to_standstill(
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Pairs:
-    """Pairs of bodies under examination, and what is known of each."""
+    """Pairs of bodies under examination, with their gradients and floors."""
 
     which: IndexArray
-    """Numbers of the pairs, shape (pairs,)."""
+    """Indices of the pairs, shape (pairs,)."""
     levers: FloatArray
     """Shape (pairs, n), [m/rad]."""
     floors: FloatArray
-    """Smallest distances allowed, shape (pairs,), [m]."""
+    """Minimum distances, shape (pairs,), [m]."""
 
     def __getitem__(self, keep: BoolArray) -> Pairs:
         """Return the pairs where `keep` (pairs,) is true."""
@@ -173,16 +172,16 @@ class Pairs:
 
 
 class BrakingCheck:
-    """Checks whether a command leaves a safe way to standstill."""
+    """Checks whether there is a safe path to standstill after a command."""
 
     def __init__(self, distances: DistanceModel, bounds: JointBounds) -> None:
-        """Use distances already placed at the arm's configuration, and the limits of braking."""
+        """Use a distance model at the configuration of the arm, and the limits of braking."""
         self.distances, self.bounds = distances, bounds
 
     def unsafe(self, q: FloatArray, v: FloatArray, command: FloatArray, floors: FloatArray) -> IndexArray:
-        """Return pairs that come nearer than `floors` (pairs,) [m] on the way; empty when the command is safe.
+        """Return pairs that come nearer than `floors` (pairs,) [m] on the path; empty if the command is safe.
 
-        The distances have to be placed at `q`. Only as many pairs are returned as it takes to refuse the command.
+        The distance model must be at `q`. The result may omit pairs when the returned ones suffice to reject the command.
         """
         model = self.distances
         travel = self.bounds.travel(v, command)
@@ -204,7 +203,7 @@ class BrakingCheck:
         return which[:0]
 
     def _measured(self, q: FloatArray, pairs: Pairs) -> tuple[FloatArray, IndexArray]:
-        """Return the distances of pairs with the arm at `q`, and which of them are below their floor."""
+        """Return the distances of pairs with the arm at `q`, and the pairs below their floor."""
         self.distances.visit(q)
         found = self.distances.probe(pairs.which)
         return found, pairs.which[found < pairs.floors - TOLERANCE]
@@ -212,9 +211,9 @@ class BrakingCheck:
     def _between(
         self, way: Way, first: int, last: int, pairs: Pairs, moved: FloatArray, now: FloatArray, after: FloatArray
     ) -> IndexArray:
-        """Return pairs that break their floor between the begins of two ticks, where their distances are `now` and `after`.
+        """Return pairs that violate their floor between the starts of two ticks, where their distances are `now` and `after`.
 
-        `moved` is how far each pair has moved at most between ticks, shape (pairs, ticks + 1), [m].
+        `moved` is the maximum motion of each pair so far, between ticks, shape (pairs, ticks + 1), [m].
         """
         motion = moved[:, last] - moved[:, first]
         keep = (now + after - motion < 2.0 * pairs.floors) & (motion > RESOLUTION)
@@ -230,7 +229,7 @@ class BrakingCheck:
         return broken if len(broken) else self._between(way, middle, last, pairs, moved, between, after)
 
     def _within(self, piece: Piece, pairs: Pairs, now: FloatArray, after: FloatArray) -> IndexArray:
-        """Return pairs that break their floor inside a piece, whose distances at its ends are `now` and `after`."""
+        """Return pairs that violate their floor inside a piece, with the distances `now` and `after` at its ends."""
         motion = pairs.levers @ piece.turns()
         keep = (now + after - motion < 2.0 * pairs.floors) & (motion > RESOLUTION)
         if not keep.any():

@@ -15,23 +15,23 @@ from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_record
 
 FARTHEST = 1e6
-"""No pose is so far away [m]."""
+"""Upper bound of pose coordinates [m]."""
 LARGEST_STATE = 1e4
-"""Joints that are, or move, beyond this [rad], [rad/s] were measured wrongly: braking from there has too many ticks."""
+"""Upper bound of joint positions [rad] and velocities [rad/s]; larger values are measurement errors."""
 _FLOAT = np.dtype(float)
 
 
 def check_made_of(model: object, config: object = None, kind: type = object) -> None:
-    """Raise InvalidValue unless `model` is an arm and `config` a record of `kind`."""
+    """Raise InvalidValue unless `model` is a RobotModel and `config` is of type `kind`."""
     as_record(model, RobotModel, "model")
     as_record(config, kind, "config")
 
 
 def as_vector(value: ArrayLike, size: int, what: str, most: float | None = None) -> FloatArray:
-    """Return `value` as a finite float64 vector of shape (size,); the caller's array itself when it is one.
+    """Return `value` as a finite float64 vector of shape (size,), without a copy if it already is one.
 
     Raises:
-        InvalidTarget: It has another shape, or holds NaN, infinity or a number beyond +-`most`.
+        InvalidTarget: It has another shape, or contains NaN, infinity or a value beyond +-`most`.
     """
     return values.as_vector(value, size, what, InvalidTarget, most=most)
 
@@ -40,7 +40,7 @@ def as_state(q: ArrayLike, v: ArrayLike, size: int) -> tuple[FloatArray, FloatAr
     """Return configuration and joint velocity as finite float64 vectors of shape (size,).
 
     Raises:
-        InvalidTarget: One of them has another shape, or holds NaN, infinity, or a number beyond `LARGEST_STATE`.
+        InvalidTarget: One of them has another shape, or contains NaN, infinity or a value beyond `LARGEST_STATE`.
     """
     plain = type(q) is type(v) is np.ndarray and q.dtype is v.dtype is _FLOAT and q.shape == v.shape == (size,)
     if plain and math.hypot(*q.tolist(), *v.tolist()) <= LARGEST_STATE:  # type: ignore[union-attr] # NaN shows in any length
@@ -50,15 +50,15 @@ def as_state(q: ArrayLike, v: ArrayLike, size: int) -> tuple[FloatArray, FloatAr
 
 
 def as_placement(pose: ArrayLike, what: str = "target pose") -> pin.SE3:
-    """Return a pose (7,) as T_world_target; as `as_pose`."""
+    """Return a pose (7,) as the placement T_world_target, after the checks of `as_pose`."""
     return pin.XYZQUATToSE3(as_pose(pose, what))
 
 
 def as_pose(pose: ArrayLike, what: str = "target pose") -> list[float]:
-    """Return the seven numbers of a pose, its quaternion brought to length 1.
+    """Return the seven numbers of a pose, with a normalised quaternion.
 
     Raises:
-        InvalidTarget: It has another shape, holds NaN or infinity, or its quaternion is of norm zero.
+        InvalidTarget: It has another shape, contains NaN or infinity, or its quaternion has norm zero.
     """
     plain = type(pose) is np.ndarray and pose.dtype is _FLOAT and pose.shape == (7,)
     vector: FloatArray = pose if plain else as_vector(pose, 7, what)  # type: ignore[assignment]
@@ -66,10 +66,10 @@ def as_pose(pose: ArrayLike, what: str = "target pose") -> list[float]:
     x, y, z, qx, qy, qz, qw = numbers
     square = qx * qx + qy * qy + qz * qz + qw * qw
     if not math.hypot(x, y, z, square) < FARTHEST:
-        raise InvalidTarget(what, vector, f"has to be finite, and nearer than {FARTHEST:g} m")
+        raise InvalidTarget(what, vector, f"has to be finite, with coordinates below {FARTHEST:g} m")
     if -1e-9 < square - 1.0 < 1e-9:
         return numbers
     if square < values.SMALLEST_NORM**2:
-        raise InvalidTarget(what, vector, "has a quaternion of norm zero", "The order is x, y, z, w.")
+        raise InvalidTarget(what, vector, "has a quaternion of norm zero", "Pass x, y, z, qx, qy, qz, qw.")
     length = math.sqrt(square)
     return [x, y, z, qx / length, qy / length, qz / length, qw / length]

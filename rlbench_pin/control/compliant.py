@@ -1,13 +1,13 @@
-"""Compliant approach: follow a trajectory into an opening that is not exactly where it is expected.
+"""Compliant approach: follow a trajectory into an opening whose position is not exactly known.
 
-The tip goes along the trajectory at a bounded speed. What joint torques hold beyond gravity is the force on the tip: it solves
-J^T w = g(q) - tau in the least-squares sense, and what it was at the first command is taken as the weight of what is held.
+The tip follows the trajectory at a bounded speed. The force on the tip follows from the joint torques without gravity: it solves
+J^T w = g(q) - tau in the least-squares sense. The force at the first command is taken as the weight of the held object.
 
-* Along the motion, time advances at the rate 1 - f / f_max, where f is the force against the motion: at f_max the arm stands,
-  beyond it the arm backs off.
-* Across the motion the tip gives way to the force in proportion (admittance control), so that it centres itself between walls.
-* Where the force stays near its bound, the tip searches the opening on an Archimedean spiral r = pitch * angle / (2 pi) across
-  the motion (Chhatpar and Branicky 2001). The displacement that it has when the way is free is kept.
+* Along the motion, time advances at the rate 1 - f / f_max, where f is the force against the motion: at f_max the arm stops,
+  above it the arm moves back.
+* Across the motion, the tip yields in proportion to the force (admittance control), so that it centres itself between walls.
+* If the force stays near its bound, the tip searches for the opening on an Archimedean spiral r = pitch * angle / (2 pi) across
+  the motion (Chhatpar and Branicky 2001). When the path is free, the tip keeps its displacement.
 """
 
 from __future__ import annotations
@@ -29,39 +29,39 @@ class CompliantConfig:
     """Bounds and search of a compliant approach."""
 
     force: float = 20.0
-    """Force against the motion at which the arm stands [N]."""
+    """Force against the motion at which the arm stops [N]."""
     speed: float = 0.1
     """Largest speed of the tip [m/s]."""
     contact_speed: float = 0.02
     """Largest speed of the tip in contact [m/s]."""
     mobility: float = 5e-5
-    """How far the tip gives way across the motion in a tick [m/N]."""
+    """Displacement of the tip across the motion per force, in one tick [m/N]."""
     free_force: float = 3.0
-    """Force that is no contact yet [N]."""
+    """Largest force that is not treated as contact [N]."""
     blocked: float = 0.6
-    """Share of `force` from which on the tip searches."""
+    """Fraction of `force` above which the tip searches."""
     pitch: float = 1e-3
-    """Distance between two rounds of the spiral [m]."""
+    """Distance between two turns of the spiral [m]."""
     step: float = 5e-4
-    """Length of spiral in a tick [m]."""
+    """Arc length of the spiral per tick [m]."""
     radius: float = 3e-3
-    """Where the spiral begins again from its centre [m]."""
+    """Radius at which the spiral restarts from its centre [m]."""
     patience: float = 6.0
-    """Time after which the approach ends, beyond the time that it takes without contact [s]."""
+    """Maximum duration of the approach, in addition to its duration without contact [s]."""
 
     def __post_init__(self) -> None:
-        """Raise InvalidValue for what is no positive number."""
+        """Raise InvalidValue for a setting that is not a positive number."""
         for name in self.__dataclass_fields__:
             as_number(getattr(self, name), f"CompliantConfig.{name}", above=0.0)
 
 
 class CompliantFollowing:
-    """Follows one trajectory of a nearly straight tip motion; ask for a command once per tick."""
+    """Follows one trajectory of a nearly straight tip motion; call `command` once per tick."""
 
     def __init__(
         self, model: RobotModel, trajectory: Trajectory, dt: float = 0.05, config: CompliantConfig | None = None
     ) -> None:
-        """Start at the begin of the trajectory; a command per `dt` [s]."""
+        """Start at the beginning of the trajectory, with one command per `dt` [s]."""
         check_made_of(model)
         self.model, self.trajectory = model, as_record(trajectory, Trajectory, "trajectory")
         self.dt = as_number(dt, "the control tick dt [s]", above=0.0)
@@ -77,12 +77,12 @@ class CompliantFollowing:
 
     @property
     def done(self) -> bool:
-        """Whether the end of the trajectory was commanded, or patience is over."""
+        """Whether the end of the trajectory was commanded, or `patience` has elapsed."""
         return self._time >= self.trajectory.duration or self._ticks >= self._most_ticks
 
     @property
     def displacement(self) -> FloatArray:
-        """How far the tip is beside the trajectory (3,), in the world [m]."""
+        """Displacement of the tip from the trajectory (3,), in the world [m]."""
         spiral = self._radius * np.array([np.cos(self._angle), np.sin(self._angle)]) @ self._across
         return np.array(self._yielded + spiral)
 
@@ -92,11 +92,11 @@ class CompliantFollowing:
         return self.config.pitch * self._angle / (2.0 * np.pi)
 
     def command(self, q: ArrayLike, torques: ArrayLike) -> FloatArray:
-        """Return the joint positions (n,), [rad], to reach in the next tick.
+        """Return the joint positions (n,), [rad], of the next tick.
 
         Args:
-            q: Configuration now (n,), [rad].
-            torques: Torques of the joints in the last tick (n,), [N m].
+            q: Measured configuration (n,), [rad].
+            torques: Joint torques in the last tick (n,), [N m].
 
         Raises:
             InvalidTarget: NaN or a wrong shape.
@@ -115,7 +115,7 @@ class CompliantFollowing:
         return np.clip(np.clip(target, q - step, q + step), limits.lower, limits.upper)
 
     def _force(self, q: FloatArray, torques: FloatArray) -> FloatArray:
-        """The force (3,) of the world on the tip, in the world [N]."""
+        """Return the force (3,) of the world on the tip, in the world [N]."""
         wrench = np.linalg.lstsq(self.model.jacobian(q).T, self.model.gravity(q) - torques, rcond=1e-3)[0]
         force: FloatArray = np.asarray(wrench[:3], dtype=float)
         if self._weight is None:
@@ -123,7 +123,7 @@ class CompliantFollowing:
         return force - self._weight
 
     def _give_way(self, across: FloatArray, against: float) -> None:
-        """Move across the motion: away from the force there (3,) [N], and along the spiral where the way is blocked."""
+        """Move across the motion: yield to the force (3,) [N], and follow the spiral if the path is blocked."""
         config = self.config
         size = float(np.linalg.norm(across))
         if size > config.free_force:
@@ -134,7 +134,7 @@ class CompliantFollowing:
                 self._angle = 0.0
 
     def _advance(self, against: float) -> None:
-        """Move along the trajectory, against a force [N]."""
+        """Advance along the trajectory against a force [N]."""
         config = self.config
         q, v, _ = self.trajectory.sample(self._time)
         speed = float(np.linalg.norm(self.model.jacobian(q)[:3] @ v))

@@ -1,12 +1,12 @@
-"""Differential inverse kinematics: compute the joint velocity of the next tick from a tip pose or twist, by one small QP.
+"""Differential inverse kinematics: compute the joint velocity of the next tick for a tip pose or twist, by one small QP.
 
 At configuration q with tip Jacobian J, the displacement d = dt u of the next tick is the solution of
 
     minimise    w_p ||J_p d - e_p||^2 + w_r ||J_r d - e_r||^2 + (w - w_0 g) ||d||^2 + w_0 g ||d - (q_p - q)||^2
     subject to  dt u_min <= d <= dt u_max
 
-* e = (e_p, e_r) is the desired displacement of the tip in this tick: dt times the twist, or the next part of the way to a
-  pose. This part is short enough that the tip can stop at the pose (`qp.objectives`).
+* e = (e_p, e_r) is the desired displacement of the tip in this tick: dt times the twist, or the next step towards a
+  pose. This step is short enough that the tip can stop at the pose (`qp.objectives`).
 * The last two terms are damping and posture. Damping bounds ||d|| where J loses rank; the posture term moves the joints
   towards q_p in the null space. The weight w rises when the manipulability sqrt(det(J J^T)) falls (Nakamura & Hanafusa 1986)
   and the step is not small (Sugihara 2011). So the arm slows down along the lost direction and stays accurate in the others.
@@ -46,9 +46,9 @@ from rlbench_pin.urdf import kinematic_urdf
 from rlbench_pin.values import NOT_NEGATIVE, POSITIVE, as_choice, check_settings, one_of, record_of, ruled
 
 BASE = 7
-"""PlaCo puts a pose (7,) of the base in front of the joints in q."""
+"""Number of values of the base pose before the joints in the q of PlaCo."""
 BASE_SPEED = 6
-"""And a twist (6,) in front of them in a displacement."""
+"""Number of values of the base twist before the joints in a displacement of PlaCo."""
 
 
 class PlacoArm:
@@ -96,12 +96,16 @@ class PlacoArm:
     def _check(self, model: RobotModel) -> None:
         names = tuple(self.robot.joint_names())
         if names != model.description.arm_joints:
-            raise RobotModelError(f"PlaCo orders the joints {names}, the description {model.description.arm_joints}.")
+            raise RobotModelError(
+                f"PlaCo orders the joints {names}, but the description has {model.description.arm_joints}. "
+                "List `arm_joints` in the order of the URDF."
+            )
         self.set_configuration(model.home)
         placo_tip = np.asarray(self.robot.get_T_world_frame(model.description.tip_frame))
         if not np.allclose(placo_tip, model.tip_se3(model.home).homogeneous, atol=1e-9):
             raise RobotModelError(
-                f"PlaCo and Pinocchio put '{model.description.tip_frame}' of '{model.description.name}' in two places."
+                f"PlaCo and Pinocchio compute different poses of '{model.description.tip_frame}' of '{model.description.name}'. "
+                "Check the URDF of this arm."
             )
 
 
@@ -124,13 +128,13 @@ class DifferentialIKConfig:
     dt: float = 0.05
     """Control tick [s]."""
     tip: TipObjective = field(default_factory=TipObjective)
-    """How the tip approaches its goal."""
+    """Motion of the tip towards its goal."""
     posture: PostureObjective = field(default_factory=PostureObjective)
     """Motion of the arm in the null space of the tip."""
     limit_margin: float = 0.0
     """Distance kept from the joint position limits [rad]."""
     hold: HeldQuantity = "velocity"
-    """When the joints reach a velocity command: `velocity`: at the start of the tick, then constant; `acceleration`: linearly
+    """Time at which the joints reach a velocity command: `velocity`: at the start of the tick; `acceleration`: linearly
     until its end; `any`: at any time in it."""
 
     def __post_init__(self) -> None:
@@ -139,7 +143,7 @@ class DifferentialIKConfig:
 
 
 class TipController:
-    """Base class of `DifferentialIK` and `DifferentialIKQP`: checks, bounds, and the next tip pose on the way to a target."""
+    """Base class of `DifferentialIK` and `DifferentialIKQP`: checks, bounds, and the next tip pose towards a target."""
 
     def __init__(
         self,
@@ -165,7 +169,7 @@ class TipController:
         self.posture = as_vector(model.home if posture is None else posture, model.size, "posture").copy()
 
     def velocity_to_pose(self, q: ArrayLike, v: ArrayLike, pose: ArrayLike) -> FloatArray:
-        """Return the joint velocity (n,), [rad/s], of the next tick on the way to a tip pose.
+        """Return the joint velocity (n,), [rad/s], of the next tick towards a tip pose.
 
         Args:
             q: Current configuration (n,), [rad].

@@ -1,4 +1,4 @@
-"""Follow a trajectory: as a sequence of joint commands, or with feedback.
+"""Trajectory following: as a sequence of joint commands, or with feedback.
 
 Two back-ends turn the reference (q_d, v_d, a_d) and the measured state into a command:
 
@@ -7,8 +7,8 @@ Two back-ends turn the reference (q_d, v_d, a_d) and the measured state into a c
 * `ComputedTorque`, for arms that take torques: tau = M (a_d + 2 omega (v_d - v) + omega^2 (q_d - q)) + h. It cancels the
   dynamics, and the error obeys e'' + 2 omega e' + omega^2 e = 0: critically damped, the same in all joints.
 
-`TrajectoryTracker` plays the configurations without feedback. `TrajectoryFollower` walks along the trajectory, one command per
-tick, and reports the tracking error.
+`TrajectoryTracker` returns the configurations without feedback. `TrajectoryFollower` returns one command per tick, and reports
+the tracking error.
 """
 
 from __future__ import annotations
@@ -34,26 +34,26 @@ MAX_TICKS = 10_000_000
 class TrajectoryTracker(Iterator[FloatArray]):
     """Iterates over the configurations of a trajectory at t = dt, 2 dt, ...; the last one is exactly its end.
 
-    With `least_speed` the first and the last command are so far from the ends that the fastest joint moves at least so fast on
-    average in the first and in the last tick, where a motion is long enough; those in between are at most dt apart.
+    With `least_speed`, the fastest joint moves at least at this mean speed in the first and in the last tick, if the motion is
+    long enough. The commands in between are at most dt apart.
     """
 
     def __init__(self, trajectory: Trajectory, dt: float, least_speed: float = 0.0) -> None:
-        """Start before the first command; a command per `dt` [s]; `least_speed` in [rad/s]."""
+        """Start before the first command, with one command per `dt` [s]; `least_speed` in [rad/s]."""
         as_record(trajectory, Trajectory, "trajectory")
         dt = as_number(dt, "the control tick dt [s]", above=0.0)
         least_speed = as_number(least_speed, "least_speed", least=0.0)
         if trajectory.duration > MAX_TICKS * dt:
-            raise InvalidValue("the control tick dt [s]", dt, f"makes too many commands of {trajectory.duration:.4g} s")
+            raise InvalidValue("the control tick dt [s]", dt, f"gives too many commands for {trajectory.duration:.4g} s")
         self.trajectory, self.dt = trajectory, dt
         self._times = _even_times(trajectory, dt) if least_speed <= 0.0 else _brisk_times(trajectory, dt, least_speed)
         self.ticks = len(self._times)
-        """Number of commands in all."""
+        """Total number of commands."""
         self._done = 0
 
     @property
     def done(self) -> bool:
-        """Whether the last command was given."""
+        """Whether the last command was returned."""
         return self._done >= self.ticks
 
     @property
@@ -62,7 +62,7 @@ class TrajectoryTracker(Iterator[FloatArray]):
         return float(self._times[self._done - 1]) if self._done else 0.0
 
     def __len__(self) -> int:
-        """Return how many commands are left."""
+        """Return the number of remaining commands."""
         return self.ticks - self._done
 
     def __next__(self) -> FloatArray:
@@ -70,7 +70,7 @@ class TrajectoryTracker(Iterator[FloatArray]):
         return self.next_state()[0]
 
     def next_state(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the next command with its velocity and acceleration; it counts as given."""
+        """Return the next command with its velocity and acceleration, and advance."""
         if self.done:
             raise StopIteration
         self._done += 1
@@ -86,7 +86,7 @@ def _even_times(trajectory: Trajectory, dt: float) -> FloatArray:
 
 
 def _brisk_times(trajectory: Trajectory, dt: float, least_speed: float) -> FloatArray:
-    """Return the times of the commands, the first and the last tick being longer along the trajectory than the others."""
+    """Return the times of the commands; the first and the last tick cover more of the trajectory than the others."""
     moved = np.abs(trajectory.q - trajectory.q[0]).max(axis=1), np.abs(trajectory.q - trajectory.q[-1]).max(axis=1)
     far = least_speed * dt
     leaves, stays = np.flatnonzero(moved[0] >= far), np.flatnonzero(moved[1] >= far)
@@ -101,7 +101,7 @@ def _brisk_times(trajectory: Trajectory, dt: float, least_speed: float) -> Float
 
 
 class FollowingBackend(Protocol):
-    """Turns a piece of a trajectory and the state into a command."""
+    """Computes a command from a part of a trajectory and the state."""
 
     dt: float
 
@@ -114,7 +114,7 @@ class VelocityFollowing:
     """Commands joint velocities [rad/s]."""
 
     def __init__(self, limits: JointLimits, dt: float = 0.05, gain: float = 5.0, hold: HeldQuantity = "velocity") -> None:
-        """Choose the tick [s] and the share of the error to remove per second [1/s]."""
+        """Set the control tick [s] and the fraction of the error to correct per second [1/s]."""
         self.dt, self.gain = dt, as_number(gain, "gain", least=0.0)
         self.bounds = JointBounds(limits, dt, hold)
 
@@ -135,7 +135,7 @@ class ComputedTorque:
     """Commands joint torques [N m]."""
 
     def __init__(self, model: RobotModel, dt: float = 1.0 / 240.0, frequency: float = 20.0) -> None:
-        """Choose the tick [s] and omega [rad/s]."""
+        """Set the control tick [s] and omega [rad/s]."""
         check_made_of(model)
         self.model, self.dt = model, as_number(dt, "the control tick dt [s]", above=0.0)
         self.frequency = as_number(frequency, "frequency", least=0.0)
@@ -152,27 +152,30 @@ class ComputedTorque:
 
 @dataclass(frozen=True)
 class TrackingReport:
-    """How far the arm was from its trajectory, over all commands so far."""
+    """Tracking error over all commands so far."""
 
     ticks: int
-    """Control ticks that were run."""
+    """Number of control ticks so far."""
     largest: float
     """Largest error of any joint [rad]."""
     rms: float
     """Root mean square error over ticks and joints [rad]."""
     last: float
-    """Largest error of any joint when last asked [rad]."""
+    """Largest error of any joint at the last command [rad]."""
 
 
 class TrajectoryFollower:
-    """Follows one trajectory from t = 0; ask for a command once per tick."""
+    """Follows one trajectory from t = 0; call `command` once per tick."""
 
     def __init__(self, trajectory: Trajectory, backend: FollowingBackend) -> None:
-        """Start at the trajectory's begin."""
+        """Start at the beginning of the trajectory."""
         self.trajectory, self.backend = as_record(trajectory, Trajectory, "trajectory"), backend
         if not callable(getattr(backend, "command", None)):
             raise InvalidTarget(
-                "backend", backend, "has to turn states into commands", "For example `VelocityFollowing(model.limits)`."
+                "backend",
+                backend,
+                "has to be a back-end with a method `command`",
+                "For example `VelocityFollowing(model.limits)`.",
             )
         self._ticks, self._squares, self._largest, self._last = 0, 0.0, 0.0, 0.0
 
@@ -183,15 +186,15 @@ class TrajectoryFollower:
 
     @property
     def done(self) -> bool:
-        """Whether the trajectory is over; further commands hold its end."""
+        """Whether the trajectory has ended; further commands hold its last configuration."""
         return self.time >= self.trajectory.duration - 1e-9
 
     def command(self, q: ArrayLike, v: ArrayLike) -> FloatArray:
-        """Return the command (n,) of the next tick, and note the error.
+        """Return the command (n,) of the next tick, and record the tracking error.
 
         Args:
-            q: Configuration now (n,), [rad].
-            v: Joint velocity now (n,), [rad/s].
+            q: Measured configuration (n,), [rad].
+            v: Measured joint velocity (n,), [rad/s].
 
         Raises:
             InvalidTarget: NaN or a wrong shape.

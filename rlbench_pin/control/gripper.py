@@ -1,13 +1,13 @@
-"""The parallel gripper: open, close to a width, close with a force; says when it has arrived, holds something, or is stuck.
+"""A controller of parallel grippers: open, close to a width, close with a force; detects arrival, grasps and blocking.
 
-Pure logic over measured width and force: each tick `update` takes what was measured and returns the width to command and
-the largest force to apply. Commanded widths move at a set speed and never run ahead of the measured one by more than
-`lead`: fingers that are held up press with no more than the position loop makes of that lead, and of the force limit.
+It needs no simulator: each tick, `update` takes the measured width and force, and returns the commanded width and the force
+limit. Commanded widths move at a set speed and lead the measured width by at most `lead`. So the force of blocked fingers is
+bounded by the position loop with this lead, and by the force limit.
 
     moving  -> reached    |width - target| <= tolerance
             -> holding    closing, and the force reached its limit, or the width has not changed for `stall_time`
             -> stalled    opening, and the width has not changed for `stall_time`
-    holding -> moving     the width changed by more than `slip`: what was held slipped, or was taken away; closing goes on
+    holding -> moving     the width changed by more than `slip`: the object slipped or was removed; closing continues
 """
 
 from __future__ import annotations
@@ -30,21 +30,21 @@ class GripperConfig:
     widest: float
     """Distance between the pads of the open gripper [m]."""
     force: float
-    """Largest force that may ever be commanded [N]."""
+    """Largest commanded force [N]."""
     dt: float = 0.05
     """Control tick [s]."""
     speed: float = 0.1
-    """At which the width changes [m/s]."""
+    """Rate of change of the width [m/s]."""
     lead: float = 0.01
-    """How far the commanded width may be ahead of the measured one [m]."""
+    """Maximum difference between commanded and measured width [m]."""
     tolerance: float = 1e-3
-    """Nearness that counts as reached [m]."""
+    """Width error below which a target is reached [m]."""
     stall_time: float = 0.15
-    """Time without a change of width after which the fingers count as blocked [s]."""
+    """Time without a change of width after which the fingers are blocked [s]."""
     stall_speed: float = 2e-3
-    """Speed below which the fingers count as stationary [m/s]."""
+    """Speed below which the fingers are stationary [m/s]."""
     slip: float = 2e-3
-    """Change of width while holding that counts as slipping [m]."""
+    """Change of width while holding that indicates slipping [m]."""
 
     @classmethod
     def of(cls, robot: RobotDescription, dt: float = 0.05) -> GripperConfig:
@@ -61,14 +61,14 @@ class GripperCommand:
     """Command of the next tick."""
 
     width: float
-    """Distance between the pads to drive to [m]."""
+    """Commanded distance between the pads [m]."""
     force: float
     """Largest force of a finger [N]."""
     state: GripperState
     """Current state of the gripper."""
 
     def fingers(self) -> tuple[float, float]:
-        """Return the two finger positions [m] that make the width."""
+        """Return the two finger positions for the width [m]."""
         return 0.5 * self.width, 0.5 * self.width
 
 
@@ -76,20 +76,20 @@ class GripperController:
     """One gripper. Set a goal with `open`, `close` or `move`, then call `update` once per tick."""
 
     def __init__(self, config: GripperConfig) -> None:
-        """Start with the goal of standing open."""
+        """Start with the goal to be fully open."""
         self.config = as_record(config, GripperConfig, "config")
         self.open()
 
     def open(self) -> None:
-        """Open all the way."""
+        """Open fully."""
         self.move(self.config.widest)
 
     def close(self, force: float | None = None) -> None:
-        """Close until the fingers meet or something is held with `force` [N]; None is the largest."""
+        """Close until the fingers meet or hold an object with `force` [N]; None uses the largest force."""
         self.move(0.0, force)
 
     def move(self, width: float, force: float | None = None) -> None:
-        """Go to a width [m] between 0 and the widest, with at most `force` [N].
+        """Move to a width [m] between 0 and fully open, with at most `force` [N].
 
         Raises:
             InvalidTarget: NaN or infinity, or a force that is not > 0 (also a ValueError).
@@ -104,20 +104,20 @@ class GripperController:
 
     @property
     def done(self) -> bool:
-        """Whether the gripper has come to rest."""
+        """Whether the gripper is at rest."""
         return self.state != "moving"
 
     @property
     def holds(self) -> bool:
-        """Whether the fingers press on something."""
+        """Whether the fingers hold an object."""
         return self.state == "holding"
 
     def update(self, width: float, force: Sequence[float] | float = 0.0) -> GripperCommand:
-        """Return what to do during the next tick.
+        """Return the command of the next tick.
 
         Args:
             width: Measured distance between the pads [m].
-            force: Measured force of the fingers [N], one number or one per finger; where nothing measures it, 0.
+            force: Measured force of the fingers [N], one number or one per finger; 0 without a force sensor.
 
         Raises:
             InvalidTarget: NaN or infinity.
@@ -136,20 +136,20 @@ class GripperController:
         return GripperCommand(self._next_width(width), self.force, self.state)
 
     def _note_motion(self, width: float) -> None:
-        """Add up the time without a change of width."""
+        """Accumulate the time without a change of width."""
         slow = self._last is not None and abs(width - self._last) < self.config.stall_speed * self.config.dt
         self._still = self._still + self.config.dt if slow else 0.0
         self._last = width
 
     def _update_state(self, width: float, force: float, closing: bool) -> None:
-        """Leave the state `moving` when there is a reason."""
+        """Leave the state `moving` if the fingers have arrived or are blocked."""
         if abs(width - self.target) <= self.config.tolerance:
             self.state = "reached"
         elif (closing and force >= self.force) or self._still >= self.config.stall_time - 1e-9:
             self.state, self._held_at = "holding" if closing else "stalled", width
 
     def _next_width(self, width: float) -> float:
-        """Return the width to command: a step towards the target, or where it keeps pressing."""
+        """Return the commanded width: a step towards the target, or a width that keeps the force."""
         if self.state in ("reached", "stalled"):
             return self.target if self.state == "reached" else width
         lead = self.config.lead if self.state == "holding" else min(self.config.lead, self.config.speed * self.config.dt)

@@ -1,5 +1,5 @@
-"""Impedance: the arm as a spring and damper around a target, in joint or in Cartesian space, with stiffness that may change at
-any tick.
+"""Impedance control: the arm acts as a spring and damper around a target, in joint or Cartesian space; the stiffness may change
+at any tick.
 
 Joint space:      tau = K (q_d - q) + D (v_d - v) + M a_d + h
 
@@ -13,9 +13,9 @@ Damping follows from stiffness and inertia: D = 2 zeta L sqrt(L^-1 K L^-T) L^T w
 every mode of the coupled system have the damping ratio zeta (Albu-Schaeffer et al. 2003). It is recomputed at each tick,
 so a change of stiffness keeps it.
 
-Joint limits are no part of the spring. Where its torques would take a joint so far, or so fast, that it could not stop in
-time at its acceleration limit (`constraints`), the acceleration they cause, M^-1 (tau - h), is cut down to what still lets
-it. Elsewhere nothing is cut, so that the arm presses as hard as the spring says.
+Joint limits are not part of the spring. If its torques would move a joint so far, or so fast, that it could not stop in
+time at its acceleration limit (`constraints`), their acceleration M^-1 (tau - h) is reduced to the largest one that allows
+stopping. Otherwise the torques are not changed, so that the arm applies the full force of the spring.
 """
 
 from __future__ import annotations
@@ -33,15 +33,15 @@ from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_array, as_number
 
 SINGULAR = 1e-6
-"""Added to J M^-1 J^T: bounds Lambda near singularities."""
+"""Term added to J M^-1 J^T; it bounds Lambda near singularities."""
 TICK = 1.0 / 240.0
-"""Time for which torques are held, where nothing else is said [s]."""
+"""Default time for which torques are held [s]."""
 LIMIT_MARGIN = 1e-3
-"""Distance kept from joint position limits, for what models miss [rad]."""
+"""Distance kept from joint position limits, for model errors [rad]."""
 
 
 def damping_for(stiffness: FloatArray, inertia: FloatArray, ratio: float) -> FloatArray:
-    """Return the damping matrix (m, m) with which all modes of (inertia, stiffness), each (m, m), have damping ratio `ratio`."""
+    """Return the damping matrix (m, m) that gives all modes of (inertia, stiffness), each (m, m), the damping ratio `ratio`."""
     squares, modes = eigh(stiffness, inertia)  # modes^T inertia modes = I, modes^T stiffness modes = diag(squares)
     back = inertia @ modes
     return (back * (2.0 * ratio * np.sqrt(np.maximum(squares, 0.0)))) @ back.T
@@ -51,7 +51,7 @@ def as_stiffness(value: ArrayLike, size: int) -> FloatArray:
     """Return a stiffness matrix (size, size) from one number, a diagonal (size,), or a matrix.
 
     Raises:
-        InvalidTarget: It is not finite, not symmetric, or negative in some direction.
+        InvalidTarget: It is not finite, not symmetric, or not positive semidefinite.
     """
     array = as_array(value, "stiffness", InvalidTarget)
     if array.shape not in ((), (size,), (size, size)):
@@ -60,19 +60,19 @@ def as_stiffness(value: ArrayLike, size: int) -> FloatArray:
     if not np.isfinite(matrix).all():
         raise InvalidTarget("stiffness", value, f"has to be finite: a number, ({size},) or ({size}, {size})")
     if not np.allclose(matrix, matrix.T) or np.linalg.eigvalsh(matrix)[0] < 0.0:
-        raise InvalidTarget("stiffness", value, "has to be symmetric and without negative directions")
+        raise InvalidTarget("stiffness", value, "has to be symmetric and positive semidefinite")
     return matrix
 
 
 class StopInTime:
-    """Cuts torques that would make a joint pass its position or velocity limit."""
+    """Reduces torques that would move a joint past its position or velocity limit."""
 
     def __init__(self, model: RobotModel, dt: float) -> None:
         """Prepare for torques that are held for `dt` [s]."""
         self._model, self._bounds = model, JointBounds(model.limits, dt, "any", LIMIT_MARGIN, sudden=True)
 
     def __call__(self, q: FloatArray, v: FloatArray, tau: FloatArray) -> FloatArray:
-        """Return torques (n,), [N m], like `tau` where that is harmless, and always within the effort limits."""
+        """Return torques (n,), [N m], within the effort limits: `tau` if the joints can stop after it, otherwise reduced."""
         model, bounds = self._model, self._bounds
         tau = np.clip(tau, -model.limits.effort, model.limits.effort)
         a = model.forward_dynamics(q, v, tau)
@@ -85,10 +85,10 @@ class StopInTime:
 
 
 class JointImpedance:
-    """A spring and damper between the arm and a configuration."""
+    """Joint impedance: a spring and damper between the arm and a configuration."""
 
     def __init__(self, model: RobotModel, stiffness: ArrayLike = 100.0, damping_ratio: float = 1.0, dt: float = TICK) -> None:
-        """Choose stiffness [N m/rad]: one number, (n,) or (n, n); the damping ratio; and how long torques are held [s]."""
+        """Set the stiffness [N m/rad] as a number, (n,) or (n, n), the damping ratio, and the time that torques are held [s]."""
         check_made_of(model)
         self.model, self.damping_ratio = model, as_number(damping_ratio, "damping_ratio", least=0.0)
         self.stiffness = stiffness
@@ -101,7 +101,7 @@ class JointImpedance:
 
     @stiffness.setter
     def stiffness(self, value: ArrayLike) -> None:
-        """Set it from one number, a diagonal (n,) or a symmetric matrix (n, n) without negative directions, [N m/rad]."""
+        """Set it from one number, a diagonal (n,), or a positive semidefinite matrix (n, n), [N m/rad]."""
         self._stiffness = as_stiffness(value, self.model.size)
 
     def torque(
@@ -112,12 +112,12 @@ class JointImpedance:
         v_target: ArrayLike | None = None,
         a_target: ArrayLike | None = None,
     ) -> FloatArray:
-        """Return joint torques (n,), [N m], within the effort limits, with which joints can stop before their limits.
+        """Return joint torques (n,), [N m], within the effort limits, after which joints can stop before their limits.
 
         Args:
             q: Configuration (n,), [rad].
             v: Joint velocity (n,), [rad/s].
-            q_target: Where the spring pulls, (n,), [rad].
+            q_target: Target of the spring, (n,), [rad].
             v_target: Velocity of the target (n,), [rad/s]; None is rest.
             a_target: Its acceleration (n,), [rad/s^2]; None is 0.
 
@@ -134,7 +134,7 @@ class JointImpedance:
 
 
 class CartesianImpedance:
-    """A spring and damper between the tip and a pose."""
+    """Cartesian impedance: a spring and damper between the tip and a pose."""
 
     def __init__(
         self,
@@ -145,15 +145,15 @@ class CartesianImpedance:
         posture: FloatArray | None = None,
         dt: float = TICK,
     ) -> None:
-        """Choose the spring.
+        """Set the spring.
 
         Args:
             model: The arm.
             stiffness: One number, (6,) or (6, 6) along world axes, translation [N/m] first, then rotation [N m/rad].
-            damping_ratio: Of all modes.
-            posture_stiffness: Of the joint spring in the null space [N m/rad].
-            posture: Where it pulls (n,), [rad]; None is home.
-            dt: How long torques are held [s].
+            damping_ratio: Damping ratio of all modes.
+            posture_stiffness: Stiffness of the joint spring in the null space [N m/rad].
+            posture: Target of the joint spring (n,), [rad]; None uses the home configuration.
+            dt: Time for which torques are held [s].
         """
         check_made_of(model)
         self.model, self.damping_ratio = model, as_number(damping_ratio, "damping_ratio", least=0.0)
@@ -169,17 +169,17 @@ class CartesianImpedance:
 
     @stiffness.setter
     def stiffness(self, value: ArrayLike) -> None:
-        """Set it from one number, a diagonal (6,) or a symmetric matrix (6, 6) without negative directions, [N/m, N m/rad]."""
+        """Set it from one number, a diagonal (6,), or a positive semidefinite matrix (6, 6), [N/m, N m/rad]."""
         self._stiffness = as_stiffness(value, 6)
 
     def torque(self, q: ArrayLike, v: ArrayLike, pose: ArrayLike, twist: ArrayLike | None = None) -> FloatArray:
-        """Return joint torques (n,), [N m], within the effort limits, with which joints can stop before their limits.
+        """Return joint torques (n,), [N m], within the effort limits, after which joints can stop before their limits.
 
         Args:
             q: Configuration (n,), [rad].
             v: Joint velocity (n,), [rad/s].
-            pose: Where the spring pulls the tip, (7,) in the world.
-            twist: Velocity of that target `[linear, angular]` (6,) along world axes; None is rest.
+            pose: Target pose of the tip (7,) in the world.
+            twist: Velocity of the target `[linear, angular]` (6,) along world axes; None is rest.
 
         Raises:
             InvalidTarget: NaN, a wrong shape, or a quaternion of norm zero.
@@ -199,5 +199,5 @@ class CartesianImpedance:
         return self._stop_in_time(q, v, jacobian.T @ wrench + spring + model.inverse_dynamics(q, v, np.zeros(model.size)))
 
     def _posture_torque(self, q: FloatArray, v: FloatArray, mass: FloatArray) -> FloatArray:
-        """Return the torque (n,) of the joint spring, critically damped joint by joint."""
+        """Return the torque (n,) of the joint spring, critically damped in each joint."""
         return self.posture_stiffness * (self.posture - q) - 2.0 * np.sqrt(self.posture_stiffness * mass.diagonal()) * v

@@ -1,22 +1,22 @@
-"""Operational space control as a QP: the joint torques that accelerate the tip as wanted, within what motors and joints can do.
+"""Operational space control as a QP: the joint torques for a desired tip acceleration, within the limits of motors and joints.
 
-With inertia M, Coriolis and gravity h, tip Jacobian J, the torques tau = M a + h belong to the joint accelerations a that solve
+With inertia M, Coriolis and gravity h, and tip Jacobian J, the torques are tau = M a + h, where the joint accelerations a solve
 
     minimise    ||W^1/2 (J a + dJ/dt v - x'')||^2 + w ||a - a_p||^2
     subject to  -tau_max <= M a + h <= tau_max
                  (u_min - v) / dt <= a <= (u_max - v) / dt
 
-* x'' = x''_d + D (x'_d - x') + K e pulls the tip back to its target with e the position error and the rotation vector of
-  R_d R^T, both along world axes; K = omega^2 and D = 2 omega make that critically damped. The pull K e is bounded in size: an
-  arm that something holds back presses with a bounded force instead of winding up, and a far target is approached at
-  the speed at which the damping equals the bound.
-* a_p = omega_p^2 (q_p - q) - 2 omega_p v keeps the freedom that is left near a posture; w is small, and damps near
+* x'' = x''_d + D (x'_d - x') + K e moves the tip to its target, with e the position error and the rotation vector of
+  R_d R^T, both along world axes; K = omega^2 and D = 2 omega give critical damping. The term K e is bounded: a
+  blocked arm presses with a bounded force, and approaches a far target at the speed at which the damping equals the bound.
+* a_p = omega_p^2 (q_p - q) - 2 omega_p v keeps the null space near a posture; w is small, and adds damping near
   singularities.
 * [u_min, u_max] is the interval of next velocities that keeps position, velocity and acceleration limits at all times
   (`constraints`).
 
-Torque limits and the interval may exclude each other, for a heavy payload say. Then the command is the safe stop: brake
-every joint as hard as the motors allow. Khatib 1987 has the idea; Del Prete & Mansard 2015 the formulation as a QP.
+Torque limits and the interval can contradict each other, for example with a heavy payload. Then the command is the safe stop:
+brake each joint as hard as the motors allow. The method is from Khatib 1987, its formulation as a QP from Del Prete & Mansard
+2015.
 """
 
 from __future__ import annotations
@@ -48,13 +48,13 @@ class OperationalSpaceConfig:
     dt: float = 1.0 / 240.0
     """Time for which a torque is held [s]."""
     tip_frequency: float = 25.0
-    """omega: how fast tip errors decay [rad/s]."""
+    """omega: decay rate of tip errors [rad/s]."""
     pull: float = 10.0
-    """Largest acceleration by which a position error is corrected [m/s^2]."""
+    """Largest acceleration that corrects a position error [m/s^2]."""
     turning_pull: float = 40.0
-    """Largest acceleration by which a rotation error is corrected [rad/s^2]."""
+    """Largest acceleration that corrects a rotation error [rad/s^2]."""
     posture_frequency: float = 10.0
-    """omega_p [rad/s]: stiff enough that a contact at the tip does not swing the elbow."""
+    """omega_p [rad/s]: the default is stiff enough that a contact at the tip does not swing the elbow."""
     rotation_weight: float = 0.1
     """Weight of 1 rad/s^2 at the tip; 1 m/s^2 weighs 1."""
     posture_weight: float = 1e-4
@@ -74,13 +74,13 @@ class TorqueCommand:
     torque: FloatArray
     """Shape (n,), [N m], within the effort limits."""
     acceleration: FloatArray
-    """Joint accelerations that they should produce (n,), [rad/s^2]."""
+    """Expected joint accelerations (n,), [rad/s^2]."""
     stopped: bool
-    """Whether this is the safe stop, because no torque met all constraints."""
+    """Whether this is the safe stop, because no torque satisfies all constraints."""
 
 
 class OperationalSpaceQP:
-    """Tip pose, twist and acceleration to joint torques. Not thread-safe."""
+    """Computes joint torques for a tip pose, twist and acceleration. Not thread-safe."""
 
     def __init__(
         self,
@@ -118,8 +118,8 @@ class OperationalSpaceQP:
             q: Configuration (n,), [rad].
             v: Joint velocity (n,), [rad/s].
             pose: Tip target (7,) in the world.
-            twist: Its velocity `[linear, angular]` (6,) along world axes, [m/s, rad/s]; None is rest.
-            acceleration: Its acceleration (6,) along world axes, [m/s^2, rad/s^2]; None is 0.
+            twist: Velocity of the target `[linear, angular]` (6,) along world axes, [m/s, rad/s]; None is rest.
+            acceleration: Acceleration of the target (6,) along world axes, [m/s^2, rad/s^2]; None is 0.
 
         Raises:
             InvalidTarget: NaN, a wrong shape, or a quaternion of norm zero.
@@ -165,6 +165,6 @@ class OperationalSpaceQP:
 
 
 def _shrink(vector: FloatArray, longest: float) -> float:
-    """Return the factor that makes a vector at most `longest` long."""
+    """Return the factor that limits the length of a vector to `longest`."""
     length = float(np.linalg.norm(vector))
     return 1.0 if length <= longest else longest / length

@@ -1,13 +1,13 @@
-"""One pose, one configuration: differential inverse kinematics run to its end, with restarts.
+"""Inverse kinematics for one pose: iterations of differential inverse kinematics, with restarts.
 
-Each step solves the QP of `differential_ik` without the clock: no velocities, only position limits and a trust region,
+Each step solves the QP of `differential_ik` without velocity limits, with position limits and a trust region,
 
     minimise    w_p ||J_p d - e_p||^2 + w_r ||J_r d - e_r||^2 + w ||d||^2
     subject to  lower <= q + d <= upper,   |d| <= r,            w = c (w_p ||e_p||^2 + w_r ||e_r||^2) + w_0
 
 With damping in proportion to the squared error (Sugihara, "Solvability-unconcerned inverse kinematics by the
-Levenberg-Marquardt method", T-RO 2011) steps are cautious far away, where J says little, and of Newton's kind near the
-goal. A descent that stops halving its error is given up, and the next start is drawn at random between the joint limits.
+Levenberg-Marquardt method", T-RO 2011) steps are small far from the goal, where J is inaccurate, and Newton steps near the
+goal. A descent stops when its error no longer halves. The next start is drawn at random between the joint limits.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _RULES = ruled(
 
 @dataclass(frozen=True, kw_only=True)
 class PoseIKConfig:
-    """When a pose counts as reached, and how long to try."""
+    """Tolerances of a solution, and limits of the search."""
 
     position_tolerance: float = 1e-4
     """[m]."""
@@ -48,11 +48,11 @@ class PoseIKConfig:
     step: float = 1.2
     """r: largest change of a joint in one step [rad]."""
     steps: int = 60
-    """Steps of one descent at most."""
+    """Maximum number of steps of one descent."""
     patience: int = 5
-    """Steps within which the squared error has to halve."""
+    """Number of steps within which the squared error has to halve."""
     starts: int = 60
-    """Descents at most; the first begins at the given configuration."""
+    """Maximum number of descents; the first starts at the given configuration."""
 
     def __post_init__(self) -> None:
         """Raise InvalidValue for a number that is NaN, of a wrong kind, or outside its range (also a ValueError)."""
@@ -61,7 +61,7 @@ class PoseIKConfig:
 
 @dataclass(frozen=True, eq=False)
 class PoseSolution:
-    """A configuration that reaches a pose, and what it took."""
+    """A configuration that reaches a pose, with statistics of the search."""
 
     q: FloatArray
     """Shape (n,), [rad]."""
@@ -70,9 +70,9 @@ class PoseSolution:
     rotation_error: float
     """[rad]."""
     starts: int
-    """Descents that were begun."""
+    """Number of descents."""
     steps: int
-    """Steps of all descents."""
+    """Total number of steps."""
 
 
 class PoseIK:
@@ -95,12 +95,12 @@ class PoseIK:
 
         Args:
             pose: Tip target (7,) in the world.
-            q_start: Where the first descent begins (n,), [rad].
-            rng: Draws the other starts.
+            q_start: Start of the first descent (n,), [rad].
+            rng: Generator of the other starts.
 
         Raises:
             InvalidTarget: NaN, a wrong shape, or a quaternion of norm zero.
-            NoIkSolution: No descent arrived; carries the smallest error.
+            NoIkSolution: No descent reached the pose; the error contains the smallest deviation.
         """
         goal = as_placement(pose)
         limits, config = self.model.limits, self.config
@@ -115,7 +115,7 @@ class PoseIK:
         raise NoIkSolution(np.asarray(pose, dtype=float), *best, config.starts)
 
     def _descend(self, goal: pin.SE3, q: FloatArray) -> tuple[FloatArray, tuple[float, float], int]:
-        """Descend from `q`; return where it ended, position and rotation error there, and the number of steps."""
+        """Descend from `q`; return the final configuration, its position and rotation error, and the number of steps."""
         config, limits = self.config, self.model.limits
         self._tip_task.T_world_frame = goal.homogeneous
         best = math.inf

@@ -1,6 +1,7 @@
-"""Model predictive control of the tip: the next half second of joint velocities at once, the first of which is used.
+"""Model predictive control of the tip: optimise the joint velocities of the next half second, and command the first.
 
-Unknown are velocities u_0 .. u_{N-1}, deviations x_1 .. x_N of the configurations from a nominal motion, and slacks s_1 .. s_N:
+The unknowns are velocities u_0 .. u_{N-1}, deviations x_1 .. x_N of the configurations from a nominal motion, and slacks
+s_1 .. s_N:
 
     minimise    sum_k  ||J_k x_k - e_k||_W^2 + w_c ||u_k - u_{k-1}||^2 + w_p ||qbar_k + x_k - q_p||^2
                        + w_s s_k + w_t ||u_{N-1}||^2
@@ -9,13 +10,12 @@ Unknown are velocities u_0 .. u_{N-1}, deviations x_1 .. x_N of the configuratio
                 lower <= qbar_k + x_k <= upper
                 d_i(qbar_k) + grad d_i x_k + s_k >= d_min  for the nearest pairs i,   s_k >= 0
 
-where e_k is what is missing from the tip at qbar_k to the reference pose k, with the Jacobian there. The nominal motion
-is the last plan, moved on by one tick: one linearisation per tick (Diehl's real-time iteration). The matrices are sparse
-and keep their pattern; OSQP starts from the last solution, so a command depends on the commands before since `reset`, and
-on nothing else.
+where e_k is the error from the tip at qbar_k to the reference pose k, and J_k the Jacobian there. The nominal motion
+is the last plan, shifted by one tick: one linearisation per tick (Diehl's real-time iteration). The matrices are sparse
+with a fixed pattern. OSQP starts from the last solution, so a command depends only on the commands since `reset`.
 
-s_k keeps the QP feasible when distances cannot be kept; joint limits always can. Should OSQP fail to converge, the
-command is braking. Distances are linearised, so put a `SafetyFilter` behind this controller where they have to hold.
+s_k keeps the QP feasible if distances cannot be kept; joint limits always can. If OSQP does not converge, the
+command is braking. Distances are linearised, so use a `SafetyFilter` after this controller if they must be guaranteed.
 """
 
 from __future__ import annotations
@@ -40,19 +40,19 @@ from rlbench_pin.values import NOT_NEGATIVE, POSITIVE, as_array, check_settings,
 IndexArray = NDArray[np.intp]
 _FAR = 1e30
 DISTANCE_UNIT = 30.0
-"""Distance rows and slacks are measured in 1/30 m: their multipliers are like the others then, and one rho serves all."""
+"""Scale of distance rows and slacks (unit 1/30 m): their multipliers are then similar to the others, and one rho suffices."""
 
 
 @dataclass(frozen=True)
 class ProgramSize:
-    """How large the program is."""
+    """Dimensions of the program."""
 
     joints: int
     """Number of joints n."""
     ticks: int
-    """Ticks of the horizon."""
+    """Number of ticks of the horizon."""
     pairs: int
-    """Distance rows per tick."""
+    """Number of distance rows per tick."""
 
     @property
     def motion(self) -> int:
@@ -61,7 +61,7 @@ class ProgramSize:
 
     @property
     def unknowns(self) -> int:
-        """Velocities, deviations, and one slack per tick when there are distances."""
+        """Number of velocities, deviations, and slacks (one per tick with distances)."""
         return 2 * self.motion + (self.ticks if self.pairs else 0)
 
 
@@ -71,7 +71,7 @@ class PredictiveProgram:
     def __init__(
         self, size: ProgramSize, bounds: JointBounds, change_weight: float, final_weight: float, slack_weight: float
     ) -> None:
-        """Lay out the program.
+        """Set up the program.
 
         Args:
             size: Its size.
@@ -89,7 +89,7 @@ class PredictiveProgram:
         self.clear()
 
     def clear(self) -> None:
-        """Set all that depends on the state to zero, and the bounds free."""
+        """Set all state-dependent entries to zero, and remove the bounds."""
         size = self.size
         for k in range(size.ticks):
             self.set_objective(k, np.eye(size.joints), np.zeros(size.joints))
@@ -109,7 +109,7 @@ class PredictiveProgram:
     # Numbers ------------------------------------------------------------------------------------------------------
 
     def set_state(self, q: FloatArray, v: FloatArray, nominal: FloatArray) -> None:
-        """Write what depends on the present state (n,) and the nominal configurations (N, n): bounds and dynamics."""
+        """Write the bounds and dynamics for the present state (n,) and the nominal configurations (N, n)."""
         n, motion, limits = self.size.joints, self.size.motion, self.bounds.limits
         slowest, fastest = self.bounds.interval(q, v)
         self.low[:motion], self.high[:motion] = (
@@ -142,7 +142,7 @@ class PredictiveProgram:
     # Pattern ------------------------------------------------------------------------------------------------------
 
     def _build_cost(self, final_weight: float) -> None:
-        """Lay out P: tridiagonal in the velocities, one full block per deviation, slightly convex in the slacks."""
+        """Set up P: tridiagonal in the velocities, one full block per deviation, slightly convex in the slacks."""
         size, n = self.size, self.size.joints
         steps = 2.0 * np.eye(size.ticks) - np.eye(size.ticks, k=1) - np.eye(size.ticks, k=-1)
         steps[-1, -1] = 1.0
@@ -158,7 +158,7 @@ class PredictiveProgram:
         self._cost_blocks = [slice(first + k * count, first + (k + 1) * count) for k in range(size.ticks)]
 
     def _build_rows(self) -> None:
-        """Lay out A: bounds of all unknowns, dynamics, changes of velocity, distances."""
+        """Set up A: bounds of all unknowns, dynamics, changes of velocity, distances."""
         size, dt = self.size, self.bounds.dt
         n, ticks, motion = size.joints, size.ticks, size.motion
         move = sp.eye(motion) - sp.eye(motion, k=-n)  # x_{k+1} - x_k, and u_k - u_{k-1}
@@ -186,7 +186,7 @@ class PredictiveProgram:
         self.low[ends[2] : ends[3]], self.high[ends[2] : ends[3]] = -step, step
 
     def _block_entries(self, rows: sp.coo_matrix, place: IndexArray, k: int) -> IndexArray:
-        """Return where the gradients of tick k are in the data of `rows`, shape (pairs, n)."""
+        """Return the positions of the gradients of tick k in the data of `rows`, shape (pairs, n)."""
         size, n = self.size, self.size.joints
         first_row, first_column = self._distances.start + k * size.pairs, size.motion + k * n
         i, j = rows.row - first_row, rows.col - first_column
@@ -212,11 +212,11 @@ class PredictiveConfig:
     dt: float = 0.05
     """Control tick [s]."""
     horizon: int = 10
-    """N: ticks looked ahead."""
+    """N: number of ticks of the horizon."""
     position_weight: float = 100.0
-    """Of 1 m^2."""
+    """Weight of 1 m^2."""
     rotation_weight: float = 10.0
-    """Of 1 rad^2."""
+    """Weight of 1 rad^2."""
     change_weight: float = 2e-2
     """w_c."""
     posture_weight: float = 1e-3
@@ -224,17 +224,17 @@ class PredictiveConfig:
     final_weight: float = 1e-3
     """w_t."""
     slack_weight: float = 100.0
-    """w_s, of 1 m."""
+    """w_s: weight of 1 m of slack."""
     pairs: int = 6
-    """Nearest pairs that are constrained at each tick of the horizon, when distances are given."""
+    """Number of nearest pairs that are constrained at each tick of the horizon, if distances are given."""
     margin: float = 0.02
     """d_min to the world [m]."""
     self_margin: float = 0.01
     """d_min within the arm [m]."""
     tolerance: float = 1e-4
-    """Residual at which OSQP stops."""
+    """Residual below which OSQP stops."""
     iterations: int = 4000
-    """Iterations of OSQP at most."""
+    """Maximum number of iterations of OSQP."""
 
     def __post_init__(self) -> None:
         """Raise InvalidValue for a number that is NaN, of a wrong kind, or outside its range (also a ValueError)."""
@@ -243,20 +243,20 @@ class PredictiveConfig:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class PredictiveCommand:
-    """The next command and the plan it comes from."""
+    """The next command and its plan."""
 
     velocity: FloatArray
     """Joint velocity of the next tick (n,), [rad/s]."""
     plan: FloatArray
     """Configurations planned for the next ticks (N, n), [rad]."""
     shortfall: float
-    """Largest slack [m]: by how much the plan breaks a minimum distance."""
+    """Largest slack [m]: the largest violation of a minimum distance by the plan."""
     stopped: bool
     """Whether the command is braking, because the QP was not solved."""
 
 
 class CartesianMPC:
-    """Follows tip references by looking ahead. Not thread-safe."""
+    """Follows tip references by model predictive control. Not thread-safe."""
 
     def __init__(
         self,
@@ -272,7 +272,7 @@ class CartesianMPC:
         Args:
             model: The arm.
             config: Settings.
-            distances: The world to keep clear of; None keeps clear of nothing.
+            distances: Distances to keep; None ignores distances.
             limits: Joint limits; None takes the arm's.
             posture: Preferred configuration (n,), [rad]; None takes the arm's home.
         """
@@ -285,7 +285,7 @@ class CartesianMPC:
         self._weights = np.repeat([config.position_weight, config.rotation_weight], 3)
         self._data = model.arm.createData()
         self.iterations = 0
-        """Iterations that the last solve took."""
+        """Number of iterations of the last solve."""
         self.reset()
 
     def reset(self) -> None:
@@ -348,7 +348,7 @@ class CartesianMPC:
         return [as_placement(pose, "reference") for pose in poses]
 
     def _nominal(self, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Return the last plan, moved on by one tick, from `q` on; without one, braking. Shape (N, n), [rad]."""
+        """Return the last plan from `q`, shifted by one tick; without a plan, braking. Shape (N, n), [rad]."""
         limits = self.bounds.limits
         if self._plan is None:
             velocities = np.zeros((self.config.horizon, len(q)))
@@ -370,7 +370,7 @@ class CartesianMPC:
         return weighted @ jacobian + weight * np.eye(len(q)), -weighted @ error - weight * (self.posture - q)
 
     def _clearances(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return gradients (m, n) of the nearest distances at `q`, and how much is left above their minimum (m,), [m]."""
+        """Return gradients (m, n) of the nearest distances at `q`, and the distances above their minimum (m,), [m]."""
         model, config = self.distances, self.config
         assert model is not None
         model.place(q)

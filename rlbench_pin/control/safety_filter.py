@@ -1,24 +1,23 @@
-"""A filter in front of any policy: the joint velocity nearest to the wanted one that breaks no limit and touches nothing.
+"""A safety filter for any policy: the joint velocity nearest to the desired one that keeps all limits and minimum distances.
 
-At configuration q the filter passes on the next velocity u that solves
+At configuration q the filter returns the next velocity u that solves
 
     minimise    ||(u - u_wanted) / v_max||^2
     subject to  u_min <= u <= u_max                       joint limits, braking distance included (`constraints`)
                 grad d_k (q) u >= - gain (d_k - d_min)    for near pairs k: velocity dampers                       (1)
 
-where d_k are distances between the arm, what it holds and the world, and their gradients come from nearest points and
+where d_k are distances between the arm, held objects and the world, and their gradients come from nearest points and
 normals (`robot.distances`). With (1) a distance d approaches its minimum d_min exponentially (Faverjon & Tournassoud
-1987; a control barrier function of the class d' >= -gain d). When no row is active, u is the wanted velocity clipped to
+1987; a control barrier function of the class d' >= -gain d). If no row is active, u is the desired velocity clipped to
 the box, and no QP is solved.
 
-(1) is linear in a short motion and leaves out braking, so the result is checked: the tick of u and the hardest
-braking after it, at true distances and in all pairs (`braking`), and within the motors' torques. If that way
-is not clear, commands between u and braking are tried, and last braking itself, which was checked one tick ago. Therefore,
-in a stationary world, limits hold and distances stay above the minimum at all times, also when the QP is
-infeasible: braking is the safe stop.
+(1) is a linearisation and omits braking, so the result is checked: the tick of u and the hardest braking after it, with
+exact distances of all pairs (`braking`), and within the motor torques. If that path is not clear, the filter tries commands
+between u and braking, and finally braking itself, which was checked one tick ago. Therefore, in a stationary world, limits
+hold and distances stay above the minimum at all times, also if the QP is infeasible: braking is the safe stop.
 
-A state that breaks a rule already is led back: joints beyond their limits brake, then return; pairs nearer than the
-minimum may not come nearer, and (1) asks them to separate at most at `recovery_speed`.
+The filter recovers from states that already violate a rule: joints beyond their limits brake, then return; pairs nearer
+than the minimum may not come nearer, and (1) separates them at most at `recovery_speed`.
 """
 
 from __future__ import annotations
@@ -40,8 +39,8 @@ from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import NOT_NEGATIVE, POSITIVE, as_record, check_settings, counted, one_of, ruled
 
 Reason = Literal["limits", "distance", "braking", "torque", "infeasible"]
-"""Why a command was changed: joint limits; velocity dampers; the way to standstill was not clear, or took more torque than the
-motors have; the QP had no solution."""
+"""Reasons for changing a command: joint limits; velocity dampers; a path to standstill that is not clear, or needs more torque
+than the motors have; a QP without a solution."""
 
 _RULES = ruled(
     (POSITIVE, "dt gain"),
@@ -54,7 +53,7 @@ def _reasons(value: object, what: str) -> object:
     """Check reason -> count."""
     if not isinstance(value, dict) or not set(value) <= set(get_args(Reason)):
         problem = f"has to map reasons ({', '.join(get_args(Reason))}) to counts"
-        raise InvalidValue(what, value, problem, "Leave it out to begin with none.")
+        raise InvalidValue(what, value, problem, "Omit it to start from zero.")
     for reason, count in value.items():
         counted(0)(count, f"{what}['{reason}']")
     return value
@@ -70,19 +69,19 @@ class SafetyConfig:
     dt: float = 0.05
     """Control tick [s]."""
     hold: HeldQuantity = "velocity"
-    """Whether a commanded velocity is reached at once and held, linearly over the tick, or anywhere between."""
+    """Time at which a commanded velocity is reached: at the start of the tick, linearly until its end, or any time in it."""
     margin: float = 0.01
     """Minimum distance to the world [m]."""
     self_margin: float = 0.005
-    """Minimum distance between parts of the arm, and of what it holds [m]."""
+    """Minimum distance between parts of the arm and held objects [m]."""
     buffer: float = 0.003
-    """The dampers begin this much before the minimum distance, so that curvature does not break it at once [m]."""
+    """Distance above the minimum at which the dampers reach zero speed, to allow for curvature [m]."""
     gain: float = 5.0
-    """Of the distance above the minimum, the share that may be lost per second [1/s]."""
+    """Fraction of the distance above the minimum that may be lost per second [1/s]."""
     influence: float = 0.05
-    """Pairs nearer than this always take part in the QP [m]."""
+    """Distance below which pairs always take part in the QP [m]."""
     recovery_speed: float = 0.05
-    """Speed at which pairs below the minimum are made to separate, at most [m/s]."""
+    """Maximum separation speed of pairs below the minimum [m/s]."""
     limit_margin: float = 0.0
     """Distance kept from the joint position limits [rad]."""
 
@@ -93,26 +92,26 @@ class SafetyConfig:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class SafeCommand:
-    """Command of the filter, and the reasons of a change."""
+    """Command of the filter, and the reasons for a change."""
 
     velocity: FloatArray
     """Joint velocity of the next tick (n,), [rad/s]."""
     wanted: FloatArray
-    """Joint velocity that was asked for (n,), [rad/s]."""
+    """Desired joint velocity (n,), [rad/s]."""
     reasons: tuple[Reason, ...]
-    """Empty when the wanted velocity passed unchanged."""
+    """Reasons for the change; empty if the desired velocity is unchanged."""
     pairs: tuple[tuple[str, str], ...]
-    """Names of the pairs that came too near."""
+    """Names of the pairs that would come too near."""
     stopped: bool
-    """Whether the command is the hardest braking, because nothing better was found."""
+    """Whether the command is the hardest braking, because no other safe command was found."""
 
     @property
     def intervened(self) -> bool:
-        """Whether the command differs from the wanted one."""
+        """Whether the command differs from the desired one."""
         return bool(self.reasons)
 
     def __str__(self) -> str:
-        """Say what happened in words."""
+        """Return the reasons as text."""
         near = ", ".join(f"{a} near {b}" for a, b in self.pairs)
         return f"{' and '.join(self.reasons) or 'passed'}{f' ({near})' if near else ''}{', braking' if self.stopped else ''}"
 
@@ -122,18 +121,18 @@ class FilterCounts:
     """Counts of the interventions of a filter."""
 
     ticks: int = 0
-    """Commands in all."""
+    """Total number of commands."""
     interventions: int = 0
-    """Commands that were changed."""
+    """Number of changed commands."""
     solves: int = 0
-    """QPs solved."""
+    """Number of solved QPs."""
     stops: int = 0
-    """Commands that were the hardest braking."""
+    """Number of commands that were the hardest braking."""
     reasons: dict[str, int] = field(default_factory=dict)
-    """Reason -> number of commands that were changed for it."""
+    """Reason -> number of commands changed for this reason."""
 
     def __post_init__(self) -> None:
-        """Raise InvalidValue for a count that is not a whole number, or a reason that there is not (also a ValueError)."""
+        """Raise InvalidValue for a count that is not an integer, or an unknown reason (also a ValueError)."""
         check_settings(self, _COUNT_RULES)
 
     def add(self, command: SafeCommand) -> None:
@@ -147,9 +146,9 @@ class FilterCounts:
 
 
 ROWS = 32
-"""Pairs that take part in the QP, those nearest to breaking a damper first."""
+"""Maximum number of pairs in the QP; those nearest to violating a damper come first."""
 SLACK = 1e-5
-"""How much nearer than it is a pair below the minimum may come [m]."""
+"""Tolerated decrease of the distance of a pair below the minimum [m]."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -157,18 +156,18 @@ class DamperRows:
     """Rows `gradients` u >= `least` of a quadratic program."""
 
     which: IndexArray
-    """Numbers of the pairs, shape (m,)."""
+    """Indices of the pairs, shape (m,)."""
     gradients: FloatArray
-    """Of their distances, shape (m, n), [m/rad]."""
+    """Gradients of their distances, shape (m, n), [m/rad]."""
     least: FloatArray
-    """Least rates of change, shape (m,), [m/s]."""
+    """Minimum rates of change, shape (m,), [m/s]."""
 
 
 class Dampers:
     """The dampers of one arm in its world.
 
     Args:
-        distances: Of the arm.
+        distances: Distance model of the arm.
         config: Settings of the filter.
     """
 
@@ -178,7 +177,7 @@ class Dampers:
         self._minimum = self._onset = np.zeros(0)
 
     def floors(self) -> FloatArray:
-        """Return the smallest distance allowed, shape (pairs,), [m]; minus infinity for pairs that do not count."""
+        """Return the minimum distances, shape (pairs,), [m]; minus infinity for ignored pairs."""
         model = self.distances
         if self._counts is not model.counts:
             self._counts = model.counts
@@ -188,7 +187,7 @@ class Dampers:
         return self._minimum
 
     def lowered(self) -> FloatArray:
-        """Return the floors, lowered where a pair is below its own already."""
+        """Return the floors, lowered for pairs that are already below theirs."""
         model, floors = self.distances, self.floors()
         which = (model.bounds < floors).nonzero()[0]  # perhaps, or for sure: bounds are exact where it matters
         if len(which):
@@ -197,7 +196,7 @@ class Dampers:
         return floors
 
     def is_clear(self, turns: FloatArray) -> bool:
-        """Whether all pairs are farther apart than where dampers begin and what joint turns (n,) [rad] can take at most now."""
+        """Return whether all pairs stay beyond the range of the dampers for joint motions up to `turns` (n,) [rad]."""
         model = self.distances
         self.floors()
         limit = model.motion.approach(turns)
@@ -206,7 +205,7 @@ class Dampers:
         return all(model.distance(k) >= least for k, least in zip(near.tolist(), limit.take(near).tolist()))
 
     def rows(self, speeds: FloatArray) -> DamperRows:
-        """Return rows for pairs that are near, or might break a damper while joints move at up to `speeds` (n,) [rad/s]."""
+        """Return rows for pairs that are near, or may violate a damper if joints move at up to `speeds` (n,) [rad/s]."""
         model = self.distances
         self.floors()
         config, onset = self.config, self._onset
@@ -222,13 +221,13 @@ class Dampers:
 
 
 BETWEEN = (0.5,)
-"""Shares of the QP's solution, the rest braking, that are tried before braking itself when the way is not clear."""
+"""Fractions of the QP's solution, blended with braking, to try before full braking if the path is not clear."""
 DEFAULT = SafetyConfig()
 NO_PAIRS: IndexArray = np.zeros(0, dtype=np.intp)
 
 
 class SafetyFilter:
-    """Makes joint velocities safe for one arm. Not thread-safe; a command depends on state, world and wanted velocity alone."""
+    """Filters joint velocities of one arm. Not thread-safe; a command depends only on state, world and desired velocity."""
 
     def __init__(
         self,
@@ -239,14 +238,14 @@ class SafetyFilter:
         solver: QPSolver | None = None,
         counts: FilterCounts | None = None,
     ) -> None:
-        """Prepare a filter for an empty world; `distances.update` gives it the world.
+        """Prepare a filter for an empty world; `distances.update` sets the world.
 
         Args:
             model: The arm.
             config: Settings.
             limits: Joint limits; None takes the arm's.
             solver: Solves the QP; None is OSQP.
-            counts: Where to count, which several filters may share; None is a new one.
+            counts: Counts to update, which several filters may share; None creates new ones.
         """
         check_made_of(model, config, SafetyConfig)
         self.model, self.config = model, config
@@ -322,9 +321,9 @@ class SafetyFilter:
     def _damped(
         self, q: FloatArray, v: FloatArray, wanted: FloatArray
     ) -> tuple[FloatArray, tuple[Reason, ...], IndexArray, FloatArray]:
-        """Return the velocity in the box nearest to `wanted` that keeps the dampers, why it differs, and because of which pairs.
+        """Return the velocity in the box nearest to `wanted` that keeps the dampers, the reasons for a change, and the pairs.
 
-        The last are the smallest distances that braking has to keep, shape (pairs,), [m].
+        The last returned value is the minimum distances that braking has to keep, shape (pairs,), [m].
         """
         rows, floors = self._dampers.rows(np.abs(wanted)), self._dampers.lowered()
         which, gradients, least = rows.which, rows.gradients, rows.least
@@ -348,9 +347,9 @@ class SafetyFilter:
     def _checked(
         self, q: FloatArray, v: FloatArray, command: FloatArray, floors: FloatArray
     ) -> tuple[FloatArray, IndexArray, bool, bool]:
-        """Return the first of `command`, commands between it and braking, and braking, whose way to standstill is clear.
+        """Return the first of `command`, commands between it and braking, and braking, whose path to standstill is clear.
 
-        With it the pairs that refused `command`, whether motors did, and whether braking is all that was left.
+        Also return the pairs that rejected `command`, whether the motors did, and whether only braking remained.
         """
         refused = self._braking.unsafe(q, v, command, floors)
         weak = not len(refused) and self._overloaded(q, v, command)
@@ -364,7 +363,7 @@ class SafetyFilter:
         return brake, refused, weak, True
 
     def _overloaded(self, q: FloatArray, v: FloatArray, command: FloatArray) -> bool:
-        """Whether motors are too weak for the way of `command` to standstill."""
+        """Return whether the path of `command` to standstill exceeds the motor torques."""
         if self._motors is None:
             return False
         self._motors.carry(self.distances.payload)

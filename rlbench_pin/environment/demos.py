@@ -1,4 +1,4 @@
-"""Live demonstrations: waypoints become planned, timed and tracked motion, with one observation per tick; retries; `Demo`."""
+"""Live demonstrations: plan and track the motion through the waypoints of a task, and record one observation per tick."""
 
 from __future__ import annotations
 
@@ -28,17 +28,17 @@ from rlbench_pin.tasks import Task, Waypoint
 from rlbench_pin.values import as_record
 
 EXTRA_TICKS = 10
-"""Control ticks that a demonstration waits for its success after the last segment."""
+"""Maximum number of control ticks that a demonstration waits for success after its last segment."""
 MAX_ROUNDS = 40
-"""How often the waypoints of a task are visited at most."""
+"""Maximum number of times that the waypoints of a task are visited."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Omission:
-    """Part that a demonstration leaves out, to show that it fails without."""
+    """The part of a demonstration to leave out, to show that the demonstration fails without it."""
 
     waypoints: tuple[int, ...] = ()
-    """Numbers of waypoints that are not visited."""
+    """Indices of the waypoints that are not visited."""
     grasps: bool = False
     """The gripper does not close on anything."""
 
@@ -48,29 +48,29 @@ class SegmentReport:
     """One segment of a demonstration: the motion to a waypoint."""
 
     waypoint: int
-    """Number of the waypoint that it leads to."""
+    """Index of the waypoint at its end."""
     method: str
-    """How it was planned: straight, direct, sampled or curve."""
+    """Planning method: straight, direct, sampled or curve."""
     planning_time: float
-    """Time of this process [s]."""
+    """CPU time of planning in this process [s]."""
     duration: float
-    """Length of the motion [s]."""
+    """Duration of the motion [s]."""
 
 
 @dataclass(frozen=True)
 class DemoOutcome:
-    """One try at a demonstration."""
+    """The result of one attempt at a demonstration."""
 
     success: bool
     """Whether the goal was reached."""
     cause: str
-    """Empty, or why it failed."""
+    """Cause of the failure; empty after a success."""
     waypoint: int | None
     """Waypoint at which it failed; None when it succeeded."""
     demo: Demo | None
     """The demonstration, None when it failed."""
     planning_time: float
-    """Time of this process [s]."""
+    """CPU time of planning in this process [s]."""
     duration: float
     """Simulated time [s]."""
     segments: tuple[SegmentReport, ...] = field(default=())
@@ -78,19 +78,19 @@ class DemoOutcome:
 
 
 class DemoPlayer:
-    """Plays the waypoints of the running task once.
+    """Plays one demonstration of the running task.
 
     Args:
         runtime: A task at the start of an episode.
         record: Keep observations.
         record_gripper: Keep one observation per tick of finger motion, not only the last.
-        on_frame: Called with every observation kept.
-        omit: What to leave out.
+        on_frame: Function that is called with each kept observation.
+        omit: The part to leave out.
 
     Attributes:
         frames: Observations kept so far.
         segments: The segments run so far.
-        waypoint: The waypoint that is being visited; None before the first.
+        waypoint: The target waypoint of the present segment; None before the first segment.
     """
 
     def __init__(
@@ -116,21 +116,25 @@ class DemoPlayer:
 
     @property
     def planning_time(self) -> float:
-        """Time of this process spent planning so far [s]."""
+        """CPU time of planning in this process so far [s]."""
         return sum(segment.planning_time for segment in self.segments)
 
     def play(self) -> list[Observation]:
         """Run the demonstration and return its observations.
 
         Raises:
-            NoWaypointsError: The task has none.
+            NoWaypointsError: The task has no waypoints.
             DemoError: The goal was not reached, or the fail list ended the episode.
             WaypointError: A waypoint is out of reach.
             PlanningError: A segment could not be planned.
         """
         task = self.runtime.task
         if not task.get_waypoints():
-            raise NoWaypointsError(f"Task '{task.get_name()}' has no waypoints, so it cannot be demonstrated.", task)
+            raise NoWaypointsError(
+                f"Task '{task.get_name()}' has no waypoints, so no demonstration can be planned. "
+                "Add `[[waypoints]]` to its scene file.",
+                task,
+            )
         self._frame()
         for _ in range(MAX_ROUNDS):
             self._succeeded = False
@@ -145,7 +149,7 @@ class DemoPlayer:
         return self.frames
 
     def _segments(self, waypoints: Sequence[Waypoint]) -> Iterator[tuple[Waypoint, list[Waypoint], list[float]]]:
-        """Yield each of some waypoints that is not skipped, those after it in its group, and the grasp angles to try, best first.
+        """Yield, for each waypoint that is not skipped, the waypoint, those after it in its group, and grasp angles, best first.
 
         Start hooks run here, before the poses of their segment are read.
         """
@@ -162,7 +166,7 @@ class DemoPlayer:
                 angles = [self._planner.angle]
 
     def run_segment(self, waypoint: Waypoint, rest: Sequence[Waypoint], angles: Sequence[float]) -> None:
-        """Plan and run the motion to a waypoint, move the fingers as it says, and call its end hook.
+        """Plan and run the motion to a waypoint, execute its gripper command, and call its end hook.
 
         Args:
             waypoint: The waypoint.
@@ -176,7 +180,7 @@ class DemoPlayer:
         waypoint.run_end_hook()
 
     def _plan(self, waypoint: Waypoint, rest: Sequence[Waypoint], angles: Sequence[float]) -> Plan:
-        """Plan from where the arm is to a waypoint, and report it as a segment."""
+        """Plan a motion from the present configuration to a waypoint, and report it as a segment."""
         began = time.process_time()
         plan = self._planner.plan(waypoint, rest, angles)
         seconds = time.process_time() - began
@@ -188,15 +192,15 @@ class DemoPlayer:
         return plan
 
     def move(self, waypoint: Waypoint, rest: Sequence[Waypoint], plan: Plan) -> None:
-        """Move to a waypoint as planned; `rest` are those after it in its group."""
+        """Execute the planned motion to a waypoint; `rest` contains the waypoints after it in its group."""
         follow(self.runtime, plan.trajectory, on_tick=self._arm_tick, compliant=waypoint.compliant)
 
     def operate_gripper(self, waypoint: Waypoint) -> None:
-        """Move the fingers as a waypoint says."""
+        """Execute the gripper command of a waypoint."""
         self._move_fingers(waypoint.gripper_amount, release=waypoint.releases)
 
     def _move_fingers(self, amount: float, *, release: bool) -> None:
-        """Move the fingers to an opening fraction, and hold what is between them, or let go."""
+        """Move the fingers to an opening fraction, then attach or release the object between them."""
         self._amount = amount
         move_gripper(
             self.runtime,
@@ -221,14 +225,14 @@ class DemoPlayer:
             self._frame()
 
     def _check(self) -> None:
-        """Note success; raise when the fail list ends the episode."""
+        """Record success; raise DemoError if a condition of the fail list ends the episode."""
         success, terminate = self.runtime.task.success()
         if terminate and not success:
             raise DemoError("The fail list of the task was met.", self.runtime.task)
         self._succeeded = self._succeeded or success
 
     def _wait_for_success(self) -> None:
-        """Hold until the goal is reached, but never for two ticks alone: the last frame is a key frame, as is the one before."""
+        """Hold the arm until the goal is reached, but never for exactly two ticks: the last two frames are key frames."""
         self._check()
         for ticks in range(EXTRA_TICKS):
             if self._succeeded and ticks != 2:
@@ -251,13 +255,13 @@ class DemoPlayer:
             self.on_frame(observation)
 
     def flag(self, observation: Observation) -> None:
-        """Note on a frame how its segment was planned; the first frame belongs to the first segment."""
+        """Write the planning method of the segment into a frame; the first frame belongs to the first segment."""
         if self.runtime.observer.config.record_ignore_collisions:
             observation.ignore_collisions = self._ignores_collisions
 
 
 def try_play(player: DemoPlayer) -> tuple[str, int | None]:
-    """Play and return the cause of failure, empty on success, and the waypoint it happened at."""
+    """Play a demonstration; return the cause of its failure (empty on success) and the waypoint where it failed."""
     try:
         player.play()
     except (PlanningError, WaypointError, DemoError) as error:
@@ -267,18 +271,18 @@ def try_play(player: DemoPlayer) -> tuple[str, int | None]:
 
 
 LIBRARIES = ("rlbench_pin", "pin", "coal", "pybullet", "ompl", "toppra", "placo", "osqp", "numpy")
-"""Distributions that shape a demonstration."""
+"""Python distributions whose version can change a demonstration."""
 
 
 class LiveDemoFailed(DemoError, RuntimeError):
-    """A live demonstration failed at every attempt; carries why."""
+    """All attempts at a live demonstration failed; has the causes as attributes."""
 
     def __init__(self, task_name: str, seed: int, causes: list[str], task: object) -> None:
         self.seed, self.causes = seed, tuple(causes)
         text = "; ".join(f"attempt {i}: {cause}" for i, cause in enumerate(causes))
         super().__init__(
-            f"Task '{task_name}' could not be demonstrated from seed {seed} in {len(causes)} attempts ({text}). "
-            f"`rlbench-pin check {task_name}` shows how often that happens.",
+            f"Task '{task_name}' has no successful demonstration for seed {seed} in {len(causes)} attempts ({text}). "
+            f"`rlbench-pin check {task_name}` shows the rate and the causes of such failures.",
             task,
         )
 
@@ -287,11 +291,11 @@ def play_demo(
     origin: EpisodeOrigin,
     player: DemoPlayer,
 ) -> DemoOutcome:
-    """Play the demonstration of the episode that has just started, with or without success.
+    """Play the demonstration of an episode that has just started, and return its result.
 
     Args:
-        origin: Where the episode came from.
-        player: Plays it.
+        origin: Origin of the episode.
+        player: Player of the demonstration.
     """
     runtime = player.runtime
     state, began = runtime.world.arrays(exact=False), runtime.world.time
@@ -321,17 +325,17 @@ def live_demos(play: Callable[[int, int], DemoOutcome], task: Task, seeds: Itera
     """Return a demonstration for each seed.
 
     Args:
-        play: Plays one try of a seed, given the seed and the number of the try.
-        task: The task that is shown.
+        play: Function of a seed and the number of the attempt that plays one attempt.
+        task: The demonstrated task.
         seeds: Seeds of the episodes.
-        max_attempts: Tries per seed.
+        max_attempts: Maximum number of attempts per seed.
 
     Raises:
-        LiveDemoFailed: A seed failed at every try.
+        LiveDemoFailed: All attempts of a seed failed.
         TaskEnvironmentError: `max_attempts` is below 1.
     """
     if max_attempts < 1:
-        raise TaskEnvironmentError(f"max_attempts={max_attempts} tries nothing; it must be at least 1.")
+        raise TaskEnvironmentError(f"max_attempts={max_attempts} allows no attempt. Choose 1 or more.")
     demos: list[Demo] = []
     for seed in seeds:
         causes: list[str] = []
@@ -347,28 +351,32 @@ def live_demos(play: Callable[[int, int], DemoOutcome], task: Task, seeds: Itera
 
 
 def check_start(demo: Demo, task_name: str, robot: str) -> int:
-    """Return the seed of a demonstration, from which its task is set up.
+    """Return the seed from which a reset sets up the task of a demonstration.
 
-    Where it carries the state of a generator instead, its snapshot says where everything is, and the seed is a hash of the state.
+    If the demonstration contains the state of a generator instead, its snapshot restores the world, and the seed is a hash
+    of that state.
 
     Raises:
-        TaskEnvironmentError: It is of another task or arm than these, or carries no seed, or a state without a snapshot.
+        TaskEnvironmentError: It has another task or another arm, no seed, or a generator state without a snapshot.
     """
     as_record(demo, Demo, "demo", InvalidArgument)
     if demo.task_name and demo.task_name != task_name:
-        raise TaskEnvironmentError(f"The demonstration shows '{demo.task_name}', this is '{task_name}'.")
+        raise TaskEnvironmentError(
+            f"The demonstration is of task '{demo.task_name}', but this environment runs '{task_name}'. "
+            "Load that task with `get_task`."
+        )
     if demo.robot not in ("", robot):
         raise TaskEnvironmentError(
-            f"The demonstration was made with the arm '{demo.robot}', this is '{robot}'. "
+            f"The demonstration was made with the arm '{demo.robot}', but this environment has '{robot}'. "
             f"Use Environment(robot_setup='{demo.robot}')."
         )
     if demo.random_seed is None:
-        raise TaskEnvironmentError("The demonstration carries no seed, so its start cannot be restored. Record it again.")
+        raise TaskEnvironmentError("The demonstration contains no seed, so its start cannot be restored. Record it again.")
     if not isinstance(demo.random_seed, tuple):
         return checked_seed(demo.random_seed)
     if demo.state is None:
         raise TaskEnvironmentError(
-            "The demonstration carries the state of a random number generator instead of a seed, and no snapshot of the world: "
+            "The demonstration contains the state of a random number generator instead of a seed, and no snapshot of the world: "
             "its start cannot be restored. Record it again."
         )
     return _seed_from(demo.random_seed)
@@ -381,7 +389,7 @@ def _seed_from(state: RandomState) -> int:
 
 
 def restore_start(runtime: Runtime, demo: Demo) -> None:
-    """Bring the world to the exact state that a demonstration started from, where its seed alone did not."""
+    """Restore the exact start state of a demonstration from its snapshot, where its seed alone does not."""
     if demo.state is not None and not _same_arrays(runtime.world.arrays(exact=False), demo.state):
         runtime.world.set_arrays(demo.state)
         runtime.task.reset_conditions()

@@ -1,4 +1,4 @@
-"""`Environment`: choose actions and observations, then get tasks."""
+"""`Environment`: select the actions and observations, and load tasks."""
 
 from __future__ import annotations
 
@@ -39,31 +39,31 @@ _SCENE_DATA = {"intrinsics": "intrinsics", "extrinsics": "extrinsics", "near_pla
 
 
 class Environment:
-    """A simulated robot at a table. `get_task` loads a task into it.
+    """A simulated robot at a table; `get_task` loads a task.
 
     Args:
         action_mode: Meaning, size and bounds of an action.
-        dataset_root: Folder of stored demonstrations; empty when there is none.
+        dataset_root: Folder of stored demonstrations; the default "" means none.
         obs_config: Contents of observations; None takes a new default configuration.
         headless: Accepted for compatibility with RLBench, without effect: no window is ever opened.
         static_positions: Keep each task at the pose that its scene file gives, instead of a random pose.
-        robot_setup: Name of the arm, in upper or lower case, or path of its TOML file.
-        randomize_every: Event that starts a new randomization; needs visual or dynamics settings. None: never.
-        frequency: n: randomize at the first event and at every n-th after it.
+        robot_setup: Name of the arm (case is ignored), or path of its TOML file.
+        randomize_every: Event that starts a new randomization; needs visual or dynamics settings. None never randomizes.
+        frequency: Randomize at the first event and at every `frequency`-th event after it.
         visual_randomization_config: Settings of visual randomization.
         dynamics_randomization_config: Settings of dynamics randomization.
-        attach_grasped_objects: Fix grasped bodies to the gripper. A setting of the gripper mode has priority.
+        attach_grasped_objects: Fix grasped bodies to the gripper. A setting of the gripper mode takes precedence.
         shaped_rewards: Return the shaped reward of the task, instead of 1 for success and 0 otherwise.
         arm_max_velocity: Largest norm of the joint velocity in planned motions [rad/s].
         arm_max_acceleration: Largest rate of change of that norm, and largest acceleration of each joint [rad/s^2].
-        seed: Seed of all random draws in calls that get no seed; None draws one.
-        renderer: Renderer of images: `cpu`, `egl`, or `auto` (EGL if available, else CPU). Images of the two differ slightly.
+        seed: Seed for all calls that are not given a seed; None draws one.
+        renderer: Renderer of images: `cpu`, `egl`, or `auto` (EGL if available, else CPU). CPU and EGL images differ slightly.
         factors: Factors of generalisation, such as `light_color:2+friction:1`; `rlbench-pin factors` lists them.
 
     Raises:
         DatasetError: `dataset_root` does not exist (also a RuntimeError).
         InvalidArgument: An argument has an invalid value or type (also a ValueError).
-        UnknownRobot: No arm has this name (also a ValueError).
+        UnknownRobot: There is no arm with this name (also a ValueError).
     """
 
     @names_arguments
@@ -115,14 +115,14 @@ class Environment:
         """Load the robot.
 
         Raises:
-            TaskEnvironmentError: It was launched before (also a RuntimeError).
+            TaskEnvironmentError: The environment is already launched (also a RuntimeError).
         """
         if self._model is not None:
-            raise AlreadyLaunched("The environment is launched already. Call `shutdown()` first.")
+            raise AlreadyLaunched("The environment is already launched. Call `shutdown()` before another `launch()`.")
         self._model = RobotModel(self._robot)
 
     def shutdown(self) -> None:
-        """Free the world and give its memory back; safe to call repeatedly."""
+        """Close the simulation and free its memory. Further calls have no effect."""
         runtime, self._runtime, self._model = self._runtime, None, None
         if runtime is not None:
             runtime.world.close()
@@ -140,20 +140,20 @@ class Environment:
     # Tasks ------------------------------------------------------------------------------------------------------
 
     def get_task(self, task: type[Task] | str | PathLike[str]) -> TaskEnvironment:
-        """Load a task, by class, by name or by file, and return its environment; the previous task is unloaded.
+        """Unload the previous task, load a task by class, name or file, and return its environment.
 
         Args:
-            task: A class; a name, as `rlbench-pin list` prints it; or a task file outside the package, `mine/x.py`.
+            task: A class, a name from `rlbench-pin list`, or the path of a task file outside the package, such as `mine/x.py`.
 
         Raises:
-            UnknownName: No task has this name; names the nearest.
-            TaskError: The file does not exist, cannot be run, or holds no task class named after it.
+            UnknownName: There is no task with this name; the message proposes the most similar one.
+            TaskError: The file does not exist, cannot be executed, or contains no task class with the name of the file.
             NoShapedReward: Shaped rewards are on and the task has none (also a RuntimeError).
         """
         chosen = find_task(task) if isinstance(task, str | PathLike) else task
         if not isinstance(chosen, type) or not issubclass(chosen, Task):
             raise InvalidArgument(
-                "task", task, "has to be the name of a task, its file, or its class", "`rlbench-pin list` has the names."
+                "task", task, "has to be the name, the file or the class of a task", "`rlbench-pin list` prints the names."
             )
         if self._shaped_rewards and chosen.reward is Task.reward:
             raise NoShapedReward(chosen.get_name())
@@ -206,23 +206,23 @@ class Environment:
         """Return stored demonstrations without starting a simulator.
 
         Raises:
-            DatasetError: There is no dataset root, or it lacks what was asked for.
-            UnknownName: No task has this name.
+            DatasetError: There is no dataset root, or it does not contain these demonstrations.
+            UnknownName: There is no task with this name.
         """
         wanted = StoredSelection(amount, variation_number, image_paths, random_selection, from_episode_number)
         return read_stored_demos(self._dataset_root, self._stored_name(task_name), wanted, self._obs_config, self._seeds)
 
     def get_task_descriptions_with_episode(self, task_name: str, episode_number: int) -> list[str]:
-        """Return the sentences of a stored episode, counted through all variations.
+        """Return the instructions of a stored episode; its index counts through all variations.
 
         Raises:
             DatasetError: There is no dataset root, or no such episode.
-            UnknownName: No task has this name.
+            UnknownName: There is no task with this name.
         """
         return read_stored_descriptions(self._dataset_root, self._stored_name(task_name), episode_number)
 
     def _stored_name(self, task: str) -> str:
-        """Return the name under which demonstrations of a task are stored; no code of a dataset is needed to read them."""
+        """Return the name under which demonstrations of a task are stored, without running code of a dataset."""
         task = as_record(task, str, "task_name", InvalidArgument)
         is_stored = self._dataset_root and task.isidentifier() and (Path(self._dataset_root) / task / MANIFEST).is_file()
         return task if is_stored else find_task(task).get_name()
@@ -231,16 +231,16 @@ class Environment:
 
     @property
     def action_shape(self) -> tuple[int]:
-        """Shape of an action; known after `launch()`."""
+        """Shape of an action; available after `launch()`."""
         return (self.action_size,)
 
     @property
     def action_size(self) -> int:
-        """How many numbers an action has; known after `launch()`."""
+        """Number of values of an action; available after `launch()`."""
         return self._action_mode.shape(self._launched("The shape of actions is"))[0]
 
     def action_bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        """Lowest and highest values of an action, each of shape (n,); known after `launch()`.
+        """Lowest and highest values of an action, each of shape (n,); available after `launch()`.
 
         Raises:
             NotLaunched: Before `launch()` (also a RuntimeError).
@@ -248,20 +248,20 @@ class Environment:
         return self._action_mode.bounds(self._launched("The bounds of actions are"))
 
     def _launched(self, what: str) -> Runtime:
-        """Return the present runtime; before the first task, one of the arm at an empty table."""
+        """Return the present runtime; before the first task, its world is the arm at an empty table."""
         if self._model is None:
-            raise NotLaunched(f"{what} known once the robot is loaded. Call `launch()` or `get_task(...)` first.")
+            raise NotLaunched(f"{what} unknown before the robot is loaded. Call `launch()` or `get_task(...)` first.")
         if self._runtime is None:
             self._runtime = self._build(EmptyTable, self._model)
         return self._runtime
 
     @property
     def cameras(self) -> Cameras:
-        """The cameras by name; known after `launch()`. Where `set_pose` puts one, it stays for all tasks of this environment."""
+        """The cameras by name; available after `launch()`. A pose from `set_pose` applies to all tasks of this environment."""
         return self._launched("The cameras are").cameras
 
     def get_scene_data(self) -> dict[str, dict[str, Any] | None]:
-        """Return intrinsics, extrinsics and clipping planes of each camera at the home posture, None where it is switched off."""
+        """Return intrinsics, extrinsics and clipping planes of each camera at the home posture; None for a disabled camera."""
         with World(SceneSpec(format=1), self._robot) as world:
             cameras = Cameras(world, self._robot, self._obs_config, self._places)
             return {f"{name}_camera": _camera_data(cameras[name]) for name in CAMERAS}
@@ -298,8 +298,8 @@ def _camera_data(camera: Camera) -> dict[str, Any] | None:
 
 
 class AlreadyLaunched(TaskEnvironmentError, RuntimeError):
-    """`launch` was called twice."""
+    """`launch` was called on a launched environment."""
 
 
 class NotLaunched(EnvironmentClosed):
-    """Something was asked that only a launched environment can answer."""
+    """A property of an environment was read before `launch`."""

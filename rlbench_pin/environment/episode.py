@@ -1,6 +1,6 @@
-"""An episode: the generators that set it up, where it came from, and moments of it to go back to.
+"""Episodes: their random generators, their origin, and states that can be restored.
 
-One seed per episode is spawned by purpose, so that a new draw in one place shifts no other.
+One generator per purpose is spawned from the seed, so that a new draw in one place does not change the others.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from rlbench_pin.tasks.saved.portable_state import PortableTaskState
 from rlbench_pin.values import as_seed, as_whole
 
 EVALUATION_SEEDS = 2**53
-"""Seeds of evaluations begin here. Resets without a seed draw theirs below 2^31, recordings make theirs below 2^53."""
+"""Lowest seed of evaluations. Resets without a seed draw seeds below 2^31; recordings use seeds below 2^53."""
 MAX_DEMOS = 10_000_000
-"""Live demonstrations of one call at most."""
+"""Maximum number of live demonstrations of one call."""
 
 
 @dataclass(frozen=True)
@@ -26,11 +26,11 @@ class EpisodeRandom:
     """The generators of one episode."""
 
     variation: np.random.Generator
-    """Variation of the task, where none is set."""
+    """Variation of the task, if none is set."""
     placement: np.random.Generator
-    """Poses of objects, and all else that a task draws."""
+    """Poses of objects, and all other draws of a task."""
     planning: np.random.Generator
-    """Starts of inverse kinematics and samples of the planner."""
+    """Start configurations of inverse kinematics and samples of the planner."""
     noise: np.random.Generator
     """Noise of observations."""
     randomization: np.random.Generator
@@ -51,29 +51,29 @@ class EpisodeOrigin:
 
     seed: int
     attempt: int
-    """Which try of the seed."""
+    """Number of the attempt at the seed, from 0."""
     reset_attempts: int
-    """Placements that the reset needed."""
+    """Number of placements that the reset needed."""
     instructions: tuple[str, ...]
-    """Instructions of the episode; all mean the same."""
+    """Instructions of the episode; all have the same meaning."""
     factors: str = ""
-    """Factors of generalisation and their levels, such as `light_color:2`; empty without."""
+    """Factors of generalisation and their levels, such as `light_color:2`; empty for none."""
 
 
 @dataclass(frozen=True)
 class EnvironmentState:
-    """A moment of an episode, to go back to. It can be pickled, and then used by an environment of the same task and settings."""
+    """A state of an episode that can be restored, and pickled for an environment of the same task and settings."""
 
     runtime: RuntimeState
     episode: EpisodeOrigin
     randomization: RandomizationSample | None = None
-    """Changes of domain randomization in the world."""
+    """Changes of the world by domain randomization."""
 
     def unpickled_variation(self, task: str) -> int | None:
-        """Return the variation of a state that was pickled, None of one that was not.
+        """Return the variation of a pickled state; None for a state of this process.
 
         Args:
-            task: Name of the task that is to take it over.
+            task: Name of the task that restores the state.
 
         Raises:
             TaskEnvironmentError: The state is of another task.
@@ -82,7 +82,9 @@ class EnvironmentState:
         if not isinstance(kept, PortableTaskState):
             return None
         if kept.task != task:
-            raise TaskEnvironmentError(f"The state is of task '{kept.task}', this is '{task}'. Load that task with `get_task`.")
+            raise TaskEnvironmentError(
+                f"The state is of task '{kept.task}', but this environment runs '{task}'. Load that task with `get_task`."
+            )
         return self.runtime.variation
 
 
@@ -90,18 +92,18 @@ def checked_seed(seed: object) -> int:
     """Return `seed` as an int.
 
     Raises:
-        InvalidArgument: It is not a whole number, or not between 0 and 2^63 - 1 (also a TaskEnvironmentError and a ValueError).
+        InvalidArgument: It is not an integer, or not between 0 and 2^63 - 1 (also a TaskEnvironmentError and a ValueError).
     """
     return as_seed(seed, "A seed", InvalidArgument)
 
 
 def demo_seeds(amount: int, seed: int | None, rng: np.random.Generator) -> list[int]:
-    """Return the seeds of `amount` live demonstrations: counted from `seed`, or drawn when it is None.
+    """Return the seeds of `amount` live demonstrations: consecutive from `seed`, or drawn if it is None.
 
     Raises:
-        InvalidArgument: `amount` is less than 1, or the seed is not a whole number >= 0, or one of the others would be too large.
+        InvalidArgument: `amount` is less than 1, the seed is not an integer >= 0, or the last seed is too large.
     """
-    amount = as_whole(amount, "The amount of live demonstrations", InvalidArgument, least=1, most=MAX_DEMOS)
+    amount = as_whole(amount, "amount, the number of live demonstrations,", InvalidArgument, least=1, most=MAX_DEMOS)
     if seed is None:
         return [int(s) for s in rng.integers(2**31, size=amount)]
     first = checked_seed(seed)
@@ -110,7 +112,7 @@ def demo_seeds(amount: int, seed: int | None, rng: np.random.Generator) -> list[
 
 
 def drawn_variations(count: int, most: int) -> tuple[int, ...]:
-    """Return all of `count` variations, or `most` of them drawn without repeats, always the same; -1 is all."""
+    """Return all of `count` variations, or a fixed random subset of `most` of them; -1 returns all."""
     if most < 0 or count <= most:
         return tuple(range(count))
     return tuple(sorted(np.random.default_rng(0).permutation(count)[:most].tolist()))

@@ -1,4 +1,4 @@
-"""The planner's action in any state of an episode, in any action space: labels for learners that act themselves (DAgger)."""
+"""The planner's action in any state of an episode, in any action space: labels for learning on-policy (DAgger)."""
 
 from __future__ import annotations
 
@@ -33,16 +33,16 @@ from rlbench_pin.tasks import Waypoint
 from rlbench_pin.values import as_record
 
 SAME = 2e-3
-"""A state is one that was foreseen when joints, fingers and objects differ by less than this [rad, m]."""
+"""A state matches a predicted one if joints, fingers and objects differ by less than this [rad, m]."""
 MOST_TRIES = 8
-"""Waypoints from which the remainder of a demonstration is tried."""
+"""Maximum number of waypoints from which the expert tries the remainder of a demonstration."""
 
 
 def expert_action(task_environment: TaskEnvironment, action_mode: ActionMode | None = None) -> FloatArray:
     """Return the action of the planner in the present state of an episode.
 
-    The remainder of a demonstration is planned from the measured state and simulated ahead, until one reaches the goal. Its first
-    action is returned, and the world is as before. As long as the episode goes as foreseen, nothing is planned anew.
+    The expert plans the remainder of a demonstration from the measured state and simulates it, until one reaches the goal. It
+    restores the world and returns the first action. It plans again only when the episode deviates from the prediction.
 
     Args:
         task_environment: The running task, in any state of an episode.
@@ -51,12 +51,12 @@ def expert_action(task_environment: TaskEnvironment, action_mode: ActionMode | N
             `Discrete` or `GripperJointPosition`.
 
     Returns:
-        The action, shape (n,) with n as `action_mode` says; with `EndEffectorPoseViaPlanning` and `MoveArmThenGripper` it is the
-        next key frame, and a last number says whether collisions are ignored.
+        The action, of the shape (n,) of `action_mode`. With `EndEffectorPoseViaPlanning` and `MoveArmThenGripper` it is the
+        next key frame, and the last value is 1 if collisions are ignored, else 0.
 
     Raises:
         DemoError: No remainder of a demonstration reaches the goal from here.
-        InvalidArgument: The action mode is none of those.
+        InvalidArgument: The action mode is not one of these.
         NotReset: Before the first reset.
     """
     task_environment = as_record(task_environment, TaskEnvironment, "task_environment", InvalidArgument)
@@ -69,34 +69,34 @@ def expert_action(task_environment: TaskEnvironment, action_mode: ActionMode | N
 
 @dataclass
 class Moment:
-    """A foreseen moment of an episode."""
+    """A predicted moment of an episode."""
 
     state: FloatArray
     """Joints [rad], fingers [m] and the state of the task, for comparison."""
     observation: Observation
-    """Joints, tip and gripper, and the command that has led here."""
+    """Joints, tip and gripper, and the command before this moment."""
     round: int
-    """How often the list of waypoints was finished before."""
+    """Number of completed rounds through the list of waypoints."""
     position: int
-    """Place in the list of the waypoint that comes next."""
+    """Position of the next waypoint in the list."""
 
 
 @dataclass
 class Foresight:
-    """The foreseen remainder of an episode."""
+    """The predicted remainder of an episode."""
 
     episode: EpisodeOrigin | None = None
-    """The episode that it belongs to."""
+    """The predicted episode."""
     moments: list[Moment] = field(default_factory=list)
-    """The present moment of the last call, and those after it."""
+    """The present moment at the last call, and the moments after it."""
     time: float = 0.0
     """Simulated time of the last call [s]."""
 
     def frames(self, runtime: Runtime, episode: EpisodeOrigin) -> list[Observation]:
-        """Return the present frame and those that follow it in a demonstration.
+        """Return the present frame and the frames that follow it in a demonstration.
 
         Raises:
-            DemoError: None was found.
+            DemoError: No demonstration was found.
         """
         if self.episode is not episode:
             self.episode, self.moments, self.time = episode, [], 0.0
@@ -110,7 +110,7 @@ class Foresight:
         return [moment.observation for moment in self.moments]
 
     def _present(self, runtime: Runtime, state: FloatArray) -> int | None:
-        """Return the place of the foreseen moment that is now; None where there is none, or it is the last."""
+        """Return the position of the predicted moment that matches the present state; None if none matches, or only the last."""
         if len(self.moments) < 2:
             return None
         away = np.array([np.abs(moment.state - state).max() for moment in self.moments])
@@ -134,7 +134,7 @@ class Foresight:
         raise DemoError(f"No remainder of a demonstration reaches the goal from here ({'; '.join(causes)}).", runtime.task)
 
     def _likeliest(self, runtime: Runtime, state: FloatArray) -> tuple[int, int]:
-        """Return the round, and the place in the list of the waypoint to go on with."""
+        """Return the round, and the position in the list of the waypoint to continue with."""
         if not self.moments:
             return 0, _after_grasp(runtime)
         near = min(self.moments, key=lambda moment: float(np.abs(moment.state - state).max()))
@@ -142,7 +142,7 @@ class Foresight:
 
 
 def _after_grasp(runtime: Runtime) -> int:
-    """Return the place of the first waypoint after the grasp of what is held; 0 where nothing is."""
+    """Return the position of the first waypoint after the grasp of the held object; 0 if nothing is held."""
     waypoints = runtime.task.get_waypoints()
     for place, waypoint in enumerate(waypoints):
         grasps = waypoint.gripper is not None and not waypoint.releases
@@ -152,12 +152,12 @@ def _after_grasp(runtime: Runtime) -> int:
 
 
 def _opening_before(waypoints: Sequence[Waypoint], position: int) -> float:
-    """Return the opening fraction of the gripper on the way to the waypoint at a place in the list."""
+    """Return the opening fraction of the gripper during the motion to the waypoint at a position in the list."""
     return waypoints[position - 1].gripper_amount if position > 0 else 1.0
 
 
 class _Ahead(DemoPlayer):
-    """Plays the remainder of a demonstration from a waypoint on, and keeps its moments."""
+    """Plays the remainder of a demonstration from a waypoint, and records its moments."""
 
     def __init__(self, runtime: Runtime, round_: int, position: int, *, goes_back: bool) -> None:
         super().__init__(runtime)
@@ -166,7 +166,7 @@ class _Ahead(DemoPlayer):
         self._amount = 1.0 if runtime.gripper.is_open else 0.0
 
     def play(self) -> list[Observation]:
-        """Do what waypoints before the first would have done without motion, and go on from there."""
+        """Apply the effects without motion of the waypoints before the first one, then play from there."""
         task = self.runtime.task
         for _ in range(self._round):
             task.should_repeat_waypoints()
@@ -177,7 +177,7 @@ class _Ahead(DemoPlayer):
         return super().play()
 
     def run_segment(self, waypoint: Waypoint, rest: Sequence[Waypoint], angles: Sequence[float]) -> None:
-        """Bring the fingers to where they should be first, and note what comes next afterwards."""
+        """Move the fingers to their expected opening, run the segment, and record the next waypoint."""
         if len(self.moments) == 1:
             self._finish_gripper_action()
         if waypoint.index < self.moments[-1].position:
@@ -186,7 +186,7 @@ class _Ahead(DemoPlayer):
         self.moments[-1].position = waypoint.index + 1
 
     def _finish_gripper_action(self) -> None:
-        """Bring the fingers to where they should be on the way to the first waypoint."""
+        """Move the fingers to their expected opening before the motion to the first waypoint."""
         gripper, waypoints = self.runtime.gripper, self.runtime.task.get_waypoints()
         first, wanted = waypoints[self._first], _opening_before(waypoints, self._first)
         closes = first.gripper is not None and not first.releases
@@ -234,7 +234,7 @@ def _action(mode: ActionMode, runtime: Runtime, frames: Sequence[Observation]) -
 
 
 def _arm_values(mode: ArmActionMode, runtime: Runtime, target: FloatArray) -> FloatArray:
-    """Return the numbers that bring the joints to `target` (n,) within one tick [rad]."""
+    """Return the values of the arm mode that move the joints to `target` (n,) within one tick [rad]."""
     q, v = runtime.robot.joint_positions, runtime.robot.joint_velocities
     if isinstance(mode, JointPosition):
         return target if mode.absolute_mode else target - q
@@ -246,11 +246,11 @@ def _arm_values(mode: ArmActionMode, runtime: Runtime, target: FloatArray) -> Fl
         return jacobian @ (velocity if mode.absolute_mode else velocity - v)
     if isinstance(mode, EndEffectorPoseViaIK):
         return _pose_values(mode, runtime, runtime.model.tip_pose(target))
-    raise InvalidArgument("action_mode", mode, "has an arm mode that the expert's action cannot be expressed in")
+    raise InvalidArgument("action_mode", mode, "has an arm mode that cannot express the action of the expert")
 
 
 def _pose_values(mode: PoseMode, runtime: Runtime, pose: FloatArray) -> FloatArray:
-    """Return a tip pose (7,) as a pose mode takes it."""
+    """Convert a tip pose (7,) to the values of a pose mode."""
     if not mode.is_relative:
         return pose
     here = runtime.robot.tip_pose()
@@ -261,11 +261,11 @@ def _pose_values(mode: PoseMode, runtime: Runtime, pose: FloatArray) -> FloatArr
 
 
 def _gripper_values(mode: ActionMode, runtime: Runtime, amount: float) -> FloatArray:
-    """Return the number that brings the fingers to an opening fraction."""
+    """Return the value of the gripper mode for an opening fraction."""
     gripper: GripperActionMode = mode.gripper_action_mode
     if isinstance(gripper, Discrete):
         return np.array([float(amount > 0.5)])
     if isinstance(gripper, GripperJointPosition):
         target = amount * runtime.description.gripper_open
         return np.array([target if gripper.absolute_mode else target - runtime.robot.fingers.mean()])
-    raise InvalidArgument("action_mode", gripper, "has a gripper mode that the expert's action cannot be expressed in")
+    raise InvalidArgument("action_mode", gripper, "has a gripper mode that cannot express the action of the expert")

@@ -37,14 +37,14 @@ def _with_model(scene: SceneSpec, body: BodySpec, asset: str) -> BodySpec:
 
 
 def resized(scene: SceneSpec, sizes: Mapping[str, float]) -> SceneSpec:
-    """Return a scene in which bodies have another size.
+    """Return a scene in which bodies have other sizes.
 
-    Frames, regions, sensors and waypoints that are attached to such a body keep their place on it, and regions and sensors have
-    its scale. A body that stands on something stays on it.
+    Frames, regions, sensors and waypoints that are attached to such a body keep their place on it, and regions and sensors
+    are scaled with it. A body stays on the surface that supports it.
 
     Args:
         scene: The scene.
-        sizes: Factor of the size of each body, by name.
+        sizes: Scale factor of each body, by name.
     """
     parents = {posed.name: posed.parent.partition("/")[0] for posed in scene.posed()}
 
@@ -74,7 +74,7 @@ def resized(scene: SceneSpec, sizes: Mapping[str, float]) -> SceneSpec:
 
 
 def _scaled_joints(scene: SceneSpec, sizes: Mapping[str, float]) -> tuple[JointSpec, ...]:
-    """Return the joints with the start and the rest position of the sliders of scaled bodies, whose limits PyBullet scales."""
+    """Return the joints with scaled start and rest positions of the sliders of scaled bodies; PyBullet scales the limits."""
     sliders = {
         f"{body.name}/{joint.name}": sizes[body.name]
         for body in scene.body

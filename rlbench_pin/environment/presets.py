@@ -1,4 +1,4 @@
-"""Environments as demonstrations, recordings and checks use them."""
+"""Standard environments for demonstrations, recordings and checks."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from rlbench_pin.values import as_names
 
 
 def low_dim_config() -> ObservationConfig:
-    """All joint, gripper and task data; no images.
+    """Return a config with all joint, gripper and task data, without images.
 
-    Poses of joints are left out: `RobotModel.joint_poses` has them from the joint positions.
+    Joint poses are omitted: `RobotModel.joint_poses` computes them from the joint positions.
     """
     config = ObservationConfig(joint_poses=False)
     config.set_all_high_dim(False)
@@ -32,9 +32,9 @@ def low_dim_config() -> ObservationConfig:
 def image_config(
     image_size: tuple[int, int], cameras: Collection[str] = CAMERAS, *, depth: bool = True, mask: bool = True
 ) -> ObservationConfig:
-    """All joint, gripper and task data, and images of some cameras.
+    """Return a config with all joint, gripper and task data, and the images of some cameras.
 
-    Point clouds are left out: they follow from depth and the camera matrices in `misc`.
+    Point clouds are omitted: they can be computed from depth and the camera matrices in `misc`.
     """
     config = low_dim_config()
     for name in as_names(cameras, "cameras", InvalidCamera):
@@ -44,11 +44,11 @@ def image_config(
 
 
 def clear_view(image_size: tuple[int, int] = (128, 128)) -> dict[str, ExtraCamera]:
-    """Three cameras for all who are not bound to the known poses; assigned to `extra_cameras`, they stand beside the five.
+    """Return three cameras with few occlusions; assign them to `extra_cameras` to add them to the five standard cameras.
 
-    At the reset `front` cuts the gripper off and `overhead` looks over the arm's shoulder. `clear_front` has the whole arm and
-    the whole table top, `clear_overhead` stands ahead of the arm and looks back down, so that the arm hides little.
-    `clear_robot_side` stands behind the arm, on its left, and shows the fronts of appliances.
+    At the reset, the standard camera `front` does not show the gripper, and `overhead` is behind the arm. `clear_front` shows
+    the whole arm and the whole table top. `clear_overhead` is in front of the arm and looks back and down, so that the arm
+    hides little. `clear_robot_side` is behind the arm, on its left, and shows the fronts of appliances.
 
     Args:
         image_size: Width and height [px].
@@ -70,7 +70,7 @@ def make_environment(
     max_acceleration: float = 4.0,
     robot: str = DEFAULT_ROBOT,
 ) -> Environment:
-    """An environment whose actions are the ones that demonstrations record: absolute joint positions and the gripper."""
+    """Return an environment with the actions of recorded demonstrations: absolute joint positions and the gripper."""
     return Environment(
         joint_position_mode(),
         obs_config=config,
@@ -83,13 +83,13 @@ def make_environment(
 
 
 def joint_position_mode() -> MoveArmThenGripper:
-    """Return the actions that demonstrations record: absolute joint positions and the gripper."""
+    """Return the action mode of recorded demonstrations: absolute joint positions and the gripper."""
     return MoveArmThenGripper(JointPosition(), Discrete())
 
 
 def key_frame_mode() -> MoveArmThenGripper:
-    """Return the actions of agents that predict key frames: a tip pose that is planned for, then the gripper.
+    """Return the action mode of agents that predict key frames: a tip pose to plan for, then the gripper.
 
-    A segment that is refused is planned again without collision checks.
+    If planning of a segment fails, it is planned again without collision checks.
     """
     return MoveArmThenGripper(EndEffectorPoseViaPlanning(retry_without_checks=True), Discrete())

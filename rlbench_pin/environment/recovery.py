@@ -19,17 +19,17 @@ from rlbench_pin.values import as_names
 PUSH = 0.03
 """Distance by which a push moves the gripper [m]."""
 _PUSH_TICKS, _STOP_TICKS = 6, 4
-"""Control ticks of a push, and of a stop."""
+"""Number of control ticks of a push, and of a stop."""
 _LEAST_HEIGHT = 0.02
-"""A push never aims nearer than this to the table [m]."""
+"""Minimum height of the target of a push above the table [m]."""
 _SHARES: dict[Disturbance, tuple[float, float]] = {"push": (0.2, 0.9), "slip": (0.05, 0.3), "stop": (0.2, 0.9)}
-"""Part of its segment at which a disturbance comes, as a share of the duration; a slip comes soon after the grasp."""
+"""Range of the time of a disturbance, as a fraction of the duration of its segment; a slip occurs soon after the grasp."""
 _CURVE_POSES = 12
-"""Poses by which the remainder of a curve is planned again."""
+"""Number of poses that describe the remainder of a curve when it is planned again."""
 
 
 def as_disturbances(value: object) -> tuple[Disturbance, ...]:
-    """Return kinds of disturbances, each once.
+    """Validate the names of disturbances, and return each once.
 
     Raises:
         InvalidArgument: There is no such disturbance.
@@ -44,19 +44,19 @@ def as_disturbances(value: object) -> tuple[Disturbance, ...]:
 class DisturbedPlayer(DemoPlayer):
     """Plays a demonstration with one disturbance, and continues from the measured state.
 
-    `misc["phase"]` of a frame is `task`, the name of the disturbance, or `recovery` from there to the next waypoint.
-    `misc["intervention"]` is true during recovery: these frames show how to correct what the frames before have led to.
+    `misc["phase"]` of a frame is `task`, the name of the disturbance, or `recovery` from its end to the next waypoint.
+    `misc["intervention"]` is True during the recovery: these frames show how to correct the effect of the disturbance.
 
     Args:
         runtime: A task at the start of an episode.
-        kinds: What may happen. `slip` happens on the way from where something was gripped.
-        rng: Draws kind, moment and direction.
+        kinds: Disturbances to choose from. `slip` occurs in the segment after a grasp.
+        rng: Draws the disturbance, its time and its direction.
         record: Keep observations.
         record_gripper: Keep one observation per tick of finger motion, not only the last.
-        on_frame: Called with every observation kept.
+        on_frame: Function that is called with each kept observation.
 
     Attributes:
-        happened: The disturbance; None before it.
+        happened: The disturbance that occurred; None before it.
     """
 
     def __init__(
@@ -82,33 +82,36 @@ class DisturbedPlayer(DemoPlayer):
         """Run the demonstration and return its observations.
 
         Raises:
-            DemoError: The goal was not reached, or no disturbance was possible.
+            DemoError: The goal was not reached, or no segment allowed a disturbance.
         """
         frames = super().play()
         if self.happened is None:
-            raise DemoError(f"No moment was found for {' or '.join(self._order)}.", self.runtime.task)
+            raise DemoError(
+                f"No segment of the demonstration allows {' or '.join(self._order)}. Use another seed or other disturbances.",
+                self.runtime.task,
+            )
         return frames
 
     def flag(self, observation: Observation) -> None:
-        """Note on a frame what goes on."""
+        """Write the phase into a frame."""
         super().flag(observation)
         observation.misc |= {PHASE: self._phase, INTERVENTION: self._phase == RECOVERY}
 
     def operate_gripper(self, waypoint: Waypoint) -> None:
-        """Move the fingers as a waypoint says, and remember the grasp."""
+        """Execute the gripper command of a waypoint, and store the grasp."""
         super().operate_gripper(waypoint)
         self._grasp = None if waypoint.releases else waypoint
         self._has_gripped = self._grips
 
     @property
     def _grips(self) -> bool:
-        """Whether the fingers, closed by a waypoint, have something between them."""
+        """Whether there is an object between the fingers after a waypoint has closed them."""
         gripper = self.runtime.gripper
         closed = self._grasp is not None and self._amount == self._grasp.gripper_amount
         return closed and (bool(gripper.held) or gripper.closes_on_something())
 
     def _due(self, waypoint: Waypoint) -> Disturbance | None:
-        """Return the disturbance of the segment to a waypoint; None where there is none, or none any more."""
+        """Return the disturbance of the segment to a waypoint; None if there is none, or one has already occurred."""
         if self.happened is not None:
             return None
         waypoints = self.runtime.task.get_waypoints()
@@ -123,7 +126,7 @@ class DisturbedPlayer(DemoPlayer):
         return None
 
     def move(self, waypoint: Waypoint, rest: Sequence[Waypoint], plan: Plan) -> None:
-        """Move to a waypoint as planned, or only a part of the way and then from where the disturbance leads to."""
+        """Execute the planned motion to a waypoint, or a part of it, the disturbance, and a new plan from there."""
         kind, self._has_gripped = self._due(waypoint), False
         if kind is None:
             super().move(waypoint, rest, plan)
@@ -152,7 +155,7 @@ class DisturbedPlayer(DemoPlayer):
         self._phase = TASK
 
     def _push(self) -> None:
-        """Move the tip aside as far as the motors are able to, obstacles or not."""
+        """Push the tip sideways within the limits of the motors, without collision checks."""
         robot, direction = self.runtime.robot, self._rng.normal(size=3)
         target = robot.tip_pose()
         step = PUSH * direction / np.linalg.norm(direction)
@@ -170,18 +173,18 @@ class DisturbedPlayer(DemoPlayer):
             self._arm_tick(target)
 
     def _let_go(self) -> None:
-        """Open the fingers as far as they were open before they closed."""
+        """Open the fingers to their opening before the grasp."""
         assert self._grasp is not None, "something is gripped"
         earlier = [w.gripper_amount for w in self.runtime.task.get_waypoints() if w.index < self._grasp.index]
         self._move_fingers(earlier[-1] if earlier else 1.0, release=True)
 
     def _close(self) -> None:
-        """Close the fingers as the last grasp did."""
+        """Close the fingers in the same way as the last grasp."""
         assert self._grasp is not None, "something was gripped"
         self._move_fingers(self._grasp.gripper_amount, release=False)
 
     def _grip_again(self, waypoint: Waypoint, rest: Sequence[Waypoint]) -> None:
-        """Visit the waypoints of the last grasp again, from the approach on, then the waypoint that was interrupted."""
+        """Repeat the waypoints of the last grasp, from the approach, then the interrupted waypoint."""
         assert self._grasp is not None, "something was gripped"
         if self._amount == self._grasp.gripper_amount:
             self._let_go()
@@ -197,11 +200,11 @@ class DisturbedPlayer(DemoPlayer):
             self.run_segment(again, following, angles)
 
     def _continue(self, waypoint: Waypoint, rest: Sequence[Waypoint], plan: Plan, seconds: float, before: FloatArray) -> None:
-        """Plan again to a waypoint from where the arm is.
+        """Plan again to a waypoint from the present configuration.
 
         Args:
             waypoint: The waypoint.
-            rest: Those after it in its group.
+            rest: The waypoints after it in its group.
             plan: The interrupted plan.
             seconds: Time at which it was interrupted [s].
             before: Tip pose at that time (7,).

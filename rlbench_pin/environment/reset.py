@@ -1,4 +1,4 @@
-"""The path of a reset: clean state -> variation -> placement -> feasibility -> settled world."""
+"""The steps of a reset: clean state, variation, placement, feasibility, settled world."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ from rlbench_pin.sim import World
 from rlbench_pin.tasks import at_rest
 
 MAX_RESET_ATTEMPTS = 40
-"""Placements that a reset tries."""
+"""Maximum number of placements of a reset."""
 MAX_PLACES = 100
-"""Places of the task that are drawn until one is accepted."""
+"""Maximum number of random poses of the task until one is accepted."""
 Accept = Callable[[World], bool]
-"""Whether the place of a task will do."""
+"""Predicate that accepts or rejects the pose of a task."""
 SETTLE_TICKS, REST_TICKS = 10, 2
-"""Control ticks that a placed task comes to rest in at most, and how many of them in a row it has to rest to be left at that."""
+"""Maximum number of control ticks in which a placed task settles, and number of successive ticks at rest that end it."""
 
 
 @dataclass(frozen=True)
 class EpisodeStart:
-    """How an episode began."""
+    """Start of an episode."""
 
     instructions: tuple[str, ...]
-    """Sentences that say what to do."""
+    """Instructions of the episode."""
     attempts: int
-    """Placement attempts that were needed."""
+    """Number of placement attempts."""
 
 
 def start_episode(
@@ -44,18 +44,18 @@ def start_episode(
     max_attempts: int = MAX_RESET_ATTEMPTS,
     accept: Accept | None = None,
 ) -> EpisodeStart:
-    """Bring the task to the start of an episode.
+    """Set up the start of an episode.
 
     Args:
         runtime: The running task.
         variation: Variation of the task.
         random: Generators of this episode.
-        static: Leave the task where its scene file puts it.
-        max_attempts: Placements to try.
-        accept: Whether a place of the task will do; None takes any.
+        static: Keep the task at the pose of its scene file.
+        max_attempts: Maximum number of placements.
+        accept: Predicate that accepts or rejects the pose of the task; None accepts all.
 
     Raises:
-        ResetError: No attempt gave a placement whose waypoints can all be reached; carries why each failed.
+        ResetError: No placement has reachable waypoints; the error has the cause of each failure.
     """
     causes: list[str] = []
     runtime.task.end_episode()
@@ -72,17 +72,17 @@ def start_episode(
 
 
 def lay_out(runtime: Runtime, variation: int, random: EpisodeRandom, *, static: bool, accept: Accept | None = None) -> list[str]:
-    """Lay out one random episode of a variation, whether it can be reached or not, and return its instructions.
+    """Set up one random episode of a variation without a reachability check, and return its instructions.
 
     Args:
         runtime: The running task.
         variation: Variation of the task.
         random: Generators of this episode.
-        static: Leave the task where its scene file puts it.
-        accept: Whether a place of the task will do; None takes any.
+        static: Keep the task at the pose of its scene file.
+        accept: Predicate that accepts or rejects the pose of the task; None accepts all.
 
     Raises:
-        BoundaryError: Something found no place.
+        BoundaryError: An object or the task has no collision-free pose.
     """
     task = runtime.task
     task.end_episode()
@@ -100,11 +100,11 @@ def _place(runtime: Runtime, random: EpisodeRandom, accept: Accept | None) -> No
         runtime.place_task(random.placement)
         if accept is None or accept(runtime.world):
             return
-    raise BoundaryError(f"none of {MAX_PLACES} places of the task was accepted")
+    raise BoundaryError(f"none of {MAX_PLACES} random poses of the task was accepted")
 
 
 def check_arm_is_free(runtime: Runtime) -> None:
-    """Raise BoundaryError when the arm at home touches something."""
+    """Raise BoundaryError if the arm at home touches a body."""
     runtime.refresh_planner()
     pairs = runtime.planner.collision.colliding_pairs(np.array(runtime.description.home))
     if pairs:
@@ -125,7 +125,7 @@ def _try_start(runtime: Runtime, variation: int, random: EpisodeRandom, static: 
 
 
 def come_to_rest(world: World) -> None:
-    """Step the world until nothing moves that is not held by the arm, `SETTLE_TICKS` at most."""
+    """Step the world until all bodies that the arm does not hold are at rest, at most `SETTLE_TICKS`."""
     resting = 0
     for _ in range(SETTLE_TICKS):
         world.step()
@@ -135,10 +135,10 @@ def come_to_rest(world: World) -> None:
 
 
 def _check_rounds(runtime: Runtime, random: EpisodeRandom) -> None:
-    """Raise WaypointError unless the waypoints of every round can be reached, as far as the rounds are known beforehand.
+    """Raise WaypointError unless the waypoints of all rounds that can be predicted are reachable.
 
-    The start hooks aim as in a demonstration. A round that asks for the same poses as the one before waits for something to
-    happen, and is the last one that is looked at.
+    The start hooks set the waypoints as in a demonstration. A round with the same poses as the previous one depends on
+    later events, so it is the last round that is checked.
     """
     task = runtime.task
     state, poses = runtime.save(), b""

@@ -30,9 +30,9 @@ from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray
 from rlbench_pin.tasks import Task, Waypoint, task_scene
 
 TIP_WORKSPACE = np.array([[-0.274, -0.655, TABLE_HEIGHT], [0.774, 0.655, TABLE_HEIGHT + 1.0]])
-"""Lowest and highest corner of the box that tip targets must lie in [m]."""
+"""Lowest and highest corner of the box that must contain tip targets [m]."""
 OVERSHOOT = 0.05
-"""How far motors may carry a joint beyond its limit [rad]."""
+"""Maximum overshoot of a joint beyond its limit [rad]."""
 
 KeptT = TypeVar("KeptT")
 RuntimeT = TypeVar("RuntimeT", bound="Runtime")
@@ -40,16 +40,16 @@ TickFunction = Callable[[], None]
 
 
 class Listener(PlanningListener):
-    """Is called for what a runtime does, and changes nothing. The methods do nothing: override those that matter."""
+    """Receives the events of a runtime without changing it. The methods do nothing: override those that you need."""
 
     def on_tick(self, seconds: float) -> None:
-        """`Runtime.step` has simulated a control tick, in `seconds` [s] of process time."""
+        """Handle a control tick that `Runtime.step` simulated in `seconds` [s] of process time."""
 
     def on_observe(self, seconds: float) -> None:
-        """An observation was made, in `seconds` [s] of process time."""
+        """Handle an observation that was made in `seconds` [s] of process time."""
 
     def on_segment(self, waypoint: Waypoint, plan: Plan) -> None:
-        """The motion to a waypoint of a demonstration was chosen and is about to begin."""
+        """Handle the motion to a waypoint of a demonstration, after its planning and before its first tick."""
 
 
 class Listeners(ListenerList[Listener]):
@@ -60,27 +60,27 @@ class Listeners(ListenerList[Listener]):
         return self.timed(lambda listener, seconds, _: listener.on_observe(seconds))
 
     def segment(self, waypoint: Waypoint, plan: Plan) -> None:
-        """Report that the motion to a waypoint is about to begin."""
+        """Report the motion to a waypoint before its first tick."""
         for listener in self._listeners:
             listener.on_segment(waypoint, plan)
 
 
 @dataclass(frozen=True)
 class RefusedOpening:
-    """Why `SafeArm` kept the fingers as they were: fully opened, a pair would be nearer than its minimum distance."""
+    """The reason why `SafeArm` did not open the fingers: a pair could come nearer than its minimum distance."""
 
     pair: tuple[str, str]
-    """Names of the two that would be too near."""
+    """Names of the pair that could come too near."""
     distance: float
     """Smallest distance that the opening could lead to [m]; 0 or below is contact."""
     minimum: float
     """Smallest distance allowed [m]."""
 
     def __str__(self) -> str:
-        """Say it in a sentence, with the next step."""
+        """Return the reason as a sentence, with the next step."""
         return (
-            f"The fingers did not open: {self.pair[0]} could come {1e3 * self.distance:.1f} mm near to {self.pair[1]}; "
-            f"at least {1e3 * self.minimum:.1f} mm are kept. Move the gripper away first."
+            f"The fingers did not open: {self.pair[0]} could come within {1e3 * self.distance:.1f} mm of {self.pair[1]}; "
+            f"the minimum is {1e3 * self.minimum:.1f} mm. Move the gripper away first."
         )
 
 
@@ -93,7 +93,7 @@ class ActionResult:
     Attributes:
         success: Whether the goal was reached.
         over: Whether the episode has ended, by success or by the fail list.
-        refused_opening: Why the fingers did not open as the action asked; None otherwise.
+        refused_opening: Reason why the fingers did not open, if the action requires it; None otherwise.
     """
 
     def __init__(self, task: Task) -> None:
@@ -102,7 +102,7 @@ class ActionResult:
         self.refused_opening: RefusedOpening | None = None
 
     def evaluate(self) -> None:
-        """Evaluate all conditions of the task at the end of a tick; once the episode is over nothing changes."""
+        """Evaluate all conditions of the task at the end of a tick; the result of an ended episode does not change."""
         if self.over:
             return
         self.evaluated = True
@@ -110,10 +110,10 @@ class ActionResult:
         self.success, self.over = bool(success), bool(over)
 
     def reward(self, shaped: bool = False) -> float:
-        """Return 1 when the goal was reached, else 0; when `shaped`, the task's own reward at the present instant.
+        """Return 1 if the goal was reached, else 0; with `shaped`, return the shaped reward of the task in the present state.
 
         Raises:
-            NoShapedReward: The task gives none (also a RuntimeError).
+            NoShapedReward: The task has no shaped reward (also a RuntimeError).
         """
         if not shaped:
             return float(self.success)
@@ -125,7 +125,7 @@ class ActionResult:
 
 @dataclass(frozen=True)
 class RuntimeState:
-    """Everything needed to continue an episode exactly from one instant."""
+    """A complete state of an episode, from which it continues exactly."""
 
     world: Any
     task: Any
@@ -135,24 +135,24 @@ class RuntimeState:
     planning: int
     """Seed of the generators of plans."""
     build: int = 0
-    """How often the world had been built again, see `Runtime.rebuild`."""
+    """Number of rebuilds of the world before this state, see `Runtime.rebuild`."""
 
 
 class Runtime:
-    """World, task, model and planner, which action modes and demonstrations work on.
+    """World, task, model and planner: the interface for action modes and demonstrations.
 
     Attributes:
         world: The simulated world.
         robot: Arm and fingers of the world.
         gripper: Gripper of the world.
-        instructions: Sentences that say what to do in the present episode.
-        task: The task that is running.
+        instructions: Instructions of the present episode.
+        task: The running task.
         model: Analytic model of the arm.
         planner: Motion planner over `model`.
-        sizes: Factor of the size of each body that has another than in the scene file; see `rebuild`.
-        models: URDF file of each body that has another than in the scene file; see `rebuild`.
-        build: How often the world was built again.
-        listeners: Called for ticks, observations and segments; see `listening`.
+        sizes: Scale factor of each body whose size differs from the scene file; see `rebuild`.
+        models: URDF file of each body whose model differs from the scene file; see `rebuild`.
+        build: Number of rebuilds of the world.
+        listeners: Receivers of ticks, observations and segments; see `listening`.
         before_tick: Functions that `step` calls before each control tick, in order.
         after_tick: Functions that `step` calls after each control tick, in order: listeners, the step of the task, randomization,
             callbacks of users, and during an action the evaluation of success.
@@ -194,13 +194,14 @@ class Runtime:
             self.gripper.rely_on_friction()
 
     def rebuild(self, sizes: Mapping[str, float], models: Mapping[str, str]) -> None:
-        """Build world and task again with other bodies; nothing happens when they are these already.
+        """Rebuild world and task with other bodies; without a change of bodies, do nothing.
 
-        `world`, `task`, `robot`, `gripper` and `observer` are new then, and the arm stands where its description says.
+        A rebuild replaces `world`, `task`, `robot`, `gripper` and `observer`, and puts the arm at the base pose of its
+        description.
 
         Args:
-            sizes: Factor of the size of each body; a body that is not named has that of the scene file.
-            models: URDF file of each body; a body that is not named has that of the scene file.
+            sizes: Scale factor of each body; other bodies have the size in the scene file.
+            models: URDF file of each body; other bodies have the model in the scene file.
         """
         if sizes == self.sizes and models == self.models:
             return
@@ -214,9 +215,9 @@ class Runtime:
         self._use_world(world, task)
 
     def place_arm(self, base: FloatArray | None = None) -> None:
-        """Put the base of the arm at a pose (7,) in the world; None puts it where its description says.
+        """Put the base of the arm at a pose (7,) in the world; None selects the pose in its description.
 
-        `model` and `planner` are then those of an arm that stands there.
+        `model` and `planner` are replaced to match.
         """
         own = np.array(self.description.base_pose)
         wanted = own if base is None else base
@@ -234,11 +235,11 @@ class Runtime:
         self.robot.place_base(wanted)
 
     def begin(self, variation: int, planning: np.random.Generator, noise: np.random.Generator) -> None:
-        """Take over what an episode is given.
+        """Start an episode with its variation and its generators.
 
         Args:
             variation: Variation of the task.
-            planning: Draws the seed of the generators of plans and of inverse kinematics.
+            planning: Generator that draws the seed for plans and inverse kinematics.
             noise: Generator of observation noise.
         """
         self.variation, self.noise_rng = variation, noise
@@ -249,14 +250,14 @@ class Runtime:
 
     @property
     def planning_rng(self) -> np.random.Generator:
-        """A generator for one plan. All plans of an episode begin with the same draws: asked again, a motion comes out alike."""
+        """Return a generator for one plan. All plans of an episode get the same draws, so that a repeated plan is equal."""
         return np.random.default_rng(self._planning_seed)
 
     @property
     def measured_start(self) -> FloatArray:
-        """Where a motion begins: the measured joint positions (n,), [rad], at the limit where motors have overshot one a little.
+        """Return the start of a motion: the measured joint positions (n,) [rad], with small overshoots clipped to the limits.
 
-        Positions farther outside than `OVERSHOOT`, where only a reset can put the arm, stay as they are: planners refuse them.
+        Positions beyond a limit by more than `OVERSHOOT` occur only after a reset. They stay unchanged, and planners reject them.
         """
         q, limits = self.robot.joint_positions, self.model.limits
         if limits.contains(q, JOINT_LIMIT_TOLERANCE) or not limits.contains(q, OVERSHOOT):
@@ -264,36 +265,36 @@ class Runtime:
         return np.clip(q, limits.lower, limits.upper)
 
     def unpainted_bodies(self, role: str) -> list[str]:
-        """Return the bodies of a role whose colours are those of the scene file: a colour that the task gives has a meaning.
+        """Return the bodies of a role with the colours of the scene file; colours that the task sets have a meaning.
 
         Args:
-            role: `manipulated` or `receiving`, as scene files say.
+            role: `manipulated` or `receiving`, as in scene files.
         """
         specs, before = (*self.world.spec.body, *self.world.spawned.values()), self.world.origin.logical.bodies
         named = [(spec.name, before.get(spec.name)) for spec in specs if spec.role == role and spec.name in self.world.bodies]
         return [name for name, kept in named if kept is None or kept.colors == self.world.bodies[name].colors]
 
     def instruct(self, instructions: Sequence[str]) -> None:
-        """Take over the sentences that say what to do in this episode."""
+        """Set the instructions of this episode."""
         self.instructions = tuple(instructions)
 
     @property
     def cameras(self) -> Cameras:
-        """The cameras by name: `cameras["front"].set_pose(...)` puts one elsewhere."""
+        """The cameras by name; `cameras["front"].set_pose(...)` moves one."""
         return self.observer.cameras
 
     def kept(self, owner: object, make: Callable[[], KeptT]) -> KeptT:
-        """Return the data that `owner`, such as an action mode, keeps for this runtime; `make` creates it at the first call."""
+        """Return the data that `owner`, such as an action mode, stores in this runtime; the first call creates it with `make`."""
         if owner not in self._kept:
             self._kept[owner] = make()
         kept: KeptT = self._kept[owner]
         return kept
 
     def register_step_callback(self, callback: TickFunction | None) -> None:
-        """Call `callback` after every control tick, beside those registered before, once however often it is registered.
+        """Call `callback` once after each control tick, in addition to the callbacks registered before.
 
         Args:
-            callback: Takes no argument; None removes all.
+            callback: Function without arguments; None removes all callbacks.
         """
         if callback is None:
             for registered in tuple(self._callbacks):
@@ -304,14 +305,14 @@ class Runtime:
             self.after_tick.insert(last, callback)
 
     def remove_step_callback(self, callback: TickFunction) -> None:
-        """Undo `register_step_callback`; nothing happens when it is not registered."""
+        """Undo `register_step_callback`; do nothing if the callback is not registered."""
         if callback in self._callbacks:
             self._callbacks.remove(callback)
             self.after_tick.remove(callback)
 
     @contextmanager
     def calling(self, *, before: TickFunction | None = None, after: TickFunction | None = None) -> Iterator[None]:
-        """Call functions first before and first after each control tick of a block."""
+        """In a block, call functions before and after each control tick, ahead of the other functions."""
         added = [(functions, new) for functions, new in ((self.before_tick, before), (self.after_tick, after)) if new is not None]
         for functions, new in added:
             functions.insert(0, new)
@@ -323,7 +324,7 @@ class Runtime:
 
     @contextmanager
     def ahead(self) -> Iterator[None]:
-        """Simulate a block ahead of time: nobody is called for its ticks, and afterwards all is as it was."""
+        """Simulate a block ahead of time: call no callbacks and listeners, and restore the state afterwards."""
         before, called = self.save(), (self.before_tick, self.after_tick, self.listeners)
         self.before_tick, self.after_tick, self.listeners = [], [self.task.step], Listeners()
         try:
@@ -342,12 +343,12 @@ class Runtime:
 
     @property
     def over(self) -> bool:
-        """Whether a tick of the present action has ended the episode; then the rest of the action is left out."""
+        """Whether a tick of the present action has ended the episode, so that the rest of the action is skipped."""
         return self._result is not None and self._result.over
 
     @contextmanager
     def acting(self) -> Iterator[ActionResult]:
-        """Evaluate success and end of the episode after every tick of a block, which is one action, and at least once."""
+        """Evaluate success and end of the episode after each tick of a block (one action), and at least once."""
         before, result = self._result, ActionResult(self.task)
         self._result = result
         self.after_tick.append(result.evaluate)
@@ -360,26 +361,26 @@ class Runtime:
             self.after_tick.remove(result.evaluate)
 
     def refuse_opening(self, refused: RefusedOpening) -> None:
-        """Note for the result of the present action that the fingers stay as they are."""
+        """Record in the result of the present action why the fingers do not open."""
         if self._result is not None:
             self._result.refused_opening = refused
 
     def drive_to(self, target: FloatArray) -> None:
-        """Move the arm towards joint positions `target` [rad] for one tick, then hold where it is."""
+        """Move the arm towards joint positions `target` [rad] for one tick, then hold its position."""
         self.robot.set_position_targets(target)
         self.step()
         self.hold()
 
     def place_task(self, rng: np.random.Generator) -> None:
-        """Put the task at a random place on the table, drawn from `rng`; raises BoundaryError when there is none."""
+        """Put the task at a random pose on the table, drawn from `rng`; raise BoundaryError if there is none."""
         self.task.place(rng)
 
     def hold(self) -> None:
-        """Keep the arm where it is now."""
+        """Hold the arm at its present position."""
         self.robot.set_position_targets(self.robot.joint_positions)
 
     def get_observation(self) -> Observation:
-        """Observe without stepping."""
+        """Return an observation without a simulation step."""
         with self.listeners.observe():
             return self.observer.observe(self.task, self.variation, self.noise_rng, self.instructions)
 
@@ -403,7 +404,7 @@ class Runtime:
             yield
 
     def refresh_planner(self) -> None:
-        """Give the planner a snapshot of the present world."""
+        """Update the planner with a snapshot of the present world."""
         self.planner.update(self.world.snapshot())
 
     def touching(self) -> tuple[str, ...]:
@@ -412,13 +413,13 @@ class Runtime:
         return tuple(name for name in self.robot.touching() if name not in held)
 
     def check_target_in_workspace(self, position: FloatArray) -> None:
-        """Raise InvalidActionError when `position` (3,) [m] is not strictly inside the workspace box."""
+        """Raise InvalidActionError if `position` (3,) [m] is not strictly inside the workspace box."""
         for axis, letter in enumerate("xyz"):
             low, high = TIP_WORKSPACE[:, axis]
             if not low < position[axis] < high:
                 raise InvalidActionError(
                     f"The target has {letter} = {position[axis]:.4f} m, outside the workspace: "
-                    f"{letter} must lie between {low} and {high} m. Choose a target inside.",
+                    f"{letter} must be between {low} and {high} m. Choose a target inside.",
                     "outside the workspace",
                 )
 
@@ -428,7 +429,7 @@ class Runtime:
         return RuntimeState(world, task, self.variation, self.instructions, noise, self._planning_seed, self.build)
 
     def restore(self, state: RuntimeState) -> None:
-        """Go back to `state`, exactly."""
+        """Restore `state` exactly."""
         self.world.restore(state.world)
         self.task.set_state(state.task)
         self.variation, self.instructions = state.variation, state.instructions
@@ -440,7 +441,7 @@ class EmptyTable(Task):
     """No task: the arm alone at an empty table."""
 
     def init_task(self) -> None:
-        """Nothing."""
+        """Do nothing."""
 
 
 def build_runtime(
@@ -457,13 +458,13 @@ def build_runtime(
     """Build the world of a task and set the task up.
 
     Args:
-        task: What the world is for; `EmptyTable` has no scene file.
-        model: The arm.
-        config: What observations contain.
+        task: Class of the task; `EmptyTable` has no scene file.
+        model: Model of the arm.
+        config: Contents of observations.
         planning: Settings of the planner.
         attach_grasped_objects: As in `Runtime`.
         renderer: Renderer of images.
-        camera_places: Where cameras stand that were put elsewhere; shared with other runtimes.
+        camera_places: Poses of moved cameras; shared with other runtimes.
         kind: `Runtime`, or a subclass of it.
     """
     spec = SceneSpec(format=1) if task is EmptyTable else task_scene(task)
@@ -477,7 +478,7 @@ def build_runtime(
 
 
 def _build_world(task: type[Task], scene: SceneSpec, robot: RobotDescription, renderer: RendererName) -> tuple[World, Task]:
-    """Return the world of a scene, and the task that was set up in it."""
+    """Return the world of a scene, and the task in it."""
     world = World(scene, robot, renderer=renderer)
     try:
         running = task(world)
@@ -489,18 +490,17 @@ def _build_world(task: type[Task], scene: SceneSpec, robot: RobotDescription, re
 
 
 MIN_SPEED = 0.13
-"""Joint speed in the first and in the last tick of a motion [rad/s]: a moving arm is never taken for a resting one, whose speed
-by the rule of key frames is below 0.1."""
+"""Joint speed in the first and last tick of a motion [rad/s]. The rule of key frames treats speeds below 0.1 as rest."""
 REST_SPEED = 0.05
-"""Joint speed below which the arm counts as resting [rad/s]."""
+"""Joint speed below which the arm is at rest [rad/s]."""
 _REST_TICKS = 10
-"""Control ticks that the arm may take to come to rest after a motion."""
+"""Maximum number of control ticks until the arm is at rest after a motion."""
 _GRIPPER_TICKS = 60
-"""Control ticks that the fingers move at most."""
+"""Maximum number of control ticks of a finger motion."""
 _SETTLE_TICKS_AFTER_OPENING = 10
-"""Control ticks for what was let go to come to rest."""
+"""Number of control ticks for a released object to settle."""
 _STABLE_SECONDS = 1.0
-"""Time after which a stable success still holds [s]."""
+"""Time after which success must still hold to be stable [s]."""
 
 
 def follow(
@@ -512,15 +512,15 @@ def follow(
     compliant: bool = False,
     ticks: int | None = None,
 ) -> None:
-    """Track `trajectory` to its end and come to rest there, or until the episode is over.
+    """Track `trajectory` until the arm is at rest at its end, or until the episode is over.
 
     Args:
-        runtime: What moves.
-        trajectory: Timed joint motion that starts where the arm is.
-        on_tick: Called after every tick with the commanded joint positions (n,) [rad].
-        whole: Go on when the episode is over.
-        compliant: Go slowly, and give way to contact: as `CompliantFollowing`.
-        ticks: Return after so many ticks, while the arm moves.
+        runtime: Runtime of the arm.
+        trajectory: Timed joint motion that starts at the present configuration.
+        on_tick: Function that is called after each tick with the commanded joint positions (n,) [rad].
+        whole: Continue when the episode is over.
+        compliant: Move slowly, and yield to contact, as `CompliantFollowing` does.
+        ticks: Return after this number of ticks, while the arm moves.
     """
     target = runtime.robot.joint_positions
     dt = runtime.world.control_dt
@@ -540,7 +540,7 @@ def follow(
 
 
 def _compliant_targets(runtime: Runtime, trajectory: Trajectory) -> Iterator[FloatArray]:
-    """Yield the commands (n,) of a compliant approach [rad], each from what is measured then."""
+    """Yield the commands (n,) of a compliant approach [rad], each from the measured state of its tick."""
     following, robot = CompliantFollowing(runtime.model, trajectory, runtime.world.control_dt), runtime.robot
     while not following.done:
         yield following.command(robot.joint_positions, robot.joint_torques)
@@ -556,19 +556,19 @@ def move_gripper(
     detach_before_open: bool = True,
     on_tick: Callable[[], None] = lambda: None,
 ) -> None:
-    """Drive the fingers to an opening fraction and attach or release bodies. Ends early where the episode is over.
+    """Move the fingers to an opening fraction, and attach or release bodies. Stop early if the episode ends.
 
-    Closing runs by physics until the fingers stall; then every registered graspable body between them that both touch is fixed to
-    the gripper.
+    The fingers close in the physics simulation until they stall. Then each registered graspable body that both fingers touch
+    is fixed to the gripper.
 
     Args:
-        runtime: What moves.
-        amount: Opening fraction, 0 shut to 1 open.
-        release: Let go of what is held (an opening motion); otherwise hold what lies between the fingers afterwards.
+        runtime: Runtime of the gripper.
+        amount: Opening fraction, from 0 (closed) to 1 (open).
+        release: Release held bodies (an opening motion); otherwise attach the bodies between the fingers afterwards.
         speed: Finger speed [m/s].
         attach: Fix bodies to the gripper; otherwise friction alone holds them.
-        detach_before_open: Release before the fingers move; otherwise after.
-        on_tick: Called after every tick.
+        detach_before_open: Release bodies before the fingers move; otherwise afterwards.
+        on_tick: Function that is called after each tick.
     """
     if runtime.robot.mode == "torque":
         runtime.hold()
@@ -589,7 +589,7 @@ def move_gripper(
 
 
 def hold_or_release(runtime: Runtime, *, release: bool, attach: bool) -> None:
-    """Let everything go, or fix every graspable body that both fingers touch to the gripper."""
+    """Release all bodies, or fix each graspable body that both fingers touch to the gripper."""
     if release:
         runtime.gripper.release()
     elif attach:
@@ -600,7 +600,7 @@ def hold_or_release(runtime: Runtime, *, release: bool, attach: bool) -> None:
 def success_is_stable(runtime: Runtime) -> bool:
     """Return whether success holds now and still holds after 1 s with arm and gripper stationary.
 
-    Afterwards everything is as it was (measured torques from the next tick on); observers and callbacks notice nothing.
+    The state is restored afterwards (measured torques from the next tick on); observers and callbacks are not called.
     """
     with runtime.ahead():
         reached = bool(runtime.task.success()[0])

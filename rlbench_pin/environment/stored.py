@@ -1,4 +1,4 @@
-"""Stored demonstrations, as an observation config asks for them."""
+"""Stored demonstrations, read with the fields and image sizes of an observation config."""
 
 from __future__ import annotations
 
@@ -21,21 +21,21 @@ from rlbench_pin.values import as_flag, as_whole
 
 @dataclass(frozen=True)
 class StoredSelection:
-    """Which stored demonstrations of a task are wanted."""
+    """A selection of the stored demonstrations of a task."""
 
     amount: int
-    """How many; -1 is all."""
+    """Number of demonstrations; -1 selects all."""
     variation: int
-    """Of which variation; -1 is any."""
+    """Variation of the task; -1 selects any."""
     image_paths: bool
-    """Leave images unread: fields hold the paths of PNG files, or what `datasets.read_picture` reads."""
+    """Do not read images: fields contain paths of PNG files, or strings for `datasets.read_picture`."""
     random_selection: bool
-    """Pick at random."""
+    """Select at random."""
     from_episode_number: int
-    """First episode when not picked at random: an index of the stored ones in natural order."""
+    """Index of the first episode without `random_selection`; episodes are in natural order."""
 
     def __post_init__(self) -> None:
-        """Raise InvalidArgument for an invalid number or switch; ranges depend on what is stored."""
+        """Raise InvalidArgument for an invalid number or switch; reading checks the ranges."""
         for name in ("amount", "variation", "from_episode_number"):
             as_whole(getattr(self, name), name, InvalidArgument)
         for name in ("image_paths", "random_selection"):
@@ -47,17 +47,17 @@ def read_stored_demos(
 ) -> list[Demo]:
     """Read stored demonstrations of one task.
 
-    The root may hold our episode files or RLBench-style folders.
+    The root contains our episode files or RLBench-style folders.
 
     Args:
         dataset_root: Folder of the dataset.
         task_name: Name of the task.
-        wanted: Which of them.
-        config: Which fields are wanted, and how images are.
-        rng: Draws the episodes.
+        wanted: The selected demonstrations.
+        config: Selected fields, and format of images.
+        rng: Generator that draws the episodes.
 
     Raises:
-        DatasetError: No dataset root was given, something is missing or broken, or more are wanted than stored.
+        DatasetError: No dataset root was given, a file is missing or damaged, or fewer demonstrations are stored.
     """
     root = _checked_root(dataset_root, "demonstrations", ", or ask for `live_demos=True`")
     read = folder_demos if _holds_folders(root, task_name) else stored_demos
@@ -72,16 +72,19 @@ def read_stored_demos(
 
 
 def read_stored_descriptions(dataset_root: str, task_name: str, episode: int) -> list[str]:
-    """Return the sentences of one stored episode, counted through all variations in natural order.
+    """Return the instructions of one stored episode; its index counts through all variations in natural order.
 
     Raises:
         DatasetError: There is no dataset root, or no such episode.
     """
-    root, episode = _checked_root(dataset_root, "sentences"), as_whole(episode, "episode", InvalidArgument)
+    root, episode = _checked_root(dataset_root, "instructions"), as_whole(episode, "episode", InvalidArgument)
     folders = _holds_folders(root, task_name)
     paths = folder_episodes(root, task_name) if folders else list(counted_files(root, task_name))
     if not 0 <= episode < len(paths):
-        raise DatasetError(f"'{root}' holds {len(paths)} episodes of '{task_name}', so there is no episode {episode}.")
+        raise DatasetError(
+            f"'{root}' contains {len(paths)} episodes of '{task_name}', so there is no episode {episode}. "
+            f"Choose an episode below {len(paths)}, or record more."
+        )
     if folders:
         return list(folder_descriptions(paths[episode]))
     check_there(paths[episode])
@@ -98,12 +101,12 @@ def _checked_root(dataset_root: str, what: str, otherwise: str = "") -> Path:
 
 
 def _holds_folders(root: Path, task: str) -> bool:
-    """Whether a task is stored as RLBench-style folders."""
+    """Return whether a task is stored in RLBench-style folders."""
     return not (root / checked_task_name(task) / "manifest.json").exists() and bool(folder_episodes(root, task))
 
 
 def wanted_fields(config: ObservationConfig) -> list[str]:
-    """Return the fields to read from the disk; depth comes along where a point cloud may have to be computed from it."""
+    """Return the fields to read from the disk, including depth if a point cloud may be computed from it."""
     fields = [name for name in (*LOW_DIM, "gripper_matrix") if getattr(config, name)]
     for name, camera in config.cameras().items():
         products = {product for product in PRODUCTS if getattr(camera, product)}
@@ -114,9 +117,9 @@ def wanted_fields(config: ObservationConfig) -> list[str]:
 
 
 def fit(observation: Observation, config: ObservationConfig) -> None:
-    """Bring the images of one stored observation to what a config asks for, in place.
+    """Convert the images of one stored observation to the format of a config, in place.
 
-    Images are scaled by taking the nearest pixel, so that depth and ids stay true, and the intrinsics in `misc` follow.
+    Images are scaled with the nearest pixel, so that depth and ids stay valid. The intrinsics in `misc` are scaled too.
     """
     for name in CAMERAS:
         _fit_camera(observation, name, config.camera(name))
@@ -178,7 +181,7 @@ def _matrix(misc: dict[str, Any], name: str, what: str) -> np.ndarray:
     key = f"{name}_camera_{what}"
     if key not in misc:
         raise DatasetError(
-            f"The stored images of '{name}' lack '{key}', which metres and point clouds need. "
-            f"Switch `point_cloud` and `depth_in_meters` of that camera off."
+            f"The stored images of '{name}' lack '{key}', which depth in metres and point clouds need. "
+            f"Disable `point_cloud` and `depth_in_meters` of that camera."
         )
     return np.asarray(misc[key], dtype=float)

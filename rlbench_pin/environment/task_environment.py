@@ -1,4 +1,4 @@
-"""One task, ready to be reset, stepped and demonstrated."""
+"""`TaskEnvironment`: the environment of one task."""
 
 from __future__ import annotations
 
@@ -29,21 +29,21 @@ from rlbench_pin.tasks import Task
 from rlbench_pin.values import LARGEST_SEED, as_flag, as_function, as_record, as_whole, names_arguments
 
 MAX_DEMO_ATTEMPTS = 10
-"""Tries per live demonstration."""
+"""Maximum number of attempts per live demonstration."""
 
 
 class TaskEnvironment:
     """The environment of one task: `reset`, `step`, `get_demos`.
 
     Args:
-        runtime: World, task and planner, as they were built.
-        action_mode: What actions mean.
-        obs_config: What observations contain.
-        seeds: Source of the seeds of episodes that are not given one.
+        runtime: World, task and planner.
+        action_mode: Meaning, size and bounds of an action.
+        obs_config: Contents of observations.
+        seeds: Generator of seeds for episodes that are not given a seed.
         dataset_root: Folder of stored demonstrations.
-        static_positions: Leave the task where its scene file puts it.
-        shaped_rewards: Return the task's own reward.
-        changes: Changes appearance, physics and instructions of each episode, or None.
+        static_positions: Keep the task at the pose of its scene file.
+        shaped_rewards: Return the shaped reward of the task.
+        changes: Changes of the appearance, physics and instructions of each episode, or None.
     """
 
     def __init__(
@@ -81,7 +81,7 @@ class TaskEnvironment:
 
     @property
     def runtime(self) -> Runtime:
-        """World, task and planner together, as action modes see them."""
+        """World, task and planner: the interface for action modes."""
         return self._runtime
 
     @property
@@ -110,7 +110,7 @@ class TaskEnvironment:
 
     @property
     def refused_opening(self) -> RefusedOpening | None:
-        """Why `SafeArm` kept the fingers as they were in the last action; None when it did not."""
+        """The reason why `SafeArm` did not open the fingers in the last action; None if it did not prevent this."""
         return self._refused_opening
 
     def get_name(self) -> str:
@@ -118,7 +118,7 @@ class TaskEnvironment:
         return self.task.get_name()
 
     def variation_count(self) -> int:
-        """Return how many variations the task has."""
+        """Return the number of variations of the task."""
         return self.task.variation_count()
 
     def sample_variation(self) -> int:
@@ -127,16 +127,16 @@ class TaskEnvironment:
         return self._variation_number
 
     def set_variation(self, v: int) -> None:
-        """Choose the variation of the next episodes; -1 draws one for each.
+        """Set the variation of the next episodes; -1 draws one for each episode.
 
         Raises:
-            TaskEnvironmentError: The task has no such variation, or it is not a whole number.
+            TaskEnvironmentError: The task has no such variation, or it is not an integer.
         """
         count = self.variation_count()
         v = as_whole(v, f"A variation of '{self.get_name()}'", InvalidArgument)
         if not ALL_VARIATIONS <= v < count:
             raise TaskEnvironmentError(
-                f"Task '{self.get_name()}' has no variation {v}: choose 0 to {count - 1}, or -1 to draw one for each episode."
+                f"Task '{self.get_name()}' has no variation {v}. Choose 0 to {count - 1}, or -1 to draw one for each episode."
             )
         self._variation_number = v
 
@@ -146,21 +146,21 @@ class TaskEnvironment:
         return self._changes.setting if isinstance(self._changes, FactorRandomizer) else FactorSetting()
 
     def set_factors(self, factors: FactorsLike) -> None:
-        """Choose the factors of the next episodes.
+        """Set the factors of the next episodes.
 
         Args:
-            factors: Such as `light_color:2+friction:1`, `{"light_color": 2}`, or `""` for none.
+            factors: For example `light_color:2+friction:1`, `{"light_color": 2}`, or `""` for none.
 
         Raises:
             UnknownName: There is no such factor.
-            FactorNotApplicable: The task cannot take one of them.
+            FactorNotApplicable: One of the factors does not apply to the task.
             InvalidArgument: A factor has no such level, or the environment has domain randomization.
         """
         setting = FactorSetting.of(factors)
         if setting == self.factors:
             return
         if self._changes is not None and not isinstance(self._changes, FactorRandomizer):
-            hint = "Make an Environment without randomization, or without factors."
+            hint = "Create an Environment without randomization, or select no factors."
             raise InvalidArgument("factors", str(setting), "cannot be combined with domain randomization", hint)
         changes = FactorRandomizer(self._runtime, self._obs_config, setting) if setting else None
         if self._changes is not None:
@@ -180,9 +180,9 @@ class TaskEnvironment:
         """Start an episode.
 
         Args:
-            demo: Start as this demonstration did; excludes the other arguments.
-            seed: Seed of the episode; drawn from the environment's generator when None.
-            variation: Sets the variation first.
+            demo: Restore the start of this demonstration; excludes the other arguments.
+            seed: Seed of the episode; None draws one from the generator of the environment.
+            variation: Variation of this and the next episodes; None keeps the present setting.
 
         Returns:
             Instructions and the first observation.
@@ -244,31 +244,31 @@ class TaskEnvironment:
             return self.get_observation(), result.reward(self._shaped_rewards), result.over
 
     def success_is_stable(self) -> bool:
-        """Whether the goal, reached now, lasts 1 s with the arm stationary, the gripper as it is. Afterwards all is as it was."""
+        """Return whether success holds now and still holds after 1 s with arm and gripper stationary; restore the state."""
         self._started("success_is_stable")
         return success_is_stable(self._runtime)
 
     def action_bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return lowest and highest values of an action, each of shape (n,)."""
+        """Return the lowest and highest values of an action, each of shape (n,)."""
         return self._action_mode.bounds(self._runtime)
 
     def get_observation(self) -> Observation:
-        """Observe without stepping."""
+        """Return an observation without a simulation step."""
         self._started("get_observation")
         with self._alone("get_observation"):
             return self._runtime.get_observation()
 
     def get_state(self) -> EnvironmentState:
-        """Return the present moment, to go back to; pickled, in an environment of the same task anywhere."""
+        """Return the present state for `set_state`; it can be pickled for another environment of the same task."""
         episode = self._started("get_state")
         randomization = None if self._changes is None else self._changes.current
         with self._alone("get_state"):
             return EnvironmentState(self._runtime.save(portable=True), episode, randomization)
 
     def set_state(self, state: EnvironmentState) -> Observation:
-        """Go back to a moment from `get_state` and observe it. Its factors are chosen as well."""
+        """Restore a state from `get_state`, including its factors, and return the observation."""
         if not isinstance(state, EnvironmentState):
-            raise InvalidArgument("state", state, "has to be a moment from `get_state()`")
+            raise InvalidArgument("state", state, "has to be a state from `get_state()`")
         self.set_factors(state.episode.factors)
         if state.runtime.build != self._runtime.build:  # a copy does not depend on its world, which is gone
             state = deepcopy(state)
@@ -307,12 +307,12 @@ class TaskEnvironment:
             live_demos: True plans them now; False reads them from the dataset root.
             image_paths: Stored demonstrations: do not read images; fields contain strings instead.
             callable_each_step: Live demonstrations: function that is called with every recorded observation.
-            max_attempts: Attempts per live demonstration.
+            max_attempts: Maximum number of attempts per live demonstration.
             random_selection: Stored demonstrations: draw them at random, without repeats.
             from_episode_number: Stored demonstrations: index of the first one without `random_selection`. With variation -1
                 it counts through all variations.
-            seed: Live demonstration i has the seed `seed + i`; a retry is a further attempt with the same seed. None draws seeds.
-            disturb: Live demonstrations: one of these disturbances happens in each: `push`, `slip`, `stop`. Empty: none.
+            seed: Live demonstration i has the seed `seed + i`; all its attempts use the same seed. None draws seeds.
+            disturb: Live demonstrations: apply one of these disturbances to each: `push`, `slip`, `stop`. Empty: none.
 
         Raises:
             DemoError: A live demonstration failed in all `max_attempts` attempts (also a RuntimeError).
@@ -338,15 +338,15 @@ class TaskEnvironment:
         record: bool = True,
         disturb: Sequence[Disturbance] = (),
     ) -> DemoOutcome:
-        """Reset with (seed, attempt) and play the demonstration once, with or without success.
+        """Reset with (seed, attempt), play the demonstration once, and return its result.
 
         Args:
             seed: Seed of the episode.
-            variation: Sets the variation first.
-            attempt: Which try of the seed.
-            on_frame: Called with every recorded observation.
+            variation: Variation of this and the next episodes; None keeps the present setting.
+            attempt: Number of the attempt at the seed, from 0.
+            on_frame: Function that is called with each recorded observation.
             record: Keep observations; False only measures.
-            disturb: Disturbances of which one happens: `push`, `slip`, `stop`. The planner continues from the state after it.
+            disturb: Disturbances, of which one is applied: `push`, `slip`, `stop`. The planner continues from the state after it.
         """
         if variation is not None:
             self.set_variation(variation)
@@ -364,10 +364,10 @@ class TaskEnvironment:
             return demos.play_demo(episode, player)
 
     def reset_to_demo(self, demo: Demo) -> tuple[list[str], Observation]:
-        """Start as a demonstration did: its seed sets up the task, its snapshot the very state. Its factors are chosen as well.
+        """Restore the start of a demonstration from its seed, its factors and its snapshot.
 
         Raises:
-            TaskEnvironmentError: The demonstration is of another task or arm, or carries no seed.
+            TaskEnvironmentError: The demonstration has another task or another arm, or contains no seed.
         """
         seed = demos.check_start(demo, self.get_name(), self._runtime.model.description.reference)
         self.set_variation(demo.variation_number)
@@ -378,7 +378,7 @@ class TaskEnvironment:
 
     @contextmanager
     def _alone(self, call: str) -> Iterator[None]:
-        """Refuse a call while another thread is in one; calls within a call of the same thread are fine."""
+        """Reject a call while another thread is in a call; nested calls of the same thread are allowed."""
         if not self._in_use.acquire(blocking=False):
             raise UsedByTwoThreads(call)
         try:

@@ -1,6 +1,6 @@
-"""Planning the motion to a waypoint: which grasp angle, and a configuration from which the arm can go on.
+"""Planning of the motion to a waypoint: selects the grasp angle, and a configuration from which the next motion is possible.
 
-A symmetric grasp may be rotated about the z axis of the tip. A group is a stretch of waypoints that must share one grasp angle:
+A symmetric grasp may be rotated about the z axis of the tip. A group is a sequence of waypoints that share one grasp angle:
 they have the same symmetry, and a release ends the group.
 """
 
@@ -22,11 +22,11 @@ from rlbench_pin.spatial import FloatArray, compose, relative
 from rlbench_pin.tasks import Waypoint
 
 _BROKEN_LINE = 10.0
-"""Cost of a line that cannot be followed from where the segment before it would end: another grasp angle is better [rad]."""
+"""Cost of a line that cannot be followed from the end of the previous segment [rad]; it favours other grasp angles."""
 _NEAR = 0.15
-"""A segment that is no longer than this should be straight; without collision checks it has to be [m]."""
+"""Segments up to this length should be straight [m]; without collision checks they have to be."""
 _OTHER_GOALS = 24
-"""Configurations at the end of a segment that are tried when the arm could not go on from the first one."""
+"""Maximum number of other end configurations of a segment, if the next motion is impossible from the first one."""
 
 
 def grasp_groups(waypoints: Sequence[Waypoint]) -> list[list[Waypoint]]:
@@ -48,14 +48,14 @@ def rotated(pose: FloatArray, angle: float) -> FloatArray:
 
 
 def poses_of(waypoint: Waypoint, angle: float, previous: FloatArray) -> list[FloatArray]:
-    """Return the tip poses (7,) that a segment passes with a grasp angle [rad]; it begins at `previous` (7,)."""
+    """Return the tip poses (7,) of a segment from `previous` (7,) with a grasp angle [rad]."""
     if waypoint.path == "curve":
         return [rotated(pose, angle) for pose in waypoint.curve_poses(rotated(previous, -angle))]
     return [rotated(waypoint.pose, angle)]
 
 
 def _followed(model: RobotModel, waypoint: Waypoint, q: FloatArray, poses: Sequence[FloatArray]) -> FloatArray:
-    """Return configurations (m, n) from `q` (n,) on, whose tip follows the curve, or a straight line; raises NotStraight."""
+    """Return configurations (m, n) from `q` (n,) whose tip follows the curve or a straight line; raise NotStraight."""
     return curve_path(model, q, poses) if waypoint.path == "curve" else straight_path(model, q, poses[-1])
 
 
@@ -63,7 +63,7 @@ def _followed(model: RobotModel, waypoint: Waypoint, q: FloatArray, poses: Seque
 
 
 def _grasp_angles(group: Sequence[Waypoint]) -> list[float]:
-    """Equivalent grasp angles of a group, from -pi to pi [rad]."""
+    """Return the equivalent grasp angles of a group, from -pi to pi [rad]."""
     angles = (2.0 * np.pi * k / group[0].symmetry for k in range(group[0].symmetry))
     return [angle if angle <= np.pi else angle - 2.0 * np.pi for angle in angles]
 
@@ -79,7 +79,7 @@ def _visit(
     """Return the joint travel to a waypoint with a grasp angle [rad], the configuration there and the last tip pose.
 
     Raises:
-        NoIkSolution: It is out of reach.
+        NoIkSolution: The waypoint is out of reach.
     """
     poses, cost = poses_of(waypoint, angle, previous), 0.0
     if waypoint.path != "plan":
@@ -98,7 +98,7 @@ def _visit(
 def _rank_angles(
     planner: MotionPlanner, group: Sequence[Waypoint], q: FloatArray, previous: FloatArray, rng: np.random.Generator
 ) -> list[float]:
-    """Return the grasp angles [rad] with which a group can be reached from `q` (n,) and tip pose `previous`, least travel first.
+    """Return the grasp angles [rad] that reach a group from `q` (n,) and tip pose `previous`, least travel first.
 
     Raises:
         WaypointError: No angle reaches every waypoint of the group.
@@ -123,10 +123,10 @@ def _rank_angles(
 def _end_of_group(
     planner: MotionPlanner, group: Sequence[Waypoint], q: FloatArray, previous: FloatArray, rng: np.random.Generator
 ) -> FloatArray:
-    """Return a configuration (n,) after every waypoint of a group, with a grasp angle that breaks no line if there is one.
+    """Return a configuration (n,) after all waypoints of a group, preferably with a grasp angle that allows all lines.
 
     Raises:
-        WaypointError: There is none.
+        WaypointError: There is no such configuration.
     """
     angles = _grasp_angles(group)
     # Broken lines, whether it has begun, how far it is, cost: all angles begin, then the foremost goes on.
@@ -158,7 +158,7 @@ def check_feasible(planner: MotionPlanner, waypoints: Sequence[Waypoint], q: Flo
 
 @dataclass(frozen=True, eq=False)
 class _Candidate:
-    """A planned segment that may be run."""
+    """A planned segment that can be executed."""
 
     angle: float
     """Grasp angle [rad]."""
@@ -168,14 +168,14 @@ class _Candidate:
 
 
 class WaypointPlanner:
-    """Plans from where the arm is to one waypoint.
+    """Plans from the present configuration to one waypoint.
 
     Args:
         runtime: World, model and planner.
 
     Attributes:
-        angle: Grasp angle about the z axis of the tip [rad]: the one that was planned last, or after `rank` the best.
-        grasp: Waypoint at which the gripper closed last; None where it has opened since.
+        angle: Grasp angle about the z axis of the tip [rad]: of the last plan, or the best one after `rank`.
+        grasp: Waypoint of the last closing of the gripper; None after the gripper has opened.
     """
 
     def __init__(self, runtime: Runtime) -> None:
@@ -186,10 +186,10 @@ class WaypointPlanner:
         self.grasp: Waypoint | None = None
 
     def rank(self, group: Sequence[Waypoint]) -> list[float]:
-        """Return the grasp angles that a group of waypoints can be reached with, best first [rad].
+        """Return the grasp angles that reach a group of waypoints, best first [rad].
 
         Raises:
-            WaypointError: There is none.
+            WaypointError: There is no such angle.
         """
         runtime, angles = self._runtime, [0.0]
         if group[0].symmetry > 1:
@@ -199,15 +199,15 @@ class WaypointPlanner:
         return angles
 
     def plan(self, waypoint: Waypoint, rest: Sequence[Waypoint], angles: Sequence[float]) -> Plan:
-        """Plan with the first of `angles` that works.
+        """Plan with the first of `angles` for which a plan exists.
 
         Args:
             waypoint: Goal of the segment.
-            rest: The waypoints after it in its group, which the arm should reach from there.
+            rest: The waypoints after it in its group, which should be reachable from there.
             angles: Grasp angles to try [rad].
 
         Raises:
-            PlanningError: None of them works; the error of the first.
+            PlanningError: No angle has a plan; this is the error of the first angle.
         """
         self._runtime.refresh_planner()
         q, tip = self._runtime.measured_start, self._runtime.robot.tip_pose()
@@ -237,9 +237,9 @@ class WaypointPlanner:
         return found[0].plan
 
     def _as_held(self, pose: FloatArray, angle: float, tip: FloatArray) -> FloatArray:
-        """Return the tip pose (7,) that brings what is held to where `pose` (7,) would bring it after an exact grasp.
+        """Return the tip pose (7,) that moves the held object to its pose for `pose` (7,) and an exact grasp.
 
-        The waypoint of the grasp moves with what is held, so it is where the tip should be on it; `tip` (7,) is where it is.
+        The waypoint of the grasp moves with the held object and is the exact tip pose on it; `tip` (7,) is the present one.
         """
         grasp, held = self.grasp, self._runtime.gripper.held
         if grasp is None or not any(grasp.frame.moves_with(name) for name in held):
@@ -263,7 +263,7 @@ class WaypointPlanner:
     def _other_goals(
         self, waypoint: Waypoint, rest: Sequence[Waypoint], found: Sequence[_Candidate], q: FloatArray
     ) -> Iterator[_Candidate]:
-        """Yield segments from `q` (n,) to other configurations at the ends of those found, from which the arm can go on."""
+        """Yield segments from `q` (n,) to other end configurations, from which the next motion is possible."""
         runtime, rng = self._runtime, self._runtime.planning_rng
         planner, ignore, allowed = runtime.planner, waypoint.ignore_collisions, runtime.touching()
         for _ in range(_OTHER_GOALS):
@@ -279,14 +279,14 @@ class WaypointPlanner:
 
     @staticmethod
     def _must_follow(waypoint: Waypoint, tip: FloatArray, pose: FloatArray) -> bool:
-        """Whether the segment from `tip` (7,) to `pose` (7,) has to be a line or a curve."""
+        """Return whether the segment from `tip` (7,) to `pose` (7,) has to be a line or a curve."""
         return waypoint.path != "plan" or (waypoint.ignore_collisions and _is_near(tip, pose))
 
     def _can_go_on(self, q: FloatArray, rest: Sequence[Waypoint], angle: float) -> bool:
-        """Whether the segments after configuration `q` (n,) can be followed, up to the first long one that may go another way.
+        """Return whether the segments after configuration `q` (n,) can be followed, up to the first long free segment.
 
-        On segments without collision checks the gripper may touch bodies, but not the arm behind it; only the first is looked at.
-        The arm may never be inside itself.
+        On segments without collision checks the gripper may touch bodies, but the arm may not; only the first one is checked.
+        Self-collisions of the arm are never allowed.
         """
         model, first = self._runtime.model, True
         for following in rest:
@@ -307,12 +307,12 @@ class WaypointPlanner:
         return True
 
     def _is_folded(self, q: FloatArray) -> bool:
-        """Whether the arm touches itself in configuration `q` (n,)."""
+        """Return whether the arm touches itself in configuration `q` (n,)."""
         pairs = self._runtime.planner.collision.colliding_pairs(q)
         return any(set(pair) <= self._robot_links for pair in pairs)
 
     def _arm_touches(self, q: FloatArray) -> bool:
-        """Whether a link of the arm before the gripper touches anything in configuration `q` (n,)."""
+        """Return whether a link of the arm, without the gripper, touches a body in configuration `q` (n,)."""
         return any(pair & self._arm_links for pair in map(set, self._runtime.planner.collision.colliding_pairs(q)))
 
 

@@ -1,6 +1,6 @@
-"""Every task as a gymnasium environment; importing this package registers the ids.
+"""All tasks as gymnasium environments; importing this package registers the ids.
 
-The environments themselves are imported when first used, so that registering stays light.
+The environments are imported at their first use, so that registration is fast.
 """
 
 import lazy_loader as lazy

@@ -47,7 +47,7 @@ from rlbench_pin.tasks import Task
 from rlbench_pin.values import as_array, as_image_size, as_names, as_record, as_whole, names_arguments
 
 VISION_CAMERAS = ("left_shoulder", "right_shoulder", "wrist", "front")
-"""Cameras of vision observations unless others are asked for."""
+"""Default cameras of vision observations."""
 
 _QUATERNION = ("qx", "qy", "qz", "qw")
 
@@ -57,7 +57,7 @@ GymObservation = dict[str, np.ndarray]
 def observation_space(runtime: Runtime, cameras: Sequence[str], image_size: tuple[int, int]) -> spaces.Dict:
     """Return the space of the observations of a running task: float32 boxes, and a uint8 image (h, w, 3) for each camera.
 
-    The bounds are those of the simulation: joint torques are capped at the effort limits, joint speeds by the simulator.
+    The bounds are those of the simulation: the effort limits bound joint torques, and the simulator bounds joint velocities.
     """
     instant = Instant(runtime.world, runtime.model, runtime.task)
     boxes: dict[str, spaces.Space[Any]] = {
@@ -74,10 +74,10 @@ def _float32(low: FloatArray, high: FloatArray) -> tuple[np.ndarray, np.ndarray]
 
 
 def as_gym_observation(observation: Observation, space: spaces.Dict) -> GymObservation:
-    """Return an observation as a member of its space.
+    """Return an observation as an element of its space.
 
-    Numbers beyond their bound, which only an unstable simulation gives, are clipped. A task state that is shorter
-    than the space, as when a variation has fewer objects, is filled up with zeros.
+    Values beyond a bound, which occur only in an unstable simulation, are clipped. A task state that is shorter
+    than the space, as in a variation with fewer objects, is padded with zeros.
 
     Raises:
         TaskError: The task state is longer than the space.
@@ -90,26 +90,26 @@ def _fitted(name: str, value: object, box: spaces.Box) -> np.ndarray:
 
 
 def action_space(spec: ActionSpec) -> spaces.Box:
-    """Return the box (n,), float32, that an action specification spans."""
+    """Return the box (n,), float32, of an action specification."""
     return spaces.Box(*_float32(spec.low, spec.high))
 
 
 def checked_action(action: object, spec: ActionSpec) -> FloatArray:
-    """Return an action as float64 (n,), its quaternion, where it has one, brought to unit length.
+    """Return an action as float64 (n,), with a normalised quaternion if it has one.
 
-    A box cannot say that four numbers are a rotation, so that no policy over a box could name one.
+    Normalisation is necessary because a box space cannot represent the constraint of unit length.
 
     Raises:
-        InvalidActionError: The shape is wrong, or a number is NaN or infinite. That is the caller's mistake, not the robot's.
+        InvalidActionError: The shape is wrong, or a value is NaN or infinite: an error of the caller, not of the robot.
     """
     try:
         values = as_array(action, "An action").copy()
     except InvalidValue as error:
-        raise InvalidActionError(f"{error} Check the policy's output.") from error
+        raise InvalidActionError(f"{error} Check the output of the policy.") from error
     if values.shape != (spec.size,) or not np.isfinite(values).all():
         names = ", ".join(spec.names)
         raise InvalidActionError(
-            f"An action is {spec.size} finite numbers ({names}), not {shown(action)}. Check the policy's output."
+            f"An action has to be {spec.size} finite numbers ({names}), not {shown(action)}. Check the output of the policy."
         )
     where = _quaternion_index(spec.names)
     norm = np.linalg.norm(values[where])
@@ -126,11 +126,11 @@ _SCREENS = ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER")
 
 
 class WindowMissing(TaskEnvironmentError):
-    """No window can be opened here."""
+    """A window cannot be opened."""
 
 
 def why_no_window() -> str | None:
-    """Say what a window lacks here and what to do about it, or None when one can be opened."""
+    """Return why a window cannot be opened, with the next step; None if it can."""
     if not any(os.environ.get(name) for name in _SCREENS):
         return "there is no screen (DISPLAY and WAYLAND_DISPLAY are unset). Use render_mode='rgb_array', or run under `xvfb-run`."
     if importlib.util.find_spec("pygame") is None:
@@ -139,13 +139,13 @@ def why_no_window() -> str | None:
 
 
 class Window:
-    """Shows one image after the other; opens with the first.
+    """A window that shows images; it opens with the first image.
 
     Args:
-        title: Text above the images.
+        title: Title of the window.
 
     Raises:
-        WindowMissing: There is no screen, or no pygame.
+        WindowMissing: There is no screen, or pygame is not installed.
     """
 
     def __init__(self, title: str) -> None:
@@ -160,7 +160,7 @@ class Window:
         """Show an image, uint8 (h, w, 3).
 
         Raises:
-            WindowMissing: The screen that the environment variables name does not answer.
+            WindowMissing: The screen of the environment variables does not respond.
         """
         pygame = self._pygame
         height, width = image.shape[:2]
@@ -169,7 +169,7 @@ class Window:
                 pygame.display.init()
                 pygame.display.set_mode((width, height))
             except pygame.error as error:
-                raise WindowMissing(f"The screen does not answer: {error}. Use render_mode='rgb_array'.") from error
+                raise WindowMissing(f"The screen does not respond: {error}. Use render_mode='rgb_array'.") from error
             pygame.display.set_caption(self._title)
             self._open = True
         surface = pygame.surfarray.make_surface(image.swapaxes(0, 1))
@@ -178,7 +178,7 @@ class Window:
         pygame.display.flip()
 
     def close(self) -> None:
-        """Close the window; may be called again."""
+        """Close the window. Further calls have no effect."""
         if self._open:
             self._open = False
             self._pygame.display.quit()
@@ -192,13 +192,13 @@ RESET_OPTIONS = ("variation", "reset_to_demo", "factors")
 CINEMATIC = CameraView(
     pose=look_at((-0.05, 1.70, 1.80), (0.17, 0.0, 1.13)), fov=float(np.radians(65.0)), size=(640, 360), near=0.05, far=6.0
 )
-"""The camera of `render`: from the robot's left, with the whole arm, the table top and what stands on it."""
+"""The camera of `render`: from the left of the robot, with the whole arm, the table top and the objects on it."""
 
 
 def episode_steps(robot: str) -> int:
-    """Return the steps of an episode that suffice for an arm: 1000, more for slow ones, see `RobotModel.slowness`.
+    """Return the maximum number of steps per episode for an arm: 1000, more for slow arms, see `RobotModel.slowness`.
 
-    Ids are registered with those of the Panda. With a slower arm, use
+    The registered ids use the number of the Panda. With a slower arm, use
     `gymnasium.make(id, robot="jaco", max_episode_steps=episode_steps("jaco"))`.
 
     Args:
@@ -208,36 +208,36 @@ def episode_steps(robot: str) -> int:
 
 
 class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
-    """One task behind gymnasium's interface. Every instance has a world of its own.
+    """One task with the gymnasium interface. Each instance has its own world.
 
     Observations are a dict of float32 boxes, and of four images with `observation_mode="vision"`. Quaternions in actions are
-    brought to unit length. `info` holds `success`, `is_success` (the same), `text_descriptions`, `variation`, `factors`, `error`
-    when the action was refused, and `refused_opening` when `SafeArm` kept the fingers as they were.
+    normalised. `info` contains `success`, `is_success` (the same), `text_descriptions`, `variation`, `factors`, `error`
+    if the action was invalid, and `refused_opening` if `SafeArm` did not open the fingers.
 
-    A seed given to `reset` is the seed of that very episode, the same as `TaskEnvironment.reset(seed=...)`; without one the
-    seed is drawn from `np_random`.
+    A seed passed to `reset` is the seed of that episode, as in `TaskEnvironment.reset(seed=...)`. Without a seed,
+    `np_random` draws one.
 
     Args:
         task: Name or class of the task, or a task file outside the package.
-        observation_mode: `state`, or `vision` for images as well.
+        observation_mode: `state`, or `vision` to add images.
         render_mode: `rgb_array`, `human`, or None.
-        action_mode: What actions mean; copied. None is joint differences and a finger position in one tick.
-        variation: Variation of every episode; -1 draws one for each.
-        shaped_rewards: The task's own reward instead of 1 for success; few tasks have one.
-        invalid_action: What a refused action does, such as a pose that cannot be reached: `continue` (nothing moves, reward 0),
-            `terminate` (likewise, and the episode ends), or `raise`.
+        action_mode: Action mode, which is copied. None: joint differences and a finger position in one tick.
+        variation: Variation of all episodes; -1 draws one for each episode.
+        shaped_rewards: Return the shaped reward of the task instead of 1 for success; few tasks have one.
+        invalid_action: Effect of an invalid action, such as an unreachable pose: `continue` (nothing moves, reward 0),
+            `terminate` (nothing moves, and the episode ends), or `raise`.
         image_size: Width and height of images [px]; None is 128 by 128. Only with `vision`.
         renderer: Renderer of images: `cpu`, `egl` or `auto`.
-        cameras: Cameras of vision observations; None is `VISION_CAMERAS`. Only with `vision`.
+        cameras: Cameras of vision observations; None selects `VISION_CAMERAS`. Only with `vision`.
         robot: Name of the arm, or path of its TOML file.
-        factors: Factors of generalisation of every episode, such as `light_color:2+friction:1`.
+        factors: Factors of generalisation of all episodes, such as `light_color:2+friction:1`.
 
     Raises:
-        FactorNotApplicable: The task cannot take one of the factors.
-        UnknownName: No such task, mode, camera, arm, choice or argument.
-        InvalidArgument: `cameras` or `image_size` without `vision`.
+        FactorNotApplicable: One of the factors does not apply to the task.
+        UnknownName: There is no such task, mode, camera, arm, choice or argument.
+        InvalidArgument: `cameras` or `image_size` were passed without `vision`.
         TaskError: The task file cannot be loaded.
-        WindowMissing: `human` without a screen or without pygame.
+        WindowMissing: The render mode is `human`, without a screen or without pygame.
     """
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": list(RENDER_MODES), "render_fps": 20}  # type: ignore[misc]
@@ -288,9 +288,9 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
             raise
 
     def _load(self, task: str | PathLike[str] | type[Task], variation: int, seen: tuple[str, ...], size: tuple[int, int]) -> None:
-        """Load the task and span the spaces."""
+        """Load the task and set the spaces."""
         if isinstance(task, str) and not task:
-            raise TaskEnvironmentError("Say which task: `task=` takes a name, a task file or a class.")
+            raise TaskEnvironmentError("No task was given. Pass `task=` with a name, a task file or a class.")
         self._task = self._environment.get_task(task)
         self._task.set_variation(variation)
         self._variation = variation
@@ -301,7 +301,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
 
     @property
     def task_environment(self) -> TaskEnvironment:
-        """The `TaskEnvironment` behind this environment, for demonstrations and states."""
+        """The `TaskEnvironment` of this environment, for demonstrations and states."""
         return self._task
 
     # The loop ---------------------------------------------------------------------------------------------------
@@ -313,12 +313,12 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
 
         Args:
             seed: Seed of the episode and of `np_random`.
-            options: `variation`: that of this episode, -1 to draw it. `reset_to_demo`: the demonstration to start as.
-                `factors`: factors of this episode and those after it.
+            options: `variation`: variation of this episode, -1 to draw it. `reset_to_demo`: demonstration to start from.
+            `factors`: factors of this and the next episodes.
 
         Raises:
             UnknownName: There is no such option.
-            TaskEnvironmentError: No such variation, no demonstration of this task, or both options at once.
+            TaskEnvironmentError: There is no such variation, the demonstration is of another task, or both options were passed.
             ResetError: The task could not be placed.
         """
         super().reset(seed=None if seed is None else checked_seed(seed))
@@ -341,7 +341,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
             Observation, reward, whether the episode has ended by success or failure, False, and `info`.
 
         Raises:
-            InvalidActionError: The action has the wrong shape or is not finite; or it was refused, with `invalid_action="raise"`.
+            InvalidActionError: The action has the wrong shape or is not finite, or is invalid with `invalid_action="raise"`.
         """
         values = checked_action(action, self._spec)
         try:
@@ -357,7 +357,7 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
         return self._observed(observation), reward, terminated, False, info
 
     def _refused(self, error: InvalidActionError) -> tuple[GymObservation, float, bool, bool, dict[str, Any]]:
-        """Report an action after which everything is as it was."""
+        """Return the result of an invalid action, which changes nothing."""
         self._show()
         reward = (self._task.task.reward() or 0.0) if self._shaped_rewards else 0.0
         info = {**self._info(success=False), "error": str(error)}
@@ -387,19 +387,19 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
             self.render()
 
     def close(self) -> None:
-        """Free the world and the window; may be called again."""
+        """Close the world and the window. Further calls have no effect."""
         self._environment.shutdown()
         if self._window is not None:
             self._window.close()
 
 
 def render_from_side(world: World, render_mode: str | None, window: Window | None) -> np.ndarray | None:
-    """Return an image of a world from the side, uint8 (360, 640, 3), or show it when there is a window.
+    """Return an image of a world from the side, uint8 (360, 640, 3), or show it if there is a window.
 
-    Without a render mode there is no image, and a warning of gymnasium instead.
+    Without a render mode, return no image and emit a warning of gymnasium.
     """
     if render_mode is None:
-        gymnasium.logger.warn("render() without a render_mode shows nothing. Pass render_mode='rgb_array' to make().")
+        gymnasium.logger.warn("render() returns no image without a render_mode. Pass render_mode='rgb_array' to make().")
         return None
     image = world.renderer.image(CINEMATIC)
     if window is None:
@@ -409,7 +409,7 @@ def render_from_side(world: World, render_mode: str | None, window: Window | Non
 
 
 def _own_copy(mode: ActionMode | None) -> ActionMode:
-    """Return a copy, so that environments which were given one object share nothing."""
+    """Return a copy, so that environments with one action mode do not share it."""
     if mode is None:
         return JointPositionActionMode()
     try:
@@ -427,17 +427,17 @@ def _checked_options(options: Mapping[str, Any] | None) -> Mapping[str, Any]:
             raise UnknownName("reset option", str(name), RESET_OPTIONS)
     demo, variation = chosen.get("reset_to_demo"), chosen.get("variation", ALL_VARIATIONS)
     if demo is not None and not isinstance(demo, Demo):
-        raise TaskEnvironmentError(f"options['reset_to_demo'] is a Demo, as `get_demos` returns, not {type(demo).__name__}.")
+        raise TaskEnvironmentError(f"options['reset_to_demo'] has to be a Demo from `get_demos`, not {type(demo).__name__}.")
     if demo is not None and "variation" in chosen:
-        raise TaskEnvironmentError("A demonstration brings its variation. Pass 'reset_to_demo' or 'variation', not both.")
+        raise TaskEnvironmentError("A demonstration sets its own variation. Pass 'reset_to_demo' or 'variation', not both.")
     if demo is not None and "factors" in chosen:
-        raise TaskEnvironmentError("A demonstration brings its factors. Pass 'reset_to_demo' or 'factors', not both.")
+        raise TaskEnvironmentError("A demonstration sets its own factors. Pass 'reset_to_demo' or 'factors', not both.")
     as_whole(variation, "options['variation'], -1 to draw one,", InvalidArgument)
     return chosen
 
 
 def _refuse_images(**settings: object) -> None:
-    """Refuse settings of images where observations have none."""
+    """Raise InvalidArgument for image settings without image observations."""
     for name, value in settings.items():
         if value is not None:
             hint = "Use the `-vision-v0` id, or observation_mode='vision'."
@@ -445,7 +445,7 @@ def _refuse_images(**settings: object) -> None:
 
 
 class UnknownChoice(UnknownName, ValueError):
-    """An argument has a value that is none of the choices."""
+    """An argument has a value that is not one of the choices."""
 
 
 def _check_choice(kind: str, value: object, choices: tuple[str, ...]) -> None:

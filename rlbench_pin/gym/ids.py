@@ -1,4 +1,4 @@
-"""The gymnasium ids of tasks. Strings only: neither a task nor a simulator is imported for them."""
+"""The gymnasium ids of tasks, as strings: this module imports no task and no simulator."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ import gymnasium
 from rlbench_pin.values import as_choice, as_text, as_whole
 
 MODES = ("state", "vision")
-"""Observations of an environment: numbers, or images as well."""
+"""Observation modes: `state` has numbers only, `vision` adds images."""
 MAX_EPISODE_STEPS = 1000
-"""Steps after which an episode is cut off; nearly twice the longest demonstration of the library in ticks."""
+"""Number of steps after which an episode is truncated; nearly twice the longest demonstration of the library in ticks."""
 
 ANY_TASK = "rlbench_pin/Task-v0"
 """The id for every task: `gymnasium.make("rlbench_pin/Task-v0", task=...)` takes a name, a task file or a class."""
@@ -24,11 +24,11 @@ _ENTRY_POINT = "rlbench_pin.gym.environment:GymnasiumEnv"
 
 
 _CHANGE = re.compile(r"^\[\[history\]\]", re.MULTILINE)
-"""Heading of an entry of `history`; every entry raises the version of the task by one."""
+"""Heading of an entry of `history`; each entry increases the version of the task by one."""
 
 
 def gym_id(task: str, mode: str, version: int = 1, namespace: str = "rlbench_pin") -> str:
-    """Return the id of a task: `rlbench_pin/reach_target-state-v0`. Ids count from 0: version 1 of a task has `-v0`.
+    """Return the id of a task, such as `rlbench_pin/reach_target-state-v0`. Version 1 of a task has `-v0`.
 
     Args:
         task: Name of the task.
@@ -41,7 +41,7 @@ def gym_id(task: str, mode: str, version: int = 1, namespace: str = "rlbench_pin
 
 
 def register_ids() -> None:
-    """Register every task of the library with gymnasium, and `ANY_TASK`; ids that are there already are left alone."""
+    """Register all tasks of the library and `ANY_TASK` with gymnasium; registered ids are not changed."""
     register(ANY_TASK, {"task": ""})
     for file in sorted(_LIBRARY.glob("*.toml")):
         version = 1 + len(_CHANGE.findall(file.read_text(encoding="utf-8")))
@@ -50,6 +50,6 @@ def register_ids() -> None:
 
 
 def register(name: str, settings: Mapping[str, Any]) -> None:
-    """Register an id whose environments are `GymnasiumEnv(**settings)`, unless it is there already."""
+    """Register an id whose environments are `GymnasiumEnv(**settings)`, unless it is already registered."""
     if name not in gymnasium.registry:
         gymnasium.register(id=name, entry_point=_ENTRY_POINT, max_episode_steps=MAX_EPISODE_STEPS, kwargs=dict(settings))

@@ -1,7 +1,7 @@
-"""Tasks as LeRobot evaluates policies on them: `make_env(n_envs, use_async_envs)` as its environment hub wants it.
+"""Tasks as environments of LeRobot: `make_env(n_envs, use_async_envs)` for its environment hub.
 
-LeRobot takes from each environment the observation keys `pixels` and `agent_pos`, the attributes `task`, `task_description` and
-`_max_episode_steps`, and `info["is_success"]`. See `examples/lerobot/env.py` for the file that goes to the hub.
+LeRobot reads the observation keys `pixels` and `agent_pos`, the attributes `task`, `task_description` and
+`_max_episode_steps`, and `info["is_success"]`. See `examples/lerobot/env.py` for the file to upload to the hub.
 """
 
 from __future__ import annotations
@@ -29,50 +29,50 @@ from rlbench_pin.values import as_flag, as_names, as_whole, items_of
 
 SUITE = "rlbench_pin"
 TASKS_VARIABLE = "RLBENCH_PIN_TASKS"
-"""Environment variable with the tasks that `make_env` makes when none are given, separated by commas."""
+"""Environment variable with the default tasks of `make_env`, separated by commas."""
 NEW_ROLLOUT = "lerobot_new_rollout"
-"""Option that LeRobot passes to `reset`; it means nothing to an environment."""
+"""Option that LeRobot passes to `reset`; environments ignore it."""
 AUTORESET = AutoresetMode.SAME_STEP
-"""Releases of LeRobot up to 0.4 look for success in `final_info` alone, which there is in this mode only."""
+"""Autoreset mode: LeRobot up to 0.4 reads success only from `final_info`, which exists only in this mode."""
 
 Spaces = tuple[gymnasium.Space[Any], gymnasium.Space[Any]]
 
 
 @runtime_checkable
 class NamesTasks(Protocol):
-    """Settings of LeRobot that name tasks."""
+    """Settings of LeRobot with task names."""
 
     task: str | None
 
 
 @runtime_checkable
 class LimitsEpisodes(Protocol):
-    """Settings of LeRobot that say how long an episode may be."""
+    """Settings of LeRobot with the length of episodes."""
 
     episode_length: int | None
 
 
 class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
-    """One task in the form that LeRobot evaluates.
+    """One task as an environment for LeRobot.
 
     Observations: `pixels`, a dict of images uint8 (h, w, 3) by camera, and `agent_pos`, float32 (n + 1,): joint positions [rad]
-    and 1 or 0 for an open or closed gripper. Actions are those of recorded demonstrations: absolute joint positions and the
-    gripper, above 0.5 to open it.
+    and 1 or 0 for an open or closed gripper. Actions are the actions of recorded demonstrations: absolute joint positions and a
+    gripper value, above 0.5 to open.
 
     Args:
         task: Name of the task, or a task file.
-        max_episode_steps: Steps after which an episode is cut off.
-        variation: Variation of every episode; -1 draws one for each from the seed.
+        max_episode_steps: Number of steps after which an episode is truncated.
+        variation: Variation of all episodes; -1 draws one for each episode from the seed.
         cameras: Names of the cameras.
-        image_size: Width and height of images [px]; those that the policy was trained on.
+        image_size: Width and height of images [px], as in the training of the policy.
         render_mode: `rgb_array` or `human`.
-        action_mode: What actions mean; None is as above.
+        action_mode: Action mode; None selects the actions above.
         renderer: Renderer of images: `cpu`, `egl` or `auto`.
-        like: Observation and action space, when known; then the world is built when it is first used. Otherwise at once.
+        like: Observation and action space, if known; then the world is built at its first use, otherwise at once.
 
     Attributes:
         task: Name of the task.
-        task_description: What is asked for in the present episode.
+        task_description: Instruction of the present episode.
     """
 
     metadata: ClassVar[dict[str, Any]] = GymnasiumEnv.metadata  # type: ignore[misc]
@@ -117,7 +117,7 @@ class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
 
     @property
     def world(self) -> GymnasiumEnv:
-        """The environment that is translated, built now if need be."""
+        """The wrapped environment; it is built at the first access."""
         if self._env is None:
             self._env = self._make()
         return self._env
@@ -141,7 +141,7 @@ class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
         return self._translated(observation), self._with_task(info)
 
     def step(self, action: np.ndarray) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
-        """Run one action; the episode is cut off after the last step that it may have."""
+        """Run one action; the episode is truncated after its maximum number of steps."""
         observation, reward, terminated, _, info = self.world.step(action)
         self._steps += 1
         truncated = not terminated and self._steps >= self._max_episode_steps
@@ -161,7 +161,7 @@ class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
         return self.world.render()
 
     def close(self) -> None:
-        """Free the world; may be called again. Using the environment afterwards builds it again."""
+        """Close the world. Further calls have no effect; a later use of the environment builds it again."""
         env, self._env = self._env, None
         if env is not None:
             env.close()
@@ -170,20 +170,20 @@ class LeRobotEnv(gymnasium.Env[dict[str, Any], np.ndarray], EzPickle):
 def make_env(
     n_envs: int = 1, use_async_envs: bool = False, cfg: Any = None, *, tasks: Sequence[str] | None = None, **settings: Any
 ) -> dict[str, dict[int, gymnasium.vector.VectorEnv[Any, Any, Any]]]:
-    """Return `{suite: {task id: vector environment}}`; no world is built before it is used.
+    """Return `{suite: {task id: vector environment}}`; each world is built at its first use.
 
     Args:
-        n_envs: Environments in each vector environment.
-        use_async_envs: A process for each of them, spawned when first used, instead of all in this process.
-        cfg: LeRobot's environment settings; of these `task`, names separated by commas, and `episode_length` are used.
-        tasks: Names of tasks, or task files, which have the ids after those of all names; otherwise those of `cfg`, of the
-            environment variable `RLBENCH_PIN_TASKS`, or all.
+        n_envs: Number of environments in each vector environment.
+        use_async_envs: Run each environment in its own process, spawned at its first use; otherwise all in this process.
+        cfg: Environment settings of LeRobot; `task` (names separated by commas) and `episode_length` are used.
+        tasks: Names of tasks, or task files, which get the ids after those of all names. Without `tasks`, the tasks of `cfg`,
+            of the environment variable `RLBENCH_PIN_TASKS`, or all tasks.
         settings: Further arguments of `LeRobotEnv`.
 
     Raises:
-        UnknownName: No task has this name.
+        UnknownName: There is no task with this name.
         TaskError: A task file cannot be loaded.
-        InvalidArgument: `n_envs` is not a whole number, or less than 1 (also a TaskEnvironmentError); another argument is wrong.
+        InvalidArgument: `n_envs` is not an integer >= 1 (also a TaskEnvironmentError), or another argument is invalid.
     """
     as_flag(use_async_envs, "use_async_envs", InvalidArgument)
     n_envs = as_whole(n_envs, "n_envs", InvalidArgument, least=1, most=10_000)

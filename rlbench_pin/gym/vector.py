@@ -1,4 +1,4 @@
-"""Environments in processes of their own that start when they are first used, and end when they are closed."""
+"""Vector environments whose processes start at the first use and end with `close`."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ AnyEnv = gymnasium.Env[Any, Any]
 
 
 class LazyAsyncVectorEnv(VectorEnv[Any, Any, Any]):
-    """Stands for an asynchronous vector environment, so that many can be made while few have processes.
+    """An asynchronous vector environment that starts its processes at the first use.
 
-    The processes are spawned, and so share nothing with this one. After `close` it may be used again.
+    The processes are spawned, so they share no state with this process. After `close` the environment may be used again.
 
     Args:
-        makers: Make one environment each, in its process.
+        makers: Functions that each create one environment, in its process.
         like: An environment with the spaces and the metadata of all; it may be closed.
-        autoreset_mode: When an episode that has ended is followed by the next.
+        autoreset_mode: Time of the reset after the end of an episode.
     """
 
     def __init__(
@@ -41,24 +41,26 @@ class LazyAsyncVectorEnv(VectorEnv[Any, Any, Any]):
 
     @property
     def running(self) -> AsyncVectorEnv:
-        """The vector environment itself, started now if need be."""
+        """The vector environment; the first access starts it."""
         if self._running is None:
             self._running = AsyncVectorEnv(self._makers, context="spawn", autoreset_mode=self._autoreset_mode)
         return self._running
 
     @property
     def is_running(self) -> bool:
-        """Whether the processes exist."""
+        """Whether the processes are running."""
         return self._running is not None
 
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Start an episode in each environment.
 
         Raises:
-            InvalidArgument: A seed is none; there is one for each environment, or the first of a row.
+            InvalidArgument: `seed` is not an integer, the first of consecutive seeds, or a list with one integer per environment.
         """
         if isinstance(seed, list | tuple) and len(seed) != self.num_envs:
-            raise InvalidArgument("seed", seed, f"has to be one whole number, or {self.num_envs}, one for each environment")
+            raise InvalidArgument(
+                "seed", seed, f"has to be one whole number, or {self.num_envs} whole numbers, one for each environment"
+            )
         for one in seed if isinstance(seed, list | tuple) else (seed,):
             if one is not None:
                 checked_seed(one)
@@ -68,7 +70,7 @@ class LazyAsyncVectorEnv(VectorEnv[Any, Any, Any]):
         """Run one action in each environment.
 
         Raises:
-            InvalidActionError: There are not as many, of a wrong shape, or not of finite numbers; nothing has moved.
+            InvalidActionError: The number or the shape of the actions is wrong, or they are not finite; nothing has moved.
         """
         self._check(actions)
         return self.running.step(actions)
@@ -79,7 +81,9 @@ class LazyAsyncVectorEnv(VectorEnv[Any, Any, Any]):
         except InvalidValue as error:
             raise InvalidActionError(str(error)) from error
         if array.shape != self.action_space.shape:
-            raise InvalidActionError(f"The actions have to have shape {self.action_space.shape}, not {array.shape}.")
+            raise InvalidActionError(
+                f"The actions have to have shape {self.action_space.shape}, not {array.shape}. Pass one per environment."
+            )
 
     def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
         """Call a method of each environment, or read an attribute."""
@@ -98,7 +102,7 @@ class LazyAsyncVectorEnv(VectorEnv[Any, Any, Any]):
         return self.running.render()
 
     def close(self, **kwargs: Any) -> None:
-        """End all processes; may be called again."""
+        """End all processes. Further calls have no effect."""
         running, self._running = self._running, None
         if running is not None:
             running.close(**kwargs)

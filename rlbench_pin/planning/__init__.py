@@ -1,6 +1,6 @@
-"""Motions of one arm, from where it is to where it should be: kinematics, search, smoothing, collision checks and timing.
+"""Motion planning for one arm: kinematics, search, smoothing, collision checks and timing.
 
-`MotionPlanner` does all of it; the parts are modules of their own, and `problems` has planning problems as files.
+`MotionPlanner` combines these modules. `problems` reads and writes planning problems.
 """
 
 from rlbench_pin.planning.continuous_collision import Certificate, certify

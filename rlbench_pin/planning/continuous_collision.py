@@ -1,14 +1,14 @@
 """Continuous collision checks: a motion is free between the checked configurations too (after Schwarzer, Saha, Latombe 2005).
 
-A path is a sequence of Bezier pieces. No configuration of a piece is farther from its middle, joint by joint, than one of its
-control points, which bounds how far each shape moves against each other one. A pair of shapes is settled for a whole piece by the
-first of two bounds that is large enough:
+A path is a sequence of Bezier pieces. In each joint, the control points of a piece bound the distance of its configurations from
+its middle. This bounds the relative motion of each pair of shapes. A pair is cleared for a whole piece by the first of two bounds
+that is large enough:
 
-1. the gap between their boxes along the world's axes in the middle of the piece, less how far they can move (`Poses`), for all
-   pieces in one go;
-2. their distance there, by Coal, less what of their motion closes it (`advances`).
+1. the gap between their axis-aligned boxes in the middle of the piece, minus their largest motion (`Poses`), for all
+   pieces at once;
+2. their distance in the middle, by Coal, minus the part of their motion that closes it (`advances`).
 
-Pieces with pairs that are left are cut, and only these are looked at again.
+Pieces with remaining pairs are divided, and only these pairs are checked again.
 """
 
 from __future__ import annotations
@@ -36,19 +36,19 @@ class Placed:
     """An arm in m configurations."""
 
     rotations: FloatArray
-    """Of each joint's frame in the world, shape (m, n, 3, 3)."""
+    """Rotations of the joint frames in the world, shape (m, n, 3, 3)."""
     origins: FloatArray
-    """World positions of the joints' frames, shape (m, n, 3), [m]."""
+    """World positions of the joint frames, shape (m, n, 3), [m]."""
     linear: FloatArray
     """Velocity of the point of each joint's body that is at the world's origin, at 1 rad/s, shape (m, n, 3), [m/rad]."""
     angular: FloatArray
-    """Axes about which the joints turn, in the world, shape (m, n, 3); zero for a joint that slides."""
+    """Rotation axes of the joints in the world, shape (m, n, 3); zero for a prismatic joint."""
 
 
 class ArmChain:
     """The serial chain of arm joints.
 
-    Pinocchio places one configuration at a time; for thirty and more, numpy is the faster way to have all of them in arrays.
+    Pinocchio computes one configuration at a time; for thirty and more configurations, numpy arrays are faster.
     """
 
     def __init__(self, model: RobotModel) -> None:
@@ -101,17 +101,17 @@ class _Shape:
     """One shape in the frame of the arm joint that carries it, or in the world."""
 
     depth: int
-    """How many arm joints carry it."""
+    """Number of arm joints that carry it."""
     center: FloatArray
-    """Of the ball and the box around it (3,), [m]."""
+    """Centre of its bounding sphere and box (3,), [m]."""
     rotation: FloatArray
-    """Of the box (3, 3)."""
+    """Rotation of the box (3, 3)."""
     half: FloatArray
     """Half the edges of the box (3,), [m]."""
     radius: float
-    """Of the ball [m]."""
+    """Radius of the bounding sphere [m]."""
     reach: FloatArray
-    """How far it can get from the axis of each joint that carries it (n,), [m]; 0 for other joints."""
+    """Largest distance from the axis of each joint that carries it (n,), [m]; 0 for other joints."""
 
 
 class ArmShapes:
@@ -132,7 +132,7 @@ class ArmShapes:
         self._own: list[_Shape] = []
 
     def read(self, collision: CollisionModel) -> list[_Shape]:
-        """Return all shapes of a collision model as they are now."""
+        """Return all shapes of a collision model in their present state."""
         q, objects = collision.configuration(np.zeros(self._model.size)), collision.geometry.model.geometryObjects
         pin.forwardKinematics(self._model.full, self._data, q)
         own = collision.geometry.first_body
@@ -143,12 +143,12 @@ class ArmShapes:
         return [*self._own, *(self._shape(objects[k], *self._solids[k]) for k in range(own, len(objects)))]
 
     def place(self, collision: CollisionModel, q: FloatArray) -> None:
-        """Put the shapes of a collision model where they are with the arm at `q` (n,), [rad]."""
+        """Set the poses of the shapes of a collision model for the arm at `q` (n,), [rad]."""
         geometry = collision.geometry
         pin.updateGeometryPlacements(self._model.full, self._data, geometry.model, geometry.data, collision.configuration(q))
 
     def _shape(self, item: pin.GeometryObject, center: FloatArray, half: FloatArray, radius: float) -> _Shape:
-        """Return a shape; `center` (3,) of its box in its own frame, `half` its edges (3,), `radius` of its ball [m]."""
+        """Return a shape with the `center` (3,) of its box in its own frame, half its edges (3,), and sphere `radius` [m]."""
         T, joint, depth, reach = item.placement, item.parentJoint, 0, self._still
         if joint > 0:
             reach = self._model.chain_reach.of(joint, T.act(center), radius)
@@ -158,7 +158,7 @@ class ArmShapes:
 
 
 def _extent(item: pin.GeometryObject) -> tuple[FloatArray, FloatArray, float]:
-    """Return of a solid, in its own frame, the centre of box and ball (3,), half the box's edges (3,), the ball's radius [m]."""
+    """Return the centre (3,) of the box and sphere of a solid in its own frame, half the box edges (3,), the radius [m]."""
     solid = item.geometry
     solid.computeLocalAABB()
     box = solid.aabb_local
@@ -166,26 +166,26 @@ def _extent(item: pin.GeometryObject) -> tuple[FloatArray, FloatArray, float]:
 
 
 class Shapes:
-    """All shapes of one world, and the pairs of them that may meet.
+    """All shapes of one world, and the pairs of shapes that may collide.
 
     Args:
-        arm: The arm's own shapes.
-        collision: Has taken over the world; its fingers and held bodies are where they stay.
+        arm: Shapes of the arm.
+        collision: Collision model of the world; its fingers and held bodies do not move relative to the arm.
     """
 
     def __init__(self, arm: ArmShapes, collision: CollisionModel) -> None:
         self.chain = arm.chain
         found = arm.read(collision)
         self.depth: IndexArray = np.array([shape.depth for shape in found], dtype=np.intp)
-        """How many arm joints carry each shape, shape (k,)."""
+        """Number of arm joints that carry each shape, shape (k,)."""
         self.moving: IndexArray = np.flatnonzero(self.depth)
-        """Indices of those that the arm carries."""
+        """Indices of the shapes that the arm carries."""
         moving = [found[k] for k in self.moving.tolist()]
         self.center = np.array([shape.center for shape in found])
         self.rotation = np.array([shape.rotation for shape in found])
         self.half = np.array([shape.half for shape in found])
         self.upright = (np.abs(self.rotation) @ self.half[:, :, None])[:, :, 0]
-        """Half the edges of boxes along the axes of the frames that carry them, or of the world, shape (k, 3), [m]."""
+        """Half the edges of boxes along the axes of their parent frames, or of the world, shape (k, 3), [m]."""
         self.radius = np.array([shape.radius for shape in moving])
         self.reaches = np.array([shape.reach for shape in moving]).reshape(len(moving), -1)
         first, second = collision.geometry.ends
@@ -202,8 +202,8 @@ class Pieces:
 
     Args:
         path: The path.
-        low: Parameters (m,) where they begin.
-        high: Parameters (m,) where they end, with no knot between.
+        low: Start parameters (m,).
+        high: End parameters (m,), without a knot in between.
     """
 
     def __init__(self, path: JointPath, low: FloatArray, high: FloatArray) -> None:
@@ -214,16 +214,16 @@ class Pieces:
         self.steps = control - self.middles[:, None]
         """Control points relative to the middle (m, 4, n), [rad]; the piece is in their hull."""
         self.turns = np.abs(self.steps).max(axis=1)
-        """How far each joint turns from the middle at most (m, n), [rad]."""
+        """Largest motion of each joint from the middle (m, n), [rad]."""
 
     @classmethod
     def of(cls, path: JointPath) -> Pieces:
-        """Return the path's own cubic pieces."""
+        """Return the cubic pieces of the path."""
         knots = path.knots
         return cls(path, knots[:-1], knots[1:])
 
     def cut(self, which: NDArray[np.intp], counts: NDArray[np.intp]) -> Pieces:
-        """Return pieces `which` (k,) in `counts` (k,) even parts each, one after the other."""
+        """Return pieces `which` (k,), each divided into `counts` (k,) equal parts, in order."""
         low, width = np.repeat(self.low[which], counts), np.repeat((self.high - self.low)[which] / counts, counts)
         part = np.arange(len(low)) - np.repeat(np.cumsum(counts) - counts, counts)
         last = part + 1 == np.repeat(counts, counts)
@@ -235,15 +235,15 @@ class Pieces:
 class Poses:
     """Placed shapes.
 
-    No joint turns by more than T_j, so that no point of a shape moves farther than
+    No joint moves by more than T_j, so that no point of a shape moves farther than
 
         D = sum_j min(l_j + D0 / (1 - sum_i T_i), r_j) T_j,  D0 = sum_i l_i T_i               (1)
 
-    with levers l_j, the largest distance of its ball from the joint's axis, and reaches r_j (`robot.motion_bounds`).
+    with levers l_j, the largest distance of its bounding sphere from the joint axis, and reaches r_j (`robot.distances`).
 
     Args:
-        shapes: What is placed.
-        pieces: In the middle of each of these, m of them.
+        shapes: The shapes.
+        pieces: The m pieces; shapes are placed in the middle of each.
     """
 
     def __init__(self, shapes: Shapes, pieces: Pieces) -> None:
@@ -262,7 +262,7 @@ class Poses:
         self._measure_levers(centers)
 
     def _measure_levers(self, centers: FloatArray) -> None:
-        """Compute equation (1) for moving shapes with ball centres (m, s, 3)."""
+        """Compute equation (1) for moving shapes with sphere centres (m, s, 3)."""
         arm, shapes, turns = self.arm, self.shapes, self.pieces.turns
         count, size = turns.shape
         speeds = skew(arm.angular).reshape(count, 3 * size, 3) @ centers.swapaxes(1, 2)
@@ -273,7 +273,7 @@ class Poses:
         left = np.maximum(1.0 - turns.sum(axis=1), 1e-9)
         growth = (levers @ turns[:, :, None]) / left[:, None, None]
         self.levers = np.minimum(levers + growth, shapes.reaches)
-        """How far a moving shape gets from the axis of each joint on the piece at most, shape (m, s, n), [m]."""
+        """Largest distance of a moving shape from the axis of each joint on the piece, shape (m, s, n), [m]."""
         self._parts = np.zeros((*levers.shape[:2], levers.shape[2] + 1))
         np.cumsum(self.levers * turns[:, None], axis=2, out=self._parts[:, :, 1:])
 
@@ -282,16 +282,16 @@ class Poses:
         return self.levers[piece, self._row[self.shapes.far[pair]]]
 
     def moves(self, piece: IndexArray, pair: IndexArray) -> FloatArray:
-        """Return how far the two shapes of pairs move against each other at most, shape (e,), [m]."""
+        """Return the largest relative motion of the two shapes of pairs, shape (e,), [m]."""
         row = self._row[self.shapes.far[pair]]
         return self._parts[piece, row, -1] - self._parts[piece, row, self.shapes.depth[self.shapes.near[pair]]]
 
     def close(self, pairs: IndexArray, floors: FloatArray) -> tuple[IndexArray, IndexArray]:
-        """Return piece and pair (e,) of those that boxes along the world's axes do not show to stay apart.
+        """Return piece and pair (e,) of the pairs that axis-aligned boxes do not clear.
 
         Args:
-            pairs: Indices of the pairs that count.
-            floors: What distance each pair has to keep, shape (all pairs,), [m].
+            pairs: Indices of the pairs to check.
+            floors: Minimum distance of each pair, shape (all pairs,), [m].
         """
         shapes = self.shapes
         far, near = shapes.far[pairs], shapes.near[pairs]
@@ -310,23 +310,23 @@ class Poses:
         return self._centers[:, piece, self.shapes.far[pair]].T
 
     def box(self, piece: IndexArray, pair: IndexArray) -> tuple[FloatArray, FloatArray]:
-        """Return how the boxes of the farther shapes of pairs are turned (e, 3, 3), and half their edges (e, 3), [m]."""
+        """Return the rotations (e, 3, 3) of the boxes of the farther shapes of pairs, and half their edges (e, 3), [m]."""
         far = self.shapes.far[pair]
         rotations = self.arm.rotations[piece, self.shapes.depth[far] - 1] @ self.shapes.rotation[far]
         return rotations, self.shapes.half[far]
 
 
 def advances(poses: Poses, piece: IndexArray, pair: IndexArray, normal: FloatArray) -> FloatArray:
-    """Return how far the farther shapes of pairs come along normals (e, 3) on their pieces at most, equation (1), (e,), [m].
+    """Return the largest motion of the farther shapes of pairs along normals (e, 3) on their pieces, equation (1), (e,), [m].
 
-    In the middle q_m of a piece two convex shapes A and B are a distance d apart along the unit normal n from A to B: B lies
-    behind a plane, A in front of it. With joint motions h = q - q_m in the hull of the piece's control points h_k, and
-    |h_j| <= T_j, Taylor's formula says of every point x of A
+    In the middle q_m of a piece two convex shapes A and B are a distance d apart along the unit normal n from A to B. A plane
+    separates them. With joint motions h = q - q_m in the hull of the piece's control points h_k, and
+    |h_j| <= T_j, Taylor's formula gives for each point x of A
 
         n^T (x(q) - x(q_m)) <= max_k n^T J_x h_k + R,   R = 1/2 sum_ij T_i T_j l_max(i,j)          (1)
 
-    because |d2x / dq_i dq_j| is at most the lever l of x about the axis of the joint that is farther out. The first term is
-    linear in x, so that a box around A bounds it. Only joints between B and A count. Motion along the plane costs nothing but R.
+    because |d2x / dq_i dq_j| is at most the lever l of x about the axis of the more distal joint. The first term is
+    linear in x, so that a box around A bounds it. Only joints between B and A contribute. Motion along the plane adds only R.
     """
     shapes, pieces = poses.shapes, poses.pieces
     joint = np.arange(pieces.turns.shape[1])
@@ -341,12 +341,12 @@ def advances(poses: Poses, piece: IndexArray, pair: IndexArray, normal: FloatArr
 
 
 WIDEST = 0.08
-"""How far anything can move to either side of the middle of a first piece, at most [m]."""
+"""Largest motion of any shape to either side of the middle of an initial piece [m]."""
 MIN_CLOSING = 3e-4
-"""Pairs that close in by less than this, and still are not settled, are in doubt [m]."""
+"""Approach of a pair on a piece below which an uncleared pair remains undecided [m]."""
 _PARTS, _MAX_PARTS = 2.0, 16
 DISTANCE_TOLERANCE = 1e-5
-"""Distances have to exceed the margin by this, because Coal's are not exact [m]."""
+"""Amount by which distances have to exceed the margin, because those of Coal are not exact [m]."""
 
 
 @dataclass(frozen=True)
@@ -354,17 +354,17 @@ class Certificate:
     """Result of the continuous check of a path."""
 
     doubt: float | None
-    """First place on the path (0..1) that could not be certified; None when all of it is free."""
+    """First parameter of the path (0..1) that could not be certified; None if the whole path is free."""
     checks: int
-    """Configurations in which distances were measured."""
+    """Number of configurations in which distances were measured."""
 
 
 class ContinuousCheck:
     """Certifies paths of one motion.
 
     Args:
-        arm: The arm's own shapes.
-        collision: Has begun the motion, and carries its rules.
+        arm: Shapes of the arm.
+        collision: Collision model with the rules of the motion, after `begin`.
     """
 
     def __init__(self, arm: ArmShapes, collision: CollisionModel) -> None:
@@ -375,11 +375,11 @@ class ContinuousCheck:
         return Shapes(self._arm, self._collision)
 
     def certify(self, path: JointPath, checks: int) -> Certificate:
-        """Try to certify that `path` stays free of forbidden contacts, everywhere between its ends.
+        """Try to certify that `path` is free of forbidden contacts everywhere between its ends.
 
         Args:
             path: Smooth path.
-            checks: Budget of configurations in which distances are measured.
+            checks: Maximum number of configurations in which distances are measured.
         """
         counts, floors = self._collision.least_distances()
         floors, pieces, spent = floors + DISTANCE_TOLERANCE, self._begin(path), 0
@@ -403,7 +403,7 @@ class ContinuousCheck:
         return Certificate(None, spent)
 
     def _begin(self, path: JointPath) -> Pieces:
-        """Cut a path into pieces on which nothing moves much farther than `WIDEST` from its middle."""
+        """Divide a path into pieces on which no shape moves much farther than `WIDEST` from its middle."""
         pieces, reaches = Pieces.of(path), self._shapes.reaches.max(axis=0)
         return pieces.cut(np.arange(len(pieces.low)), np.maximum(1, np.ceil(pieces.turns @ reaches / WIDEST)).astype(np.intp))
 
@@ -428,13 +428,13 @@ class ContinuousCheck:
 
 
 def _cut(pieces: Pieces, piece: IndexArray, pair: IndexArray, shares: FloatArray) -> tuple[Pieces, IndexArray, IndexArray]:
-    """Cut the pieces that have pairs left, and give all parts these pairs, in the order of pieces.
+    """Divide the pieces with remaining pairs, and assign these pairs to all parts, in the order of pieces.
 
     Args:
         pieces: All pieces.
-        piece: Index of the piece (e,) of each pair that is left, in rising order.
+        piece: Index of the piece (e,) of each remaining pair, in ascending order.
         pair: Index of the pair (e,).
-        shares: How much larger than the room there is, is what may be lost of it on the piece (e,).
+        shares: Ratio of the possible loss of distance on the piece to the available distance (e,).
     """
     chosen, first = np.unique(piece, return_index=True)
     counts = np.clip(np.ceil(_PARTS * np.maximum.reduceat(shares, first)), 2, _MAX_PARTS).astype(np.intp)
@@ -450,8 +450,8 @@ def certify(path: JointPath, collision: CollisionModel, checks: int = 20_000) ->
 
     Args:
         path: Smooth path.
-        collision: Carries the rules: what counts, and how near bodies may come; see `CollisionModel.begin`.
-        checks: Budget of configurations; a path that needs more is in doubt.
+        collision: Collision model with the rules of the motion: pairs and minimum distances; see `CollisionModel.begin`.
+        checks: Maximum number of configurations; a path that needs more is not certified.
     """
     as_record(path, JointPath, "path")
     as_record(collision, CollisionModel, "collision")
@@ -464,24 +464,24 @@ class Rules:
     """The rules of one motion, which `collision` has begun."""
 
     collision: CollisionModel
-    """Checks configurations."""
+    """Collision model that checks configurations."""
     config: PlannerConfig
-    """Resolution and budget of the checks."""
+    """Settings: resolution and budget of the checks."""
     continuous: ContinuousCheck
-    """Certifies paths of this motion."""
+    """Continuous check of paths of this motion."""
     world: bool = True
-    """Whether the world counts; otherwise the arm alone, with what it holds."""
+    """Check collisions with the world; otherwise only of the arm and held bodies with the arm itself."""
     doubts: int = 0
-    """Paths that passed every sample and could not be certified."""
+    """Number of paths that passed all samples and could not be certified."""
     measured: int = 0
-    """Configurations in which continuous checks measured distances."""
+    """Number of configurations in which continuous checks measured distances."""
 
     def is_free(self, q: FloatArray) -> bool:
-        """Say whether a configuration (n,) keeps the rules."""
+        """Return whether a configuration (n,) keeps the rules."""
         return not self.collision.collides(q)
 
     def first_violation(self, path: JointPath) -> float | None:
-        """Return where on a path (0..1) the rules are broken, or not certified to be kept; None when the path is good."""
+        """Return the first parameter (0..1) of a path that violates the rules or is not certified; None if there is none."""
         hit = path.first_collision(self.is_free, self.config.check_step)
         if hit is None and self.config.certify:
             certificate = self.continuous.certify(path, self.config.certify_checks)
@@ -491,5 +491,5 @@ class Rules:
         return hit
 
     def blocked_edges(self, path: FloatArray, step: float) -> list[int]:
-        """Return the edges of a polyline (m, n) that are not free, looking every `step` [rad]."""
+        """Return the edges of a polyline (m, n) that are not free, with checks every `step` [rad]."""
         return [i for i, (a, b) in enumerate(pairwise(path)) if not edge_is_free(a, b, self.is_free, step)]

@@ -1,12 +1,12 @@
-"""Inverse kinematics, sets of equally good goals, and checks of requests.
+"""Inverse kinematics, sets of equivalent goals, and checks of requests.
 
 Three descents solve inverse kinematics:
 
-* `descend` (damped least squares, many starts) is what planning uses: exact to 1e-6, bounded steps, given up early, because
-  there is always another start.
-* `solve_pinned_ik` has one start and joints that must not move: damped ten times less, never given up early. With the
-  damping and the early end of `descend`, 2 % of random poses that it reaches would be lost.
-* `control.PoseIK` solves a QP in each step, by PlaCo, with joint limits and a trust region as its constraints.
+* `descend` (damped least squares, many starts) is for planning: exact to 1e-6, with bounded steps. It stops early, because
+  there are other starts.
+* `solve_pinned_ik` has one start and fixed joints: it has a tenth of the damping, and does not stop early. With the
+  damping and the early stop of `descend`, it would not reach 2 % of the random poses that it reaches now.
+* `control.PoseIK` solves a QP in each step, by PlaCo, with joint limits and a trust region as constraints.
 """
 
 from __future__ import annotations
@@ -27,31 +27,31 @@ from rlbench_pin.spatial import FloatArray, PoseLike, pose_to_se3, se3_to_pose
 from rlbench_pin.values import SMALLEST_NORM, as_array, as_finite, as_flag, as_names, as_number, as_record, as_vector, as_whole
 
 TOLERANCE = 1e-6
-"""Norm of the remaining pose error, `[m, rad]` together."""
+"""Tolerance of the norm of the pose error, [m] and [rad] combined."""
 LIMIT_MARGIN = 0.05
-"""Configurations nearer than this to a joint limit come last [rad]."""
+"""Distance to a joint limit below which configurations are ranked last [rad]."""
 SAME = 0.1
-"""Solutions nearer than this to each other count once [rad]."""
+"""Distance below which solutions are duplicates [rad]."""
 MAX_STARTS = 100_000
-"""More descents than this are a mistake."""
+"""Upper bound of the number of descents."""
 JOINT_LIMIT_TOLERANCE = 1e-3
-"""How far beyond its limits a joint may be at the ends of a motion, which then begins or ends at the limit [rad]."""
+"""Tolerance of joint limits at the ends of a motion, which then starts or ends at the limit [rad]."""
 _ITERATIONS = 40
 _LARGEST_STEP = 0.6
 _JOINT_WEIGHT_END = 0.4
 
 
 def as_configuration(model: RobotModel, q: ArrayLike, what: str) -> FloatArray:
-    """Return a configuration (n,), [rad], of an arm, as it was given.
+    """Validate a configuration (n,), [rad], of an arm, and return it.
 
     Args:
         model: The arm.
         q: The configuration.
-        what: What it is called, such as `start configuration`.
+        what: Its name in errors, such as `start configuration`.
 
     Raises:
         InvalidRequest: NaN, a wrong shape, or no numbers.
-        OutsideJointLimits: A joint is beyond its limits by more than `JOINT_LIMIT_TOLERANCE`; names the farthest.
+        OutsideJointLimits: A joint is beyond its limits by more than `JOINT_LIMIT_TOLERANCE`; the error names the farthest.
     """
     as_record(model, RobotModel, "model", InvalidRequest)
     vector, limits = as_vector(q, model.size, f"The {what}", InvalidRequest), model.limits
@@ -68,7 +68,7 @@ def as_goal_poses(pose: PoseLike | Sequence[PoseLike], what: str = "goal") -> li
     """Return a list of tip poses (7,) from one or several.
 
     Raises:
-        InvalidRequest: There is none, or one has a wrong shape, NaN, or a quaternion of norm zero.
+        InvalidRequest: There is no pose, or one has a wrong shape, NaN, or a quaternion of norm zero.
     """
     given = as_array(pose, f"The {what}", InvalidRequest)
     poses = given[None] if given.ndim == 1 else given
@@ -77,25 +77,25 @@ def as_goal_poses(pose: PoseLike | Sequence[PoseLike], what: str = "goal") -> li
     as_finite(poses, f"The {what}", InvalidRequest)
     norms = np.linalg.norm(poses[:, 3:], axis=1)
     if not norms.min() >= SMALLEST_NORM or not np.isfinite(norms).all():
-        raise InvalidRequest(f"The {what}", pose, "has a quaternion of norm zero", "The order is x, y, z, w.")
+        raise InvalidRequest(f"The {what}", pose, "has a quaternion of norm zero", "Pass x, y, z, qx, qy, qz, qw.")
     return list(poses)
 
 
 def as_goal_pose(pose: PoseLike, what: str = "goal") -> FloatArray:
-    """Return one tip pose (7,) as it was given; raises as `as_goal_poses`."""
+    """Validate one tip pose (7,) and return it; raise the errors of `as_goal_poses`."""
     return as_goal_poses(as_vector(pose, 7, f"The {what}", InvalidRequest), what)[0]
 
 
 def check_generator(rng: object) -> None:
-    """Raise InvalidRequest unless `rng` is a generator of numpy."""
+    """Raise InvalidRequest unless `rng` is a numpy generator."""
     if not isinstance(rng, np.random.Generator):
-        raise InvalidRequest("rng", rng, "has to be a generator of numpy", "`np.random.default_rng(0)` makes one.")
+        raise InvalidRequest("rng", rng, "has to be a numpy generator", "Pass `np.random.default_rng(0)`.")
 
 
 def check_callable(function: object, what: str) -> None:
     """Raise InvalidRequest unless `function` can be called, or is None."""
     if function is not None and not callable(function):
-        raise InvalidRequest(what, function, "has to be a function that takes a configuration (n,), or None")
+        raise InvalidRequest(what, function, "has to be a function of a configuration (n,), or None")
 
 
 def check_switches(**switches: object) -> None:
@@ -105,7 +105,7 @@ def check_switches(**switches: object) -> None:
 
 
 def check_options(rng: object, allowed: Collection[str], free: object) -> None:
-    """Raise InvalidRequest unless `rng` is a generator, `allowed` a collection of names, no text, and `free` True or False."""
+    """Raise InvalidRequest unless `rng` is a generator, `allowed` a collection of names (not a string), and `free` a bool."""
     check_switches(ignore_collisions=free)
     check_generator(rng)
     as_names(allowed, "allowed, the bodies that may be touched,", InvalidRequest)
@@ -124,10 +124,10 @@ class Descent:
 
 
 def descend(model: RobotModel, target: pin.SE3, q_start: FloatArray, iterations: int = _ITERATIONS) -> Descent:
-    """Walk from `q_start` to a configuration that reaches `target`, inside the joint limits.
+    """Descend from `q_start` to a configuration that reaches `target`, inside the joint limits.
 
-    Each step is dq = J^T (J J^T + w I)^-1 e with w growing with the error (Sugihara's damping); joints that would leave
-    their limits are held and the step is taken by the others.
+    Each step is dq = J^T (J J^T + w I)^-1 e, where w increases with the error (Sugihara's damping). Joints that would leave
+    their limits stay fixed, and the other joints take the step.
     """
     arm, data, tip = model.arm, model.data, model.tip_id
     lower, upper = model.limits.lower, model.limits.upper
@@ -174,20 +174,20 @@ def solve_ik(
     max_solutions: int = 1,
     collision: CollisionModel | None = None,
 ) -> list[FloatArray]:
-    """Find configurations whose tip is at `pose`, nearest to `seed_q` first, those close to a joint limit last.
+    """Return configurations whose tip is at `pose`, nearest to `seed_q` first, those close to a joint limit last.
 
     Args:
         model: The arm.
         pose: Tip pose (7,) in the world.
-        seed_q: Where the search begins, shape (n,), [rad]; brought within the joint limits.
-        rng: Draws the other starts.
-        starts: How many descents are tried at most.
-        max_solutions: Enough solutions to stop, of different branches.
-        collision: Drops configurations that collide; None accepts all.
+        seed_q: Start of the search, shape (n,), [rad]; clipped to the joint limits.
+        rng: Generator of the other starts.
+        starts: Maximum number of descents.
+        max_solutions: Number of different solutions at which the search stops.
+        collision: Collision check that rejects configurations; None accepts all.
 
     Raises:
         InvalidRequest: NaN, a wrong shape, or no numbers.
-        NoIkSolution: No descent reaches the pose; carries the smallest error.
+        NoIkSolution: No descent reaches the pose; the error contains the smallest deviation.
         GoalInCollision: All configurations that reach it collide.
     """
     as_record(model, RobotModel, "model", InvalidRequest)
@@ -212,7 +212,7 @@ def _descents(
     enough: int,
     collision: CollisionModel | None,
 ) -> tuple[list[FloatArray], list[FloatArray], list[Descent]]:
-    """Descend from one start after the other; return free configurations, colliding ones, and descents that failed."""
+    """Descend from each start; return free configurations, colliding configurations, and failed descents."""
     found: list[FloatArray] = []
     colliding: list[FloatArray] = []
     failed: list[Descent] = []
@@ -230,34 +230,34 @@ def _descents(
 
 
 def _colliding(model: RobotModel, seed_q: FloatArray, collision: CollisionModel, reached: list[FloatArray]) -> GoalInCollision:
-    """Explain by the nearest of the configurations that reach the pose and collide."""
+    """Return the error for the nearest of the colliding configurations that reach the pose."""
     pairs, depths = collision.penetrations(min(reached, key=lambda q: cost(model, seed_q, q)))
     return GoalInCollision(pairs, len(reached), depths)
 
 
 def _unreached(model: RobotModel, pose: PoseLike, failed: Sequence[Descent]) -> NoIkSolution:
-    """Return the error of a pose that no descent reached, with the one that came nearest."""
+    """Return the error for a pose that no descent reached, with the nearest descent."""
     closest = min(failed, key=lambda end: float(end.error @ end.error))
     position, rotation = (float(np.linalg.norm(part)) for part in (closest.error[:3], closest.error[3:]))
     return NoIkSolution(np.asarray(pose), position, rotation, len(failed), model.tip_pose(closest.q))
 
 
 def cost(model: RobotModel, q_from: FloatArray, q: FloatArray) -> float:
-    """Rank a configuration: weighted joint distance [rad], the wrist counting less, plus a penalty near joint limits."""
+    """Return the rank of a configuration: weighted joint distance [rad], less for the wrist, plus a penalty near joint limits."""
     lack = max(0.0, LIMIT_MARGIN - model.limits.margin(q))
     return float(np.linalg.norm(_weights(model.size) * (q - q_from))) + (2.0 if lack > 0.0 else 0.0) + 20.0 * lack
 
 
 @cache
 def _weights(size: int) -> FloatArray:
-    """Return how much each joint counts, from the first to the last (n,)."""
+    """Return the weight of each joint, from the first to the last (n,)."""
     weights = np.linspace(1.0, _JOINT_WEIGHT_END, size)
     weights.setflags(write=False)
     return weights
 
 
 def draw_start(model: RobotModel, seed_q: FloatArray, rng: np.random.Generator, k: int) -> FloatArray:
-    """Draw the k-th start: at first around the seed, then wider, in the end anywhere within the limits."""
+    """Draw the k-th start: first near the seed, then farther away, finally anywhere within the limits."""
     limits = model.limits
     anywhere = rng.uniform(limits.lower, limits.upper)
     blend = min(1.0, 0.15 * k)
@@ -276,12 +276,12 @@ def solve_pinned_ik(model: RobotModel, pose: PoseLike, q_start: FloatArray, pinn
     Args:
         model: The arm.
         pose: Tip pose (7,) in the world.
-        q_start: Where the descent begins (n,), [rad].
+        q_start: Start of the descent (n,), [rad].
         pinned: Joint index -> angle [rad].
 
     Raises:
-        InvalidRequest: NaN, a wrong shape, no numbers, or a joint that there is not.
-        NoIkSolution: The free joints cannot bring the tip there.
+        InvalidRequest: NaN, a wrong shape, no numbers, or an unknown joint.
+        NoIkSolution: The free joints cannot reach the pose.
     """
     as_record(model, RobotModel, "model", InvalidRequest)
     as_record(pinned, Mapping, "pinned", InvalidRequest)  # type: ignore[type-abstract]
@@ -304,10 +304,10 @@ def solve_pinned_ik(model: RobotModel, pose: PoseLike, q_start: FloatArray, pinn
 
 
 def symmetric_poses(pose: PoseLike, order: int) -> list[FloatArray]:
-    """Return the `order` poses (7,) that are alike for a gripper or an object of that symmetry about the tip's z axis.
+    """Return the `order` equivalent poses (7,) of a gripper or an object with this rotational symmetry about the tip's z axis.
 
     Raises:
-        InvalidRequest: `pose` is none, or `order` no whole number from 1 to 360.
+        InvalidRequest: `pose` is not a pose, or `order` is not an integer from 1 to 360.
     """
     T, order = pose_to_se3(as_goal_pose(pose, "pose")), as_whole(order, "order", InvalidRequest, least=1, most=360)
     turns = (pin.SE3(pin.utils.rotate("z", 2.0 * np.pi * k / order), np.zeros(3)) for k in range(order))
@@ -316,7 +316,7 @@ def symmetric_poses(pose: PoseLike, order: int) -> list[FloatArray]:
 
 @dataclass(frozen=True, kw_only=True)
 class PoseRegion:
-    """All poses that differ from `center` by at most some lengths and angles along and about its own axes."""
+    """All poses within some lengths and angles of `center`, along and about its own axes."""
 
     center: tuple[float, ...]
     """Pose (7,)."""
@@ -326,7 +326,7 @@ class PoseRegion:
     """Largest rotation about each axis [rad]."""
 
     def __post_init__(self) -> None:
-        """Raise InvalidRequest unless there is a centre, and no size is negative."""
+        """Raise InvalidRequest if the centre is not a pose, or a size is negative."""
         as_goal_pose(self.center, "center of a region")
         for name in ("position", "rotation"):
             if as_vector(getattr(self, name), 3, f"PoseRegion.{name}", InvalidRequest).min() < 0.0:
@@ -344,7 +344,7 @@ class PoseRegion:
 
 
 def self_motions(model: RobotModel, q: FloatArray, step: float = 0.3, count: int = 4) -> list[FloatArray]:
-    """Return up to `count` configurations (n,) on each side that hold the tip of `q` (n,) where it is, by moving the elbow.
+    """Return up to `count` configurations (n,) on each side of `q` (n,) with the same tip pose and another elbow position.
 
     An arm of six joints has none.
 
@@ -370,5 +370,5 @@ def self_motions(model: RobotModel, q: FloatArray, step: float = 0.3, count: int
 
 
 def _null_direction(model: RobotModel, q: FloatArray) -> FloatArray:
-    """Return the joint motion (n,) of length 1 that leaves the tip where it is."""
+    """Return the joint motion (n,) of length 1 that does not move the tip."""
     return np.linalg.svd(model.jacobian(q))[2][-1]

@@ -19,17 +19,17 @@ from rlbench_pin.spatial import FloatArray, PoseLike, pose_to_se3
 from rlbench_pin.values import as_record
 
 IsFree = Callable[[FloatArray], bool]
-"""Says whether a configuration (n,) is free of collisions."""
+"""Function that returns whether a configuration (n,) is free of collisions."""
 
 _SAMPLES_PER_SEGMENT = 8
-"""Samples of a cubic piece by which distances along the path are measured."""
+"""Number of samples per cubic piece to measure distances along the path."""
 
 
 class JointPath:
     """A cubic spline q(s) on 0 <= s <= 1, twice continuously differentiable."""
 
     def __init__(self, spline: BSpline) -> None:
-        """Take a cubic spline on 0..1 with values of shape (n,), [rad]."""
+        """Use a cubic spline on 0..1 with values of shape (n,), [rad]."""
         slope = _derivative(as_record(spline, BSpline, "spline"))
         self._orders = (spline, slope, _derivative(slope))
 
@@ -54,12 +54,12 @@ class JointPath:
 
     @cached_property
     def knots(self) -> FloatArray:
-        """Parameters where the cubic pieces begin, and 1, shape (m,)."""
+        """Start parameters of the cubic pieces, and 1, shape (m,)."""
         return np.unique(self._orders[0].t)
 
     @cached_property
     def _measured(self) -> tuple[FloatArray, FloatArray]:
-        """Parameters, eight to a piece, and the joint distances travelled until there, both (m,), the latter [rad]."""
+        """Parameters, eight per piece, and the joint distances up to them [rad], both (m,)."""
         knots = self.knots
         s = np.append(
             (knots[:-1, None] + np.diff(knots)[:, None] * (np.arange(_SAMPLES_PER_SEGMENT) / _SAMPLES_PER_SEGMENT)).ravel(), 1.0
@@ -67,7 +67,7 @@ class JointPath:
         return s, np.concatenate([[0.0], np.cumsum(np.abs(np.diff(self(s), axis=0)).max(axis=1))])
 
     def spread(self, step: float) -> tuple[FloatArray, FloatArray]:
-        """Return parameters (m,) and configurations (m, n), 0 and 1 among them, with joint distances of at most `step` [rad]."""
+        """Return parameters (m,) and configurations (m, n), including 0 and 1, with joint distances of at most `step` [rad]."""
         s, lengths = self._measured
         count = max(2, int(np.ceil(lengths[-1] / step)) + 1)
         even = np.interp(np.linspace(0.0, lengths[-1], count), lengths, s)
@@ -75,7 +75,7 @@ class JointPath:
         return even, self(even)
 
     def first_collision(self, is_free: IsFree, step: float) -> float | None:
-        """Return the parameter of a configuration that is not free, looking every `step` [rad]; None when there is none."""
+        """Return the parameter of a configuration that is not free, with checks every `step` [rad]; None if there is none."""
         s, q = self.spread(step)
         order = list(coarse_to_fine(len(s)))
         for i, row in zip(order, q[order], strict=True):
@@ -84,7 +84,7 @@ class JointPath:
         return None
 
     def bezier(self, low: FloatArray, high: FloatArray) -> FloatArray:
-        """Return the path between parameters `low` and `high` (m,), with no knot between them, as cubic Bezier pieces.
+        """Return the path between parameters `low` and `high` (m,), without a knot in between, as cubic Bezier pieces.
 
         Returns:
             Control points (m, 4, n), [rad].
@@ -103,7 +103,7 @@ class JointPath:
         return float(np.linalg.norm(np.diff(self._points, axis=0), axis=1).sum())
 
     def points(self) -> FloatArray:
-        """Return configurations (m, n) along the path, its ends among them, about 0.05 rad of joint motion apart."""
+        """Return configurations (m, n) along the path, including its ends, about 0.05 rad of joint motion apart."""
         return self._points.copy()
 
     @cached_property
@@ -112,7 +112,7 @@ class JointPath:
 
 
 def through(points: FloatArray, s: FloatArray | None = None) -> JointPath:
-    """Interpolate points (m, n) smoothly, at parameters `s` (m,) or at their distances."""
+    """Return a smooth interpolation of points (m, n), at parameters `s` (m,) or at their distances."""
     points = np.asarray(points, dtype=np.float64)
     if s is None:
         points = distinct(points)
@@ -123,10 +123,10 @@ def through(points: FloatArray, s: FloatArray | None = None) -> JointPath:
 
 
 def along(vertices: FloatArray, radius: float | FloatArray) -> JointPath:
-    """Follow a polyline (m, n), rounding its corners over at most `radius` [rad], one for all or one each (m,), before and after.
+    """Return a polyline (m, n) with corners rounded over at most `radius` [rad] before and after, one for all or one each (m,).
 
-    The curve is a cubic B-spline whose control points lie on the polyline: it stays in the hull of neighbouring ones, so with
-    a shrinking radius it tends to the polyline itself.
+    The curve is a cubic B-spline whose control points are on the polyline. It stays in the hull of neighbouring points, so with
+    a decreasing radius it converges to the polyline.
     """
     vertices = np.asarray(vertices)
     if np.ndim(radius) == 0 or len(vertices) != len(distinct(vertices)):
@@ -139,7 +139,7 @@ def along(vertices: FloatArray, radius: float | FloatArray) -> JointPath:
 
 
 def _derivative(spline: BSpline) -> BSpline:
-    """Return the derivative of a spline, to the last bit as `BSpline.derivative`, which takes five times as long.
+    """Return the derivative of a spline, bit-identical to `BSpline.derivative`, in a fifth of its time.
 
     Raises:
         ValueError: Inner knots are repeated.
@@ -160,17 +160,17 @@ def round_off(
     radius: float = 0.4,
     least: float = 0.01,
 ) -> JointPath | None:
-    """Round the corners of a polyline, each as far as the curve keeps the rules.
+    """Round the corners of a polyline, each as much as the rules allow.
 
     Args:
-        vertices: Corners (m, n), the ends among them.
-        first_violation: Returns where on a path (0..1) a rule is broken, None for nowhere.
-        repair: Asked when a rule is broken for the first time: returns the polyline with free edges, None when there is none.
-        radius: Where rounding begins before a corner, at most [rad].
-        least: Smaller roundings are not tried [rad].
+        vertices: Corners (m, n), including the ends.
+        first_violation: Function that returns the parameter (0..1) at which a path violates a rule, or None.
+        repair: Function that is called at the first violation; it returns a polyline with free edges, or None.
+        radius: Largest radius of rounding [rad].
+        least: Smallest radius of rounding [rad].
 
     Returns:
-        The curve, or None when even tight corners break a rule, or `repair` gave up.
+        The curve, or None if the smallest radius violates a rule, or `repair` returned None.
     """
     vertices, repaired = distinct(vertices), False
     radii = np.full(len(vertices), radius)
@@ -194,13 +194,13 @@ def round_off(
 
 
 def distinct(points: FloatArray) -> FloatArray:
-    """Drop points that repeat their predecessor; keep two at least."""
+    """Remove points that repeat their predecessor; keep at least two."""
     keep = np.concatenate([[True], np.abs(np.diff(points, axis=0)).max(axis=1) > 1e-9])
     return points[keep] if keep.sum() > 1 else points[[0, -1]]
 
 
 def edge_is_free(a: FloatArray, b: FloatArray, is_free: IsFree, step: float) -> bool:
-    """Say whether the straight joint-space line from `a` to `b` is free, ends excluded, looking every `step` [rad]."""
+    """Return whether the straight joint-space line from `a` to `b` is free without its ends, with checks every `step` [rad]."""
     way = b - a
     count = math.ceil(max(map(abs, way.tolist())) / step) + 1
     return count < 3 or all(map(is_free, a + _shares(count) * way))
@@ -208,7 +208,7 @@ def edge_is_free(a: FloatArray, b: FloatArray, is_free: IsFree, step: float) -> 
 
 @lru_cache(maxsize=1024)
 def _shares(count: int) -> FloatArray:
-    """Return where the inner ones of `count` even samples of an edge are (count - 2, 1), widely spaced ones first, 0..1."""
+    """Return the parameters (0..1) of the inner ones of `count` even samples of an edge (count - 2, 1), widely spaced first."""
     shares = np.array(coarse_to_fine(count)[2:])[:, None] / max(1, count - 1)
     shares.flags.writeable = False
     return shares
@@ -240,7 +240,7 @@ def _chord(points: FloatArray) -> FloatArray:
 
 
 def _control_points(vertices: FloatArray, radii: FloatArray) -> FloatArray:
-    """Place control points on a polyline: its vertices, and two on each edge that bound the rounding of its corners."""
+    """Return control points on a polyline: its vertices, and two on each edge that bound the rounding of its corners."""
     way = np.diff(vertices, axis=0)
     lengths = np.maximum(np.linalg.norm(way, axis=1), 1e-12)
     after, before = (np.minimum(1.0 / 3.0, r / lengths)[:, None] for r in (radii[:-1], radii[1:]))
@@ -253,13 +253,13 @@ STEP_POSITION = 0.02
 STEP_ROTATION = 0.1
 """Angle of the tip between two solved configurations [rad]."""
 MAX_STEPS = 5000
-"""Longer lines and curves, 100 m or 80 turns, are beyond any arm."""
+"""Maximum number of steps of a line or curve: 100 m, or 80 revolutions."""
 LARGEST_JUMP = 0.4
-"""More joint motion than this in one step means that the arm would flip [rad]."""
+"""Joint motion in one step above which the arm would flip its configuration [rad]."""
 
 
 def straight_path(model: RobotModel, q_start: FloatArray, goal: PoseLike, is_free: IsFree | None = None) -> FloatArray:
-    """Return configurations (m, n) whose tip goes straight, and turns evenly, from where it is to `goal` (7,).
+    """Return configurations (m, n) whose tip moves straight, with even rotation, from its present pose to `goal` (7,).
 
     Raises:
         InvalidRequest: NaN, a wrong shape, or no numbers.
@@ -272,7 +272,7 @@ def straight_path(model: RobotModel, q_start: FloatArray, goal: PoseLike, is_fre
 
 
 def curve_path(model: RobotModel, q_start: FloatArray, poses: Sequence[PoseLike], is_free: IsFree | None = None) -> FloatArray:
-    """Return configurations (m, n) whose tip passes `poses` (7,) one after the other, on a smooth curve.
+    """Return configurations (m, n) whose tip passes through `poses` (7,) in order, on a smooth curve.
 
     Raises:
         InvalidRequest: NaN, a wrong shape, or no poses.
@@ -295,7 +295,7 @@ def _line(start: pin.SE3, goal: pin.SE3) -> list[pin.SE3]:
 
 
 def _curve(stations: Sequence[pin.SE3]) -> list[pin.SE3]:
-    """Return the poses after the first station on a smooth curve through all of them; a line when there are only two."""
+    """Return the poses after the first station on a smooth curve through all stations; a line if there are only two."""
     gaps = [_size(a, b) for a, b in pairwise(stations)]
     _checked_size(sum(gaps))
     stations = [stations[0], *(b for b, gap in zip(stations[1:], gaps, strict=True) if gap > 1e-3)]
@@ -311,7 +311,7 @@ def _curve(stations: Sequence[pin.SE3]) -> list[pin.SE3]:
 
 
 def _size(a: pin.SE3, b: pin.SE3) -> float:
-    """Return how many steps lie between two poses."""
+    """Return the number of steps between two poses."""
     turn = np.linalg.norm(pin.log3(a.rotation.T @ b.rotation))
     return float(max(np.linalg.norm(b.translation - a.translation) / STEP_POSITION, turn / STEP_ROTATION))
 
@@ -323,7 +323,7 @@ def _checked_size(steps: float) -> float:
 
 
 def _follow(model: RobotModel, q_start: FloatArray, targets: Sequence[pin.SE3], is_free: IsFree | None) -> FloatArray:
-    """Solve one target after the other, each from a guess that extends the last step."""
+    """Solve for each target in order, from a guess that extrapolates the last step."""
     q, last = np.array(q_start), np.array(q_start)
     path = [q]
     for k, target in enumerate(targets):

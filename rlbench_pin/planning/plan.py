@@ -1,4 +1,4 @@
-"""Settings, request, plan and report of one motion, and the listeners of a planner."""
+"""Settings, request, plan and report of one motion, and listeners of a planner."""
 
 from __future__ import annotations
 
@@ -44,59 +44,59 @@ _RULES = ruled(
 
 @dataclass(frozen=True, kw_only=True)
 class PlannerConfig:
-    """Settings of the search for motions and of their timing."""
+    """Settings of motion planning and timing."""
 
     max_velocity: float = 1.0
-    """Largest norm of the joint velocity, so that no joint is faster either [rad/s]."""
+    """Largest norm of the joint velocity; it also bounds the velocity of each joint [rad/s]."""
     max_acceleration: float = 4.0
-    """Largest change of that norm, and largest acceleration of a joint [rad/s^2]."""
+    """Largest rate of change of that norm, and largest acceleration of a joint [rad/s^2]."""
     torque_limits: bool = True
-    """Keep the joint torques within their limits, with the bodies that the gripper holds."""
+    """Keep the joint torques within their limits, including the load of held bodies."""
     jerk_time: float = 0.0
-    """How long a change of acceleration takes at least [s]; 0 lets it jump."""
+    """Minimum duration of a change of acceleration [s]; 0 allows jumps."""
     margin: float = 0.003
-    """Clearance to the world, except where start or goal have less [m]."""
+    """Minimum clearance to the world, except near a start or goal with less clearance [m]."""
     algorithm: Algorithm = "rrt_connect"
-    """Planner that searches paths around obstacles; straight and direct motions do not use it. Edges that fail the fine check
-    are always replaced by RRT-Connect."""
+    """Sampling planner for paths around obstacles; straight and direct motions do not use it. RRT-Connect always replaces
+    edges that fail the fine check."""
     checks: int = 50_000
     """Budget of state checks of the sampling planner."""
     simplify_checks: int = 1000
     """Budget of state checks for shortcuts."""
     ik_starts: int = 40
-    """Descents per goal pose at most."""
+    """Maximum number of IK descents per goal pose."""
     branches: int = 4
-    """Goal configurations that are planned to at most."""
+    """Maximum number of goal configurations."""
     elbows: int = 0
-    """Further goal configurations, on each side of the nearest, that hold the pose with the elbow elsewhere."""
+    """Number of further goal configurations on each side of the nearest one, with another elbow position."""
     region_samples: int = 12
-    """Poses that are drawn from a region of goals."""
+    """Number of poses that are drawn from a region of goals."""
     edge_step: float = 0.05
-    """Resolution of edge checks while searching [rad]."""
+    """Resolution of edge checks during the search [rad]."""
     check_step: float = 0.02
     """Resolution of the check of the final path [rad]."""
     certify: bool = True
-    """Accept a path only when it is certified free between its samples, too."""
+    """Accept a path only if it is certified free between its samples too."""
     certify_checks: int = 6000
     """Budget of state checks of one continuous check."""
     clearance: float = 0.0
-    """Clearance to the world that a path around obstacles keeps, less only near start and goals [m]. Without such a path, and for
-    straight and direct motions, `margin` counts. A value up to `margin` has no effect."""
+    """Preferred clearance of paths around obstacles to the world, except near start and goals [m]. Without such a path, and for
+    straight and direct motions, `margin` applies. A value up to `margin` has no effect."""
     measure_clearance: bool = False
-    """Report the clearance of every plan; costs some milliseconds."""
+    """Report the clearance of each plan; takes some milliseconds."""
     own_margin: float = 0.001
-    """Clearance between links of the arm [m]."""
+    """Minimum clearance between links of the arm [m]."""
     attempts: int = 3
-    """Searches, ever finer, before giving up."""
+    """Maximum number of searches, each finer than the previous one."""
 
     def __post_init__(self) -> None:
-        """Refuse values that cannot work.
+        """Reject invalid values.
 
         Raises:
             InvalidValue: A number is NaN, of a wrong kind, or outside its range (also a ValueError).
         """
         if not isinstance(self.algorithm, str) or self.algorithm not in ALGORITHMS:
-            raise InvalidValue("PlannerConfig.algorithm", self.algorithm, f"is one of {', '.join(ALGORITHMS)}")
+            raise InvalidValue("PlannerConfig.algorithm", self.algorithm, f"has to be one of {', '.join(ALGORITHMS)}")
         check_settings(self, _RULES)
 
 
@@ -105,45 +105,45 @@ class PlanReport:
     """Method, cost and checks of a plan."""
 
     method: Method
-    """straight: a line of the tip; direct: a line in joint space; sampled: around obstacles; curve: through given poses."""
+    """`straight`: a line of the tip; `direct`: a line in joint space; `sampled`: around obstacles; `curve`: through poses."""
     goal: int
-    """Index of the pose that was reached."""
+    """Index of the reached goal pose."""
     length: float
     """Length in joint space [rad]."""
     checks: int
-    """Configurations checked for collisions."""
+    """Number of configurations checked for collisions."""
     seconds: dict[str, float]
     """Time spent in each stage [s]: rules, straight, ik, search, shorten, smooth, retime."""
     clearance: float | None = None
-    """Smallest distance to anything that counts [m]; None when it was not measured."""
+    """Smallest distance to a forbidden contact [m]; None if it was not measured."""
     certified: bool = False
-    """Certified free of collisions also between its samples."""
+    """Whether the path is certified free of collisions between its samples too."""
     doubts: int = 0
-    """Paths that were dropped because they could not be certified."""
+    """Number of paths that were rejected because they could not be certified."""
 
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """A motion ready to be executed."""
+    """A planned motion."""
 
     trajectory: Trajectory
     """The timed motion."""
     path: FloatArray
-    """Configurations along the way (m, n), [rad]."""
+    """Configurations along the path (m, n), [rad]."""
     report: PlanReport
-    """Its report."""
+    """Method, cost and checks of the plan."""
 
 
 @dataclass(eq=False)
 class Stages:
-    """Measures how long each stage takes."""
+    """Measures the duration of each stage."""
 
     seconds: dict[str, float] = field(default_factory=dict)
     """Stage -> time spent in it [s]."""
     checks: int = 0
-    """Collision checks that the model had counted before."""
+    """Number of collision checks of the model before this plan."""
     plan: Plan | None = None
-    """The plan; None while planning, and when it fails."""
+    """The plan; None during planning and after a failure."""
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
@@ -160,55 +160,55 @@ class PlanRequest:
     """Arguments of a planning call. Its arrays belong to the caller, so a listener that keeps one copies it."""
 
     kind: Literal["pose", "configuration", "curve"]
-    """Which call: `plan_to_pose`, `plan_to_configuration` or `plan_curve`."""
+    """Kind of the call: `plan_to_pose`, `plan_to_configuration` or `plan_curve`."""
     q_start: FloatArray
     """Start configuration (n,), [rad]."""
     goal: PoseLike | Sequence[PoseLike] | PoseRegion
     """Tip poses (7,), one or several, or a region of them; for `configuration` joint positions (n,), [rad]."""
     ignore_collisions: bool
-    """Whether the motion may touch anything."""
+    """Whether collisions with the world are ignored."""
     allowed: tuple[str, ...]
     """Names of bodies that may be touched."""
 
 
 class PlanningListener:
-    """Is called when a call of a planner ends. The methods do nothing: override those that matter."""
+    """Receives the calls of a planner at their end. The methods do nothing: override those that you need."""
 
     def on_update(self, snapshot: WorldSnapshot, seconds: float) -> None:
-        """The planner took over the world.
+        """Handle an update of the planner with the world.
 
         Args:
-            snapshot: The world as it is now.
-            seconds: Process time that it took [s].
+            snapshot: Snapshot of the world.
+            seconds: Process time of the update [s].
         """
 
     def on_plan(self, request: PlanRequest, outcome: Plan | PlanningError, seconds: float) -> None:
-        """A motion was planned, or could not be.
+        """Handle a planned motion or its failure.
 
         Args:
-            request: What was asked for.
-            outcome: The plan, or the error that the caller is about to get.
-            seconds: Process time that it took [s].
+            request: Arguments of the call.
+            outcome: The plan, or the error that the caller gets.
+            seconds: Process time of the planning [s].
         """
 
     def on_reach(self, seconds: float) -> None:
-        """A configuration at a pose was looked for, without a motion to it, in `seconds` [s] of process time."""
+        """Handle a search for a configuration at a pose (without a motion) that took `seconds` [s] of process time."""
 
 
 ListenerT = TypeVar("ListenerT", bound=PlanningListener)
 Report = Callable[[ListenerT, float, BaseException | None], None]
-"""Calls one listener with the process time of a block [s], and the error that ended it, or None."""
+"""Function that reports to one listener the process time of a block [s], and the error that ended it, or None."""
 
 
 class ListenerList(Generic[ListenerT]):
-    """Listeners, each for the duration of a block; nothing is measured while there are none."""
+    """Listeners, each for the duration of a block; without listeners no time is measured."""
 
     def __init__(self) -> None:
         self._listeners: list[ListenerT] = []
 
     @contextmanager
     def including(self, listener: ListenerT) -> Iterator[None]:
-        """Report to `listener` as well, for the duration of a block."""
+        """Add `listener` for the duration of a block."""
         self._listeners.append(listener)
         try:
             yield
@@ -220,8 +220,8 @@ class ListenerList(Generic[ListenerT]):
         """Report a block when it ends.
 
         Args:
-            report: Is called for every listener.
-            errors: Errors that are reported, too; a block that ends with another is not.
+            report: Function that is called for each listener.
+            errors: Errors that are reported too; a block that ends with another error is not reported.
         """
         if not self._listeners:
             yield

@@ -165,7 +165,7 @@ class MotionPlanner:
         ignore_collisions: bool = True,
         allowed: Collection[str] = (),
     ) -> FloatArray:
-        """Return the configuration (n,) nearest to `q_seed` that reaches a pose, or one of several.
+        """Return the configuration (n,) nearest to `q_seed` that reaches a pose, or one of several poses.
 
         Raises:
             NoIkSolution: No pose is within reach.
@@ -191,7 +191,7 @@ class MotionPlanner:
     def _checked(
         self, q: FloatArray, rng: object, allowed: Collection[str], what: str = "start configuration", *, free: object
     ) -> FloatArray:
-        """Check what was given, and return the start as `_within` does."""
+        """Check the arguments, and return the start within the joint limits."""
         check_options(rng, allowed, free)
         return self._within(q, what)
 
@@ -208,7 +208,7 @@ class MotionPlanner:
     def _straight(
         self, stages: Stages, q: FloatArray, poses: list[FloatArray], rules: Rules, limit: int, must: bool
     ) -> _Found | None:
-        """Try the straight lines to the `limit` poses that need the least turning; None when there is none."""
+        """Try straight lines to the `limit` poses with the smallest rotation; return None if there is none."""
         here = self.model.tip_pose(q)
         order = sorted(range(len(poses)), key=lambda i: rotation_distance(here, poses[i]))[:limit]
         failure: NotStraight | None = None
@@ -264,7 +264,7 @@ class MotionPlanner:
         return sorted(found, key=lambda item: cost(self.model, q, item[0]))[:wanted]
 
     def _with_elbows(self, solutions: list[FloatArray], collision: CollisionModel | None) -> list[FloatArray]:
-        """Add what the redundant arm reaches by moving its elbow about the nearest solution, when the settings ask for it."""
+        """Add configurations of a redundant arm with other elbow positions near the nearest solution, if settings enable it."""
         if self.config.elbows == 0:
             return solutions
         more = self_motions(self.model, solutions[0], count=self.config.elbows)
@@ -273,7 +273,7 @@ class MotionPlanner:
     def _search(
         self, stages: Stages, q: FloatArray, goals: list[tuple[FloatArray, int]], rules: Rules, rng: np.random.Generator
     ) -> _Found:
-        """Find a smooth free path to one of the goals: the joints' line if that is free, around obstacles otherwise."""
+        """Return a smooth free path to one of the goals: the line in joint space if it is free, otherwise around obstacles."""
         with stages.stage("search"):
             for goal, index in goals:
                 self.collision.relax(goal)
@@ -288,7 +288,7 @@ class MotionPlanner:
     def _around(
         self, q: FloatArray, goals: list[FloatArray], rules: Rules, rng: np.random.Generator, stages: Stages
     ) -> JointPath:
-        """Search with the preferred clearance, and where that fails with the smallest that is allowed."""
+        """Search with the preferred clearance, and if that fails, with the minimum clearance."""
         config, collision = self.config, self.collision
         if config.clearance > config.margin:
             with suppress(NoPath), collision.wider(config.clearance - config.margin, [q, *goals]):
@@ -313,5 +313,5 @@ class MotionPlanner:
         return stages.plan
 
     def _clearance(self, path: JointPath) -> float:
-        """Return the smallest distance that counts along a path, looking every 0.1 rad [m]."""
+        """Return the smallest distance to a forbidden contact along a path, with checks every 0.1 rad [m]."""
         return min((d.distance for q in path.spread(0.1)[1] for d in self.collision.distances(q)[:1]), default=float("inf"))

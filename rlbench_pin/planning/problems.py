@@ -1,7 +1,7 @@
 """Planning problems as self-contained records: arm, obstacles, held bodies, start and goal.
 
-They are written as JSON and read back. Scene and request files in the YAML of MoveIt messages, as the public MotionBenchMaker
-problem sets use them, are read too: boxes, cylinders and spheres, a start state and a goal in joint space.
+Their file format is JSON. Scene and request files in the YAML of MoveIt messages, as in the public MotionBenchMaker
+problem sets, can be read too: boxes, cylinders and spheres, a start state and a goal in joint space.
 """
 
 from __future__ import annotations
@@ -29,22 +29,22 @@ FORMAT = 1
 
 @dataclass(frozen=True, eq=False)
 class PlanningProblem:
-    """From where the arm stands to where it should be, among obstacles."""
+    """A motion from a start to a goal among obstacles."""
 
     name: str
-    """Name in reports."""
+    """Name of the problem in reports."""
     world: WorldSnapshot
-    """Obstacles, the start configuration, and what is held."""
+    """Obstacles, the start configuration, and held bodies."""
     goal: FloatArray | None = None
-    """Goal configuration (n,), [rad]; None when poses are given."""
+    """Goal configuration (n,), [rad]; None if goal poses are given."""
     poses: FloatArray | None = None
-    """Equally good goal poses of the tip (k, 7)."""
+    """Equivalent goal poses of the tip (k, 7)."""
     allowed: tuple[str, ...] = ()
     """Bodies that may be touched."""
     robot: str = DEFAULT_ROBOT
     """Catalogue name of the arm."""
     base_pose: tuple[float, ...] | None = None
-    """Pose of the arm's base; None as in its description."""
+    """World pose (7,) of the arm base; None uses the pose in its description."""
 
     @property
     def start(self) -> FloatArray:
@@ -52,21 +52,21 @@ class PlanningProblem:
         return self.world.arm
 
     def model(self) -> RobotModel:
-        """Return the arm of this problem, where it stands."""
+        """Return the arm model of this problem at its base pose."""
         return RobotModel(robot_description(self.robot), self.base_pose)
 
 
 def solid_body(
     name: str, shapes: Sequence[Shape], pose: PoseLike = IDENTITY, *, fixed: bool = True, in_room: bool | None = None
 ) -> BodySnapshot:
-    """Return a body made of shapes, at a pose (7,); without `in_room`, one that is called like a body of the room is one."""
+    """Return a body of shapes at a pose (7,). Without `in_room`, a body named like a part of the room belongs to it."""
     room = name in ROOM if in_room is None else in_room
     poses = np.array([pose], dtype=float)
     return BodySnapshot(name, NO_FILE, ("base",), poses, fixed=fixed, shapes=tuple(shapes), in_room=room)
 
 
 def self_contained(world: WorldSnapshot) -> WorldSnapshot:
-    """Return the world with shapes in place of model files; every link becomes a body that is named like its own."""
+    """Return the world with shapes instead of model files; each link becomes a body with the name of its body."""
     bodies: list[BodySnapshot] = []
     attached: list[str] = []
     for body in world.bodies:
@@ -86,10 +86,10 @@ def self_contained(world: WorldSnapshot) -> WorldSnapshot:
 
 
 def write_problem(problem: PlanningProblem, path: Path) -> None:
-    """Write one problem; numbers keep every bit.
+    """Write one problem; numbers are stored exactly.
 
     Raises:
-        StorageError: The disk cannot be written to; no half of the file is left.
+        StorageError: The disk cannot be written to; no partial file remains.
     """
     world = self_contained(problem.world)
     content = {
@@ -130,7 +130,7 @@ def read_problem(path: Path) -> PlanningProblem:
     """Read a problem that `write_problem` wrote.
 
     Raises:
-        ProblemFileError: The file is missing, no JSON, of another format, or lacks a part.
+        ProblemFileError: The file is missing, is not JSON, has another format, or lacks an entry.
     """
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
@@ -171,7 +171,7 @@ _NOWHERE = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
 def read_motion_bench(scene: Path, request: Path, robot: str = DEFAULT_ROBOT) -> PlanningProblem:
-    """Read one problem; the arm's base is the origin.
+    """Read one problem of MotionBenchMaker; the base of the arm is the origin.
 
     Args:
         scene: File with `world: collision_objects`.
@@ -179,7 +179,7 @@ def read_motion_bench(scene: Path, request: Path, robot: str = DEFAULT_ROBOT) ->
         robot: Catalogue name of the arm.
 
     Raises:
-        ProblemFileError: A file is missing or no YAML, lacks a joint, or holds shapes that are not known.
+        ProblemFileError: A file is missing, is not YAML, lacks a joint, or contains unknown shapes.
     """
     description = robot_description(robot)
     world, query = _load(scene), _load(request)
@@ -213,7 +213,7 @@ def _bodies(path: Path, scene: Mapping[str, object]) -> list[BodySnapshot]:
     bodies = []
     for item in world.get("collision_objects") or ():  # type: ignore[attr-defined]
         if item.get("meshes"):
-            raise ProblemFileError(path, f"object '{item['id']}' has meshes; only boxes, cylinders and spheres are read")
+            raise ProblemFileError(path, f"object '{item['id']}' has meshes; only boxes, cylinders and spheres are supported")
         primitives = item.get("primitives") or ()
         poses = item.get("primitive_poses") or item.get("poses") or [{}] * len(primitives)
         if len(poses) != len(primitives):
@@ -251,7 +251,7 @@ def _pose(content: Mapping[str, object]) -> FloatArray:
 
 
 def _start(request: Mapping[str, object], description: RobotDescription) -> FloatArray:
-    """Return arm and finger positions; fingers that are not mentioned are open."""
+    """Return arm and finger positions; fingers that are not in the file are open."""
     state = request["start_state"]["joint_state"]  # type: ignore[index]
     return _joints(state["name"], state["position"], (*description.arm_joints, *description.gripper_joints), description)
 

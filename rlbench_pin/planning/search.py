@@ -1,12 +1,12 @@
 """Joint-space paths around obstacles: search with coarse checks, shorten, round the corners, repair blocked edges.
 
-`Connector` is RRT-Connect (Kuffner, LaValle 2000) with edges that are walked configuration by configuration and kept as far as
-they are free. Two trees grow towards each other, one from the start, one from all goals. It is written for collision checks that
-cost some microseconds: trees are arrays, the nearest node is one product, the smaller tree grows, samples are drawn in batches.
-(Edges that shrink where they fail were tried: the 95th percentile became twenty times longer.)
+`Connector` is RRT-Connect (Kuffner, LaValle 2000). It checks edges configuration by configuration, and keeps their free part.
+Two trees grow towards each other, one from the start, one from all goals. It is optimised for collision checks of some
+microseconds: trees are arrays, the nearest node is one matrix product, the smaller tree grows, samples are drawn in batches.
+(With edges that shrink after a failure, the 95th percentile of the time was twenty times longer.)
 
-The other planners are those of OMPL, without PRM and PRM*, whose second thread never ends its wait for Python and would make
-results vary, and without AORRTC, which looped without end once its path could not be improved.
+The other planners are from OMPL. PRM and PRM* are excluded: their second thread waits for Python without end, and would make
+results vary. AORRTC is excluded: it loops without end when its path cannot be improved.
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ _DRAWS = 64
 
 
 class OutOfBudget(Exception):
-    """The last collision check was spent."""
+    """The budget of collision checks is exhausted."""
 
 
 class _Tree:
-    """Configurations and where each was reached from."""
+    """Configurations and the parent of each."""
 
     def __init__(self, roots: FloatArray) -> None:
         self.nodes = np.empty((256, roots.shape[1]))
@@ -71,7 +71,7 @@ class _Tree:
 
 
 class Connector:
-    """One search. Budgets are counted in collision checks, never in seconds."""
+    """One search of RRT-Connect. Its budget is a number of collision checks, not a time."""
 
     def __init__(self, is_free: IsFree, *, checks: int, step: float, reach: float) -> None:
         """Prepare a search.
@@ -87,7 +87,7 @@ class Connector:
     def search(
         self, q_start: FloatArray, goals: FloatArray, lower: FloatArray, upper: FloatArray, rng: np.random.Generator
     ) -> FloatArray | None:
-        """Return a path (m, n) from `q_start` to one of `goals` (k, n), or None when the budget is spent."""
+        """Return a path (m, n) from `q_start` to one of `goals` (k, n), or None if the budget is exhausted."""
         trees = _Tree(q_start[None]), _Tree(goals)
         grown, drawn, samples = 0, 0, np.empty((0, len(lower)))
         try:
@@ -108,7 +108,7 @@ class Connector:
             return None
 
     def _extend(self, tree: _Tree, target: FloatArray) -> int | None:
-        """Grow from the nearest node towards `target` by at most `reach`; None when blocked."""
+        """Grow from the nearest node towards `target` by at most `reach`; return None if blocked."""
         near = tree.nearest(target)
         a = tree.nodes[near]
         way = target - a
@@ -119,7 +119,7 @@ class Connector:
         return tree.add(a + way, near) if self._edge(a, way, distance) else None
 
     def _connect(self, tree: _Tree, target: FloatArray) -> int | None:
-        """Grow from the nearest node all the way to `target`, keeping what is free; return the node there."""
+        """Grow from the nearest node to `target`, keep the free part, and return its last node."""
         near = tree.nearest(target)
         while True:
             a = tree.nodes[near]
@@ -136,7 +136,7 @@ class Connector:
                 return near
 
     def _edge(self, a: FloatArray, way: FloatArray, length: float) -> bool:
-        """Say whether the line of a length from free `a` along `way` is free, its end included."""
+        """Return whether a line of a length from a free `a` along `way` is free, including its end."""
         for q in a + _edge_shares(int(length / self.step) + 2) * way:
             self.left -= 1
             if self.left < 0:
@@ -148,7 +148,7 @@ class Connector:
 
 @lru_cache(maxsize=1024)
 def _edge_shares(count: int) -> FloatArray:
-    """Return where all but the first of `count` even samples of an edge are (count - 1, 1), widely spaced ones first, 0..1."""
+    """Return the parameters (0..1) of `count` even samples of an edge without the first (count - 1, 1), widely spaced first."""
     shares = np.array([i for i in coarse_to_fine(count) if i > 0])[:, None] * (1.0 / (count - 1))
     shares.flags.writeable = False
     return shares
@@ -170,7 +170,7 @@ ou.setLogLevel(ou.LOG_NONE)
 
 
 class _Budget:
-    """Counts state checks; after the last one every state is refused, so that the planner stops."""
+    """Counts state checks; after the last check all states are invalid, so that the planner stops."""
 
     def __init__(self, is_free: IsFree, size: int, checks: int) -> None:
         self._is_free, self._size, self.left = is_free, size, checks
@@ -201,7 +201,7 @@ def sample_path(
     step: float = 0.05,
     range_: float | None = None,
 ) -> FloatArray:
-    """Find a path (m, n) of straight joint-space edges from `q_start` to one of `goals`; the same arguments give the same path.
+    """Return a path (m, n) of straight joint-space edges from `q_start` to one of `goals`; equal arguments give equal paths.
 
     Args:
         q_start: Free start configuration (n,), [rad].
@@ -209,13 +209,13 @@ def sample_path(
         is_free: Collision check.
         limits: Bounds of the space.
         seed: Seed of OMPL's generators, positive.
-        algorithm: Which planner.
-        checks: Budget of state checks; planners that optimise use all of it.
+        algorithm: Name of the planner.
+        checks: Budget of state checks; optimising planners use all of it.
         step: Resolution of edge checks, in the norm of all joints [rad].
-        range_: Longest edge of tree planners [rad]; None for what suits the planner.
+        range_: Longest edge of tree planners [rad]; None uses the default of the planner.
 
     Raises:
-        NoPath: The budget was spent without reaching a goal.
+        NoPath: The budget is exhausted without a path to a goal.
     """
     search: Connector | _Budget
     if algorithm == "rrt_connect":
@@ -293,12 +293,12 @@ class _Counted:
 
 
 def shorten(path: FloatArray, is_free: IsFree, rng: np.random.Generator, *, step: float = 0.05, checks: int = 600) -> FloatArray:
-    """Shorten a free polyline (m, n) with at most `checks` collision checks; its ends stay.
+    """Shorten a free polyline (m, n) with at most `checks` collision checks; its ends do not change.
 
     Args:
         path: Vertices with free edges, [rad].
         is_free: Collision check.
-        rng: Draws where corners are cut.
+        rng: Generator of the shortcuts.
         step: Resolution of edge checks [rad].
         checks: Budget.
     """
@@ -314,7 +314,7 @@ def shorten(path: FloatArray, is_free: IsFree, rng: np.random.Generator, *, step
 
 
 def leave_out(path: FloatArray, is_free: IsFree, step: float) -> FloatArray:
-    """Connect each vertex to the farthest later one that it sees, from the start on."""
+    """Connect each vertex, from the start, to the farthest later vertex with a free edge."""
     kept = [0]
     while kept[-1] < len(path) - 1:
         here = kept[-1]
@@ -326,7 +326,7 @@ def leave_out(path: FloatArray, is_free: IsFree, step: float) -> FloatArray:
 
 
 def _lengths_along(path: FloatArray) -> tuple[list[float], list[float]]:
-    """Return the length of each edge of a polyline (m, n), and the way to each of its vertices, [rad]."""
+    """Return the length of each edge of a polyline (m, n), and the path length to each vertex, [rad]."""
     way = np.diff(path, axis=0)
     lengths = np.sqrt((way * way).sum(axis=1))
     return lengths.tolist(), [0.0, *np.cumsum(lengths).tolist()]
@@ -335,7 +335,7 @@ def _lengths_along(path: FloatArray) -> tuple[list[float], list[float]]:
 def _cut(
     path: FloatArray, along: tuple[list[float], list[float]], is_free: IsFree, rng: np.random.Generator, step: float
 ) -> FloatArray | None:
-    """Try to replace the part between two random points of the polyline by one edge; None when nothing is gained."""
+    """Try to replace the part between two random points of the polyline by one edge; return None if that is not shorter."""
     lengths, total = along
     low, high = sorted((total[-1] * rng.random(), total[-1] * rng.random()))
     i, j = (bisect_right(total, where, hi=len(lengths)) - 1 for where in (low, high))
@@ -363,7 +363,7 @@ def path_around(
     """Return a smooth path that keeps the rules, from `q_start` to one of `goals`.
 
     Raises:
-        NoPath: The budget of checks was spent.
+        NoPath: The budget of checks is exhausted.
     """
     config = rules.config
     left = config.checks
@@ -386,7 +386,7 @@ def path_around(
 
 
 def repair(path: FloatArray, rules: Rules, limits: JointLimits, rng: np.random.Generator) -> FloatArray | None:
-    """Replace the edges that only a coarse check let pass by ways around, checked finely; None when one has no such way."""
+    """Replace edges that fail the fine check by finely checked detours; return None if an edge has no detour."""
     config = rules.config
     for _ in range(_REPAIRS):
         blocked = rules.blocked_edges(path, config.check_step)

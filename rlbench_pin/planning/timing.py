@@ -1,7 +1,8 @@
-"""Time a geometric path: as fast as the limits of joints, motors and the joint-space arc allow, by TOPPRA.
+"""Time-optimal timing of a geometric path within the limits of joints, motors and the joint-space arc, by TOPPRA.
 
 With the path q(s), u = d2s/dt2 and x = (ds/dt)^2, joint accelerations are q' u + q'' x. The speed along the arc is |q'| sqrt(x),
-and its change is d|dq/dt|/dt = (q' . ddq) / |q'| = |q'| u + (q' . q'') / |q'| x. All are linear in (u, x), as TOPPRA wants them.
+and its rate of change is d|dq/dt|/dt = (q' . ddq) / |q'| = |q'| u + (q' . q'') / |q'| x. All are linear in (u, x), as TOPPRA
+requires.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ _TINY = 1e-12
 
 @dataclass(frozen=True)
 class ArcLimits:
-    """Limits along the joint-space arc of a motion; those of the joints hold beside them."""
+    """Limits along the joint-space arc of a motion, in addition to those of the joints."""
 
     velocity: float
     """Largest norm of the joint velocity [rad/s]."""
@@ -43,20 +44,20 @@ class ArcLimits:
             as_number(getattr(self, name), f"ArcLimits.{name}", InvalidRequest, above=0.0, finite=False)
 
     def excess(self, tangents: FloatArray, v: FloatArray, before: FloatArray, after: FloatArray) -> float:
-        """Return by which factor a motion must be slower to keep the limits; at most 1 when it keeps them.
+        """Return the factor by which a motion must be slower to keep the limits; at most 1 if it keeps them.
 
         Args:
             tangents: Directions of the path at the samples, of any length, shape (m, n).
             v: Joint velocities, shape (m, n), [rad/s].
             before: Joint accelerations before each sample, shape (m, n), [rad/s^2].
-            after: Those after it.
+            after: Joint accelerations after each sample.
         """
         along = tangents / np.maximum(np.linalg.norm(tangents, axis=1, keepdims=True), _TINY)
         change = max(float(np.abs((a * along).sum(axis=1)).max()) for a in (before, after))
         return max(float(np.linalg.norm(v, axis=1).max()) / self.velocity, float(np.sqrt(change / self.acceleration)))
 
     def shortest(self, way: FloatArray) -> float:
-        """Return how long a straight motion of `way` (n,) [rad] takes at least, with q = way (3 x^2 - 2 x^3), x = t / T [s]."""
+        """Return the shortest duration of a straight motion of `way` (n,) [rad], with q = way (3 x^2 - 2 x^3), x = t / T [s]."""
         length = float(np.linalg.norm(way))
         return max(1.5 * length / self.velocity, float(np.sqrt(6.0 * length / self.acceleration)))
 
@@ -64,23 +65,23 @@ class ArcLimits:
 DENSE = 1e-3
 """Time between two evaluations of the torques of a finished trajectory [s]."""
 _SAMPLE_STEP = 0.05
-"""Time [s] and joint distance [rad] between the samples of the quick bound, at most."""
+"""Maximum time [s] and joint distance [rad] between samples of the fast bound."""
 _COARSE_STEP, _COARSE_SHARE = 0.2, 0.88
-"""The same of a coarse check, which is enough where torques stay below that share of the limits: on 100 motions the largest
-between such samples was 0.5 % of a limit above the largest at them."""
+"""Maximum time and distance of a coarse check, which suffices if torques stay below this fraction of the limits: on 100 motions
+the largest torque between such samples was 0.5 % of a limit above the largest at them."""
 _TORQUE_RESERVE = 0.97
 _ROUNDS = 12
 
 
 class TorqueLimits:
-    """The dynamics of one arm with a payload, and the torques its joints may give."""
+    """The dynamics of one arm with a payload, and its torque limits."""
 
     def __init__(self, model: RobotModel, payload: pin.Inertia | None = None) -> None:
-        """Copy the arm's dynamics, so that the payload stays here.
+        """Copy the dynamics of the arm, so that a payload does not change the model.
 
         Args:
             model: The arm.
-            payload: What it carries, in the frame of its last joint; None for nothing.
+            payload: Payload in the frame of the last joint; None for no payload.
         """
         as_record(model, RobotModel, "model")
         self._arm = pin.Model(model.arm)
@@ -104,14 +105,14 @@ class TorqueLimits:
         return np.array(pin.rnea(self._arm, self._data, q, v, a))
 
     def constraint(self) -> toppra.constraint.Constraint:
-        """Return the limits as TOPPRA wants them."""
+        """Return the limits as a constraint of TOPPRA."""
         bound = _TORQUE_RESERVE * np.stack([-self.limit, self.limit], axis=1)
         scheme = toppra.constraint.DiscretizationType.Interpolation
         friction = np.zeros(len(self.limit))
         return toppra.constraint.JointTorqueConstraint(self.torques, bound, friction, discretization_scheme=scheme)
 
     def surely_kept(self, trajectory: Trajectory, acceleration: FloatArray) -> bool:
-        """Say whether no acceleration within +-`acceleration` (n,) could break a limit on the way; quick, and cautious."""
+        """Return whether all accelerations within +-`acceleration` (n,) keep the limits on the path; fast and conservative."""
         as_record(trajectory, Trajectory, "trajectory")
         acceleration = as_vector(acceleration, self._last, "acceleration")
         return any(
@@ -120,7 +121,7 @@ class TorqueLimits:
         )
 
     def _within(self, trajectory: Trajectory, acceleration: FloatArray, look: float, limit: FloatArray) -> bool:
-        """Say whether that holds of torques `limit` (n,) [N m] at samples that are about `look` [s] or [rad] apart."""
+        """Return whether this holds for torques `limit` (n,) [N m] at samples about `look` [s] or [rad] apart."""
         which = _spaced(trajectory, look)
         rest, upper = np.empty((len(which), len(limit))), np.empty((len(which), len(limit), len(limit)))
         for k, (q, v) in enumerate(zip(trajectory.q[which], trajectory.v[which], strict=True)):
@@ -131,7 +132,7 @@ class TorqueLimits:
         return not bool((np.abs(rest) + inertia @ acceleration > limit).any())
 
     def worst(self, trajectory: Trajectory, dt: float = DENSE) -> float:
-        """Return the largest |tau| / limit, looking every `dt` [s] and at every sample."""
+        """Return the largest |tau| / limit, evaluated every `dt` [s] and at each sample."""
         duration = as_record(trajectory, Trajectory, "trajectory").duration
         as_number(dt, "dt [s]", least=duration * 1e-7, above=0.0)
         times = np.unique(np.concatenate([np.arange(0.0, trajectory.duration, dt), trajectory.times]))
@@ -139,9 +140,9 @@ class TorqueLimits:
         return float(np.max(ratios))
 
     def slowed(self, trajectory: Trajectory) -> Trajectory:
-        """Return the trajectory, uniformly slower where that is needed to keep the limits everywhere.
+        """Return the trajectory, uniformly slower if that is necessary to keep the limits everywhere.
 
-        Slowing down does not help against gravity: a payload beyond the arm's strength is carried as slowly as 1/10 of the speed.
+        A lower speed does not reduce gravity torques: for a payload beyond the torque limits, the speed is reduced to 1/10.
         """
         for _ in range(_ROUNDS):
             ratio = self.worst(trajectory)
@@ -152,7 +153,7 @@ class TorqueLimits:
 
 
 def _spaced(trajectory: Trajectory, look: float) -> NDArray[np.intp]:
-    """Return samples of a trajectory that are about `look` apart in time or, if that is nearer, along the path."""
+    """Return samples of a trajectory about `look` apart in time, or along the path if that is closer."""
     steps = np.maximum(np.diff(trajectory.times), np.abs(np.diff(trajectory.q, axis=0)).max(axis=1)) / look
     return np.flatnonzero(np.diff(np.floor(np.concatenate([[-1.0, 0.0], np.cumsum(steps)]))))
 
@@ -167,7 +168,7 @@ _UNBOUNDED = 1e8
 
 
 class MotionConstraint(toppra.constraint.LinearConstraint):
-    """A share of the limits, all in one, so that the path is evaluated once."""
+    """A fraction of all limits in one constraint, so that the path is evaluated once."""
 
     def __init__(self, limits: JointLimits, arc: ArcLimits | None, share: float) -> None:
         """Prepare the bounds.
@@ -175,7 +176,7 @@ class MotionConstraint(toppra.constraint.LinearConstraint):
         Args:
             limits: Velocity [rad/s] and acceleration [rad/s^2] bounds of each joint.
             arc: Limits along the joint-space arc; None for none.
-            share: Share of all of them that may be used.
+            share: Usable fraction of all limits.
         """
         super().__init__()
         self.identical, self.dof = True, len(limits.velocity)
@@ -208,7 +209,7 @@ class MotionConstraint(toppra.constraint.LinearConstraint):
 _NAN = math.nan
 _TINY_SPEED, _RETRIES = 1e-8, 10
 _SLOWEST_START = 1e-5
-"""How much faster than 0 the slowest start (ds/dt)^2 may seem."""
+"""Tolerance above 0 of the smallest (ds/dt)^2 at the start."""
 _MINIMIZE, _MAXIMIZE = np.array([-1e-9, 1.0]), np.array([1e-9, -1.0])
 
 
@@ -217,12 +218,12 @@ def fastest_speeds(
     path: toppra.interpolator.AbstractGeometricPath,
     grid: FloatArray,
 ) -> FloatArray | None:
-    """Return ds/dt (m,) at grid points (m,), at rest at both ends; None when the end cannot be reached at rest.
+    """Return ds/dt (m,) at grid points (m,), at rest at both ends; None if the end cannot be reached at rest.
 
-    These are the two passes of TOPP-RA (Pham, Pham 2018) over its own linear programs, without what its driver does around each
-    of them. x_(i+1) = x_i + 2 (s_(i+1) - s_i) u_i: backwards, each grid point gets the range of x from which the end can be
-    reached at rest; forwards, x is chosen as large as that allows. The numbers are those of `toppra.algorithm.TOPPRA`, to the
-    last bit.
+    These are the two passes of TOPP-RA (Pham, Pham 2018) over its own linear programs, without the overhead of its driver.
+    x_(i+1) = x_i + 2 (s_(i+1) - s_i) u_i: the backward pass computes the range of x at each grid point from which the end can be
+    reached at rest; the forward pass takes the largest x in this range. The results are bit-identical to
+    `toppra.algorithm.TOPPRA`.
     """
     solver = seidelWrapper(list(constraints), path, grid, solve_lp1d=True)
     ranges = _ranges(solver, len(grid) - 1, _can_rest(solver))
@@ -230,12 +231,12 @@ def fastest_speeds(
 
 
 def _can_rest(solver: seidelWrapper) -> bool:
-    """Say whether u = x = 0 is within the constraints everywhere: F c <= g."""
+    """Return whether u = x = 0 satisfies the constraints everywhere: F c <= g."""
     return all(c is None or (not c.any() and bool(np.all(g >= 0.0))) for _, _, c, _, g, _, _ in solver.params)
 
 
 def _ranges(solver: seidelWrapper, steps: int, can_rest: bool) -> list[tuple[float, float]] | None:
-    """Return the least and the largest x at each grid point from which the end can be reached at rest, or None."""
+    """Return the smallest and the largest x at each grid point from which the end can be reached at rest, or None."""
     solve, low, high = solver.solve_stagewise_optim, 0.0, 0.0
     ranges = [(low, high)]
     for i in range(steps - 1, -1, -1):
@@ -250,7 +251,7 @@ def _ranges(solver: seidelWrapper, steps: int, can_rest: bool) -> list[tuple[flo
 
 
 def _forward(solver: seidelWrapper, ranges: list[tuple[float, float]]) -> FloatArray | None:
-    """Return ds/dt (m,), as fast as the ranges of x allow; None when numbers fail."""
+    """Return the largest ds/dt (m,) within the ranges of x; None after a numerical failure."""
     solve, deltas, xs, tries, i = solver.solve_stagewise_optim, solver.get_deltas().tolist(), [0.0], 0, 0
     goals = np.array([[-2.0 * delta, -1.0] for delta in deltas])
     while i < len(deltas):
@@ -272,18 +273,18 @@ SAMPLE_DT = 1.0 / 240.0
 GRID_STEP = 0.04
 """Joint distance between grid points of the timing problem [rad]."""
 LONGEST = 3600.0
-"""Motions that take longer are refused: they have too many samples [s]."""
+"""Maximum duration of a motion [s]; longer ones have too many samples."""
 LARGEST_LENGTH = 1e4
-"""Paths that are longer, the joints added up, are refused [rad]."""
+"""Maximum length of a path, as the sum over the joints [rad]."""
 SHORT = 3e-3
-"""Paths shorter than this in joint space are timed by a cubic polynomial [rad]."""
+"""Length in joint space below which a path is timed by a cubic polynomial [rad]."""
 _GRID_RANGE = (40, 160)
 _FINER = (1, 2, 3, 5)
-"""How many times finer the grids are that are tried in turn."""
+"""Refinement factors of the grids, in the order of the attempts."""
 _HALT = 5e-3
-"""A point passed at less than this share of the greatest speed is a halt."""
+"""Fraction of the largest speed below which a point of the path is a halt."""
 _RESERVE = 0.98
-"""Share of the limits that is used at grid points, because between them they are passed by a little."""
+"""Usable fraction of the limits at grid points, because motions slightly exceed it between them."""
 logging.getLogger("toppra").addHandler(logging.NullHandler())
 
 
@@ -320,11 +321,11 @@ def retime(
     """Time a joint path as fast as its limits allow, at rest at both ends.
 
     Args:
-        path: Smooth path, or way configurations (m, n), [rad], which are interpolated.
+        path: Smooth path, or configurations (m, n), [rad], to interpolate.
         limits: Velocity [rad/s] and acceleration [rad/s^2] bounds of each joint.
-        arc: Limits along the joint-space arc, beside those of the joints; None for none.
-        torque: Dynamics and torque limits [N m]; None for no such limits.
-        jerk_time: How long a change of acceleration takes at least [s]; 0 lets it jump. The motion takes that much longer.
+        arc: Limits along the joint-space arc, in addition to those of the joints; None for none.
+        torque: Dynamics and torque limits [N m]; None for no torque limits.
+        jerk_time: Minimum duration of a change of acceleration [s]; 0 allows jumps. The motion takes this time longer.
 
     Raises:
         InvalidRequest: NaN, a wrong shape, no numbers, or a limit that is not > 0.
@@ -350,9 +351,9 @@ def retime(
 
 
 def _checked_path(path: JointPath | FloatArray, limits: JointLimits) -> JointPath:
-    """Return what is to be timed as a smooth path, when path and limits belong together."""
+    """Return the path to time as a smooth path, after checks of path and limits."""
     if not isinstance(limits, JointLimits):
-        raise InvalidRequest("limits", limits, "has to be JointLimits", "`model.limits` are those of an arm.")
+        raise InvalidRequest("limits", limits, "has to be JointLimits", "Pass `model.limits` of an arm.")
     if min(limits.velocity.min(), limits.acceleration.min()) <= 0.0:
         raise InvalidRequest("limits", limits, "has to have velocities and accelerations > 0")
     size = len(limits.lower)
@@ -363,14 +364,14 @@ def _checked_path(path: JointPath | FloatArray, limits: JointLimits) -> JointPat
     length = float(np.abs(np.diff(points, axis=0)).sum())
     if not length <= LARGEST_LENGTH:
         raise InvalidRequest(
-            "The path", path, f"is {length:.4g} rad long, all joints together; {LARGEST_LENGTH:g} rad are possible"
+            "The path", path, f"is {length:.4g} rad long, all joints together; the maximum is {LARGEST_LENGTH:g} rad"
         )
     return through(points)
 
 
 def _checked_duration(seconds: float) -> float:
     if not seconds <= LONGEST:
-        raise RetimingError(f"the motion would take {seconds:.4g} s, and {LONGEST:g} s are possible; raise the limits")
+        raise RetimingError(f"the motion would take {seconds:.4g} s, the maximum is {LONGEST:g} s; raise the limits")
     return seconds
 
 
@@ -381,7 +382,7 @@ def _timed(
     arc: ArcLimits | None,
     jerk_time: float,
 ) -> Trajectory:
-    """Solve and sample."""
+    """Solve for the timing and sample it."""
     grid, speeds = _solve_without_halt(path, constraints)
     profile = _sample(grid, speeds) if jerk_time <= 0.0 else _eased(grid, speeds, jerk_time)
     tangents = path(profile[1], 1)
@@ -391,10 +392,10 @@ def _timed(
 
 
 def _solve_without_halt(path: JointPath, constraints: list[toppra.constraint.Constraint]) -> tuple[FloatArray, FloatArray]:
-    """Return grid points and ds/dt there, each (m,), on the coarsest grid that is fine enough.
+    """Return grid points and ds/dt there, each (m,), on the coarsest sufficient grid.
 
-    Where a path bends sharply between two grid points, TOPPRA's forward pass may find no way on but to stand almost still at a
-    point that could be passed quickly. A finer grid cures that.
+    If a path bends sharply between two grid points, the forward pass of TOPPRA may almost halt at a point that allows a high
+    speed. A finer grid avoids this.
     """
     best: tuple[float, FloatArray, FloatArray] | None = None
     for finer in _FINER:
@@ -415,7 +416,7 @@ def _solve_without_halt(path: JointPath, constraints: list[toppra.constraint.Con
 
 
 def _grid(path: JointPath, finer: int = 1) -> FloatArray:
-    """Place grid points midway between evenly in s and evenly in joint distance, `finer` times as many as usual."""
+    """Return grid points midway between even spacing in s and in joint distance, `finer` times the usual number."""
     s, q = path.spread(GRID_STEP)
     length = float(np.abs(np.diff(q, axis=0)).max(axis=1).sum())
     count = finer * int(np.clip(length / GRID_STEP, *_GRID_RANGE)) + 1
@@ -436,7 +437,7 @@ def _solve(path: JointPath, grid: FloatArray, constraints: list[toppra.constrain
 
 
 def _sample(grid: FloatArray, speeds: FloatArray) -> tuple[FloatArray, ...]:
-    """Return times, s, ds/dt, d2s/dt2 before and after each sample; samples at every grid point, at most `SAMPLE_DT` apart."""
+    """Return times, s, ds/dt, d2s/dt2 before and after each sample; samples are at all grid points, at most `SAMPLE_DT` apart."""
     width = np.diff(grid)
     durations = 2.0 * width / (speeds[:-1] + speeds[1:])
     accelerations = 0.5 * np.diff(speeds**2) / width
@@ -453,7 +454,7 @@ def _sample(grid: FloatArray, speeds: FloatArray) -> tuple[FloatArray, ...]:
 
 
 def _eased(grid: FloatArray, speeds: FloatArray, width: float) -> tuple[FloatArray, ...]:
-    """As `_sample`, averaged over the last `width` seconds: s(t) = (S(t) - S(t - width)) / width, with S the integral of s."""
+    """Return `_sample` averaged over the last `width` seconds: s(t) = (S(t) - S(t - width)) / width, S the integral of s."""
     cells = np.diff(grid)
     durations = 2.0 * cells / (speeds[:-1] + speeds[1:])
     accelerations = 0.5 * np.diff(speeds**2) / cells
@@ -487,7 +488,7 @@ def _along(path: JointPath, profile: tuple[FloatArray, ...], tangents: FloatArra
 
 
 def _slowed(samples: tuple[FloatArray, ...], limits: JointLimits, excess: float) -> Trajectory:
-    """Build the trajectory, uniformly slower where a limit would be passed between grid points, or `excess` asks for it."""
+    """Build the trajectory, uniformly slower if it exceeds a limit between grid points, or if `excess` requires it."""
     times, q, v, before, after = samples
     most = np.maximum(np.abs(before), np.abs(after))
     excess = max(excess, float((np.abs(v) / limits.velocity).max()), float(np.sqrt((most / limits.acceleration).max())))

@@ -1,6 +1,6 @@
-"""Arms as data and as models: descriptions, kinematics, dynamics, collisions and distances, by Pinocchio and Coal.
+"""Arms: descriptions, kinematics, dynamics, collisions and distances, by Pinocchio and Coal.
 
-Nothing here uses a simulator or a planner; worlds come as snapshots.
+The package uses no simulator and no planner; worlds are passed as snapshots.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
-"""Collision checks of configurations: the arm, what it holds and the world of a snapshot, by Coal.
+"""Collision checks of configurations: the arm, held bodies and the world of a snapshot, by Coal.
 
-`update` takes a snapshot, `begin` the rules of one motion (what may be touched, how much clearance), then `in_collision` answers.
+`update` sets the world from a snapshot, `begin` sets the rules of one motion (allowed contacts, clearance), and `in_collision`
+checks a configuration.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ class Owner:
     link: str
     """Name of the link."""
     kind: Kind
-    """Part of the arm, of its gripper, a held body, an object, or the room."""
+    """Kind of the owner: the arm, its gripper, a held body, an object, or the room."""
 
     @property
     def label(self) -> str:
@@ -45,13 +46,13 @@ class Owner:
 
     @property
     def moves(self) -> bool:
-        """Whether the arm carries it."""
+        """Whether the arm carries the shape."""
         return self.kind in ("arm", "gripper", "held")
 
 
 @dataclass(frozen=True, eq=False)
 class Distance:
-    """The nearest points of two bodies; negative when they overlap."""
+    """The nearest points of two bodies; the distance is negative if they overlap."""
 
     a: str
     """A link of the arm, or a held body."""
@@ -68,12 +69,12 @@ class Distance:
 
 
 class CollisionGeometry:
-    """The shapes of one set of bodies, the pairs worth checking, and placements that can be renewed.
+    """The shapes of a set of bodies, the pairs to check, and their placements.
 
     Args:
         model: The arm.
         bodies: Bodies with collision geometry.
-        held: Names of those that move with the gripper.
+        held: Names of the bodies that move with the gripper.
     """
 
     def __init__(self, model: RobotModel, bodies: Sequence[BodySnapshot], held: Collection[str]) -> None:
@@ -85,7 +86,7 @@ class CollisionGeometry:
         self._excluded = disabled_pairs(model.description.srdf)
         self._add_robot()
         self.first_body = len(self.owners)
-        """Index of the first shape that is not the arm's own."""
+        """Index of the first shape that does not belong to the arm."""
         for body in bodies:
             self._add_body(body)
         self._add_pairs()
@@ -96,11 +97,11 @@ class CollisionGeometry:
         _forget_guesses(self.data)
         moves = np.array([owner.moves for owner in self.owners])
         self.crosses = moves[:, None] != moves[None, :]
-        """Which pairs are of the arm or a held body with the world, shape (m, m)."""
+        """Mask of the pairs between the arm or a held body and the world, shape (m, m)."""
         self._poses: dict[int, FloatArray] = {}
 
     def place(self, bodies: Sequence[BodySnapshot], T_world_hand_joint: pin.SE3) -> None:
-        """Write the placements of all bodies; those held relative to the gripper as it is now."""
+        """Update the placements of all bodies; held bodies are placed relative to the present gripper pose."""
         T_hand_world = T_world_hand_joint.inverse()
         objects = self.model.geometryObjects
         index = self.first_body
@@ -117,19 +118,19 @@ class CollisionGeometry:
                 index += len(parts)
 
     def owners_of(self, k: int) -> tuple[Owner, Owner]:
-        """Return what the shapes of pair `k` belong to."""
+        """Return the owners of the shapes of pair `k`."""
         i, j = self.pairs[k]
         return self.owners[i], self.owners[j]
 
     def nearest_points(self, k: int, result: coal.DistanceResult) -> Distance:
-        """Return what Coal found for pair `k` as a record."""
+        """Return the nearest points of pair `k`, computed by Coal."""
         a, b = self.owners_of(k)
         points = np.array(result.getNearestPoint1()), np.array(result.getNearestPoint2())
         return Distance(a.label, b.label, float(result.min_distance), *points, np.array(result.normal))
 
     @property
     def hand_joint(self) -> int:
-        """Pinocchio's number of the joint that carries the gripper."""
+        """Index of the joint that carries the gripper in Pinocchio."""
         return int(self._hand_joint)
 
     def _add_robot(self) -> None:
@@ -170,7 +171,7 @@ class CollisionGeometry:
 
 
 def body_geometry(body: BodySnapshot) -> Mapping[str, tuple[Part, ...]]:
-    """Return the collision shapes of every link of a body: those of its model file, or its own."""
+    """Return the collision shapes of each link of a body, from its model file or from its record."""
     if not body.shapes:
         return link_geometry(body.urdf, body.scale)
     return {body.link_names[0]: tuple(primitive(shape) for shape in body.shapes)}
@@ -188,7 +189,7 @@ def body_distance(body: BodySnapshot, point: FloatArray) -> float:
 
 
 def _forget_guesses(data: pin.GeometryData) -> None:
-    """Let every query start afresh, so that a distance depends on poses alone, not on the query before, to the last bit."""
+    """Reset the start of each query, so that a distance depends only on poses, bit-identical for any earlier query."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # Coal's new name for this setting leaves the old one switched on
         for request in data.distanceRequests:
@@ -196,24 +197,24 @@ def _forget_guesses(data: pin.GeometryData) -> None:
 
 
 TOUCH = 5e-4
-"""Objects nearer than this at the start of a motion count as touching [m]."""
+"""Distance below which objects touch at the start of a motion [m]."""
 SLACK = 2e-3
-"""How much deeper a contact of the start may become [m]."""
+"""Allowed further penetration of a contact at the start [m]."""
 DEEPEST = 1e-2
-"""A start that penetrates the room, or the arm itself, by more than this is refused [m]."""
+"""Maximum penetration of the room, or of the arm itself, at the start [m]."""
 MIN_MARGIN = 2e-4
-"""Margins of at least this can be distinguished from contact [m]."""
+"""Smallest margin that can be distinguished from contact [m]."""
 GOAL_TOLERANCE = 5e-4
 """Penetration accepted in a goal configuration [m]; a held body, which may be set down, gets `SLACK`."""
 _FEW = 100
-"""Up to this many shapes, comparing all boxes is faster than keeping a tree of them."""
+"""Number of shapes up to which comparing all boxes is faster than a tree of boxes."""
 
 
 class CollisionModel:
     """Collision checks for one arm in a changing world. Not thread-safe."""
 
     def __init__(self, model: RobotModel) -> None:
-        """Start in an empty world, at home, fingers open."""
+        """Start in an empty world, with the arm at home and open fingers."""
         self.model = as_record(model, RobotModel, "model")
         self.checks = 0
         """Number of configurations checked so far."""
@@ -224,9 +225,9 @@ class CollisionModel:
         self.update(WorldSnapshot((), model.home, fingers))
 
     def update(self, snapshot: WorldSnapshot) -> None:
-        """Take over bodies, finger positions and held bodies; cheap while the same bodies are present and held.
+        """Set bodies, finger positions and held bodies; fast if the same bodies are present and held.
 
-        A held body that is fixed to the world cannot follow the gripper: it is left out.
+        A held body that is fixed to the world cannot follow the gripper, so it is omitted.
         """
         as_record(snapshot, WorldSnapshot, "snapshot")
         self._q = self.model.full_configuration(snapshot.arm, snapshot.fingers)
@@ -244,16 +245,16 @@ class CollisionModel:
     # The rules of one motion --------------------------------------------------------------------------------------
 
     def clear(self) -> None:
-        """Forget the rules of the last motion: everything counts, no clearance."""
+        """Remove the rules of the last motion: all pairs are checked, without clearance."""
         count = len(self._geometry.owners)
         self._active = np.ones((count, count), dtype=bool)
         self._margins = np.zeros((count, count))
         self._apply()
 
     def allow(self, names: Collection[str]) -> None:
-        """Let the arm and what it holds touch the objects called `names`, until the next `begin`, `clear` or `update`.
+        """Allow the arm and held bodies to touch the objects called `names`, until the next `begin`, `clear` or `update`.
 
-        The room stays solid: table, floor and walls are never passed through.
+        Contacts with the room (table, floor, walls) are not allowed by this method.
         """
         self._allow(as_names(names, "names"))
         self._apply()
@@ -261,11 +262,11 @@ class CollisionModel:
     def begin(
         self, q_start: FloatArray, *, margin: float = 0.0, own: float = 0.0, allowed: Collection[str] = (), world: bool = True
     ) -> None:
-        """Set the rules of one motion from where it starts.
+        """Set the rules of one motion from its start configuration.
 
-        World bodies keep `margin` [m] from the arm and links `own` [m] from each other, but what is nearer at the start may
-        stay as near. Links of objects that touch the arm at the start may be touched; the room and a held body's surroundings
-        only as deep as they are. Only the arm counts without `world`, and a start is not refused then.
+        World bodies keep `margin` [m] from the arm and links keep `own` [m] from each other; pairs that are nearer at the start
+        may stay as near. Links of objects that touch the arm at the start may be touched. Contacts at the start with the room, or
+        of a held body, may not become deeper. Without `world`, only the arm is checked, and no start is rejected.
 
         Raises:
             StartInCollision: The start penetrates the room or the arm itself.
@@ -281,7 +282,7 @@ class CollisionModel:
             self._admit_start(q_start, world)
 
     def relax(self, q: FloatArray) -> None:
-        """Lower the clearance of this motion where configuration `q`, its goal, is nearer to something."""
+        """Reduce the clearance of this motion for pairs that are nearer in configuration `q`, its goal."""
         near = self._near(q) if self.in_collision(q) else ()
         for k, depth in near:
             self._set_margin(k, depth - 1e-4)
@@ -290,7 +291,7 @@ class CollisionModel:
 
     @contextmanager
     def wider(self, more: float, ends: Sequence[FloatArray]) -> Iterator[None]:
-        """Keep `more` clearance [m] to the world for a while, except where configurations `ends` have less."""
+        """Keep `more` clearance [m] to the world during a block, except for pairs that are nearer in configurations `ends`."""
         more = as_number(more, "more [m]", least=0.0)
         ends = [as_vector(q, self.model.size, "an entry of ends") for q in as_several(ends, "ends")]
         before, self._margins = self._margins, np.where(
@@ -318,7 +319,7 @@ class CollisionModel:
         return kind(self.model.full, self._geometry.model, data)
 
     def _is_beyond_reach(self, body: BodySnapshot) -> bool:
-        """Say whether nothing the arm carries can get near a part of the room, such as a far wall."""
+        """Return whether the arm and held bodies cannot reach a part of the room, such as a far wall."""
         return body.in_room and body_distance(body, self.model.base.translation) > self.model.description.reach
 
     def _allow(self, names: Collection[str]) -> None:
@@ -327,7 +328,7 @@ class CollisionModel:
         self._active[:, named] = False
 
     def _admit_start(self, q_start: FloatArray, refuses: bool) -> None:
-        """Loosen the rules where the start already breaks them; `refuses` those that break them far."""
+        """Relax the rules that the start already violates; `refuses` selects pairs with too large violations."""
         refused: dict[tuple[str, str], float] = {}
         for k, depth in self._near(q_start):
             a, b = self._geometry.owners_of(k)
@@ -346,7 +347,7 @@ class CollisionModel:
         self._apply()
 
     def _ignore(self, a: Owner, b: Owner) -> None:
-        """Let a link of the arm (the whole gripper, if it is part of it) touch one link of an object."""
+        """Allow a link of the arm (or the whole gripper, if it is a part of it) to touch one link of an object."""
         robot, item = (b, a) if a.kind == "object" else (a, b)
         owners = self._geometry.owners
         one = np.array([o.kind == "gripper" if robot.kind == "gripper" else o == robot for o in owners])
@@ -355,7 +356,7 @@ class CollisionModel:
         self._active[np.ix_(other, one)] = False
 
     def _set_margin(self, k: int, margin: float) -> None:
-        """Lower the margin of a pair; one of minus infinity takes the pair out."""
+        """Reduce the margin of a pair; minus infinity removes the pair."""
         i, j = self._geometry.pairs[k]
         if np.isinf(margin):
             self._active[i, j] = self._active[j, i] = False
@@ -364,36 +365,36 @@ class CollisionModel:
 
     @property
     def geometry(self) -> CollisionGeometry:
-        """All shapes, where they were at the last update, and their pairs."""
+        """All shapes and their pairs, with the placements of the last update."""
         return self._geometry
 
     def configuration(self, q: FloatArray) -> FloatArray:
-        """Return Pinocchio's configuration of arm `q` (n,), [rad], and fingers; the array is used again."""
+        """Return the Pinocchio configuration of arm `q` (n,), [rad], and fingers; the array is reused."""
         self._q[self._arm_index] = q
         return self._q
 
     def least_distances(self) -> tuple[NDArray[np.bool_], FloatArray]:
-        """Return for each pair of shapes whether it counts, and the distance that no motion goes below, shapes (pairs,), [m]."""
+        """Return for each pair of shapes whether it is checked, and its minimum distance in any motion, shapes (pairs,), [m]."""
         first, second = self._geometry.ends
         return self._active[first, second], self._floors()[first, second]
 
     # Questions ----------------------------------------------------------------------------------------------------
 
     def in_collision(self, q: FloatArray) -> bool:
-        """Say whether arm configuration `q` breaks the rules: touches something, or is nearer than its margin."""
+        """Return whether arm configuration `q` violates the rules: a forbidden contact, or a distance below its margin."""
         return self.collides(as_vector(q, self.model.size, "configuration"))
 
     def collides(self, q: FloatArray) -> bool:
-        """Say the same of `q` (n,), which is not checked itself: for searches, which ask thousands of times."""
+        """Return the result of `in_collision` without a check of the argument `q` (n,), for searches with many calls."""
         self.checks += 1
         self._q[self._arm_index] = q
         return bool(pin.computeCollisions(self.model.full, self._data, self._manager, self._q, True))
 
     def keeps_away(self, q: FloatArray, distance: float) -> bool:
-        """Say whether configuration `q` is at least `distance` [m] away from every forbidden contact.
+        """Return whether configuration `q` is at least `distance` [m] away from all forbidden contacts.
 
-        Pairs that begin or end in contact, or nearer to it
-        than `MIN_MARGIN`, count from `SLACK / 2` deeper than their margin. Asking with the same distance again is cheapest.
+        For pairs that start or end in contact, or nearer than `MIN_MARGIN`, the distance is measured from `SLACK / 2` below
+        their margin. Repeated calls with the same distance are fastest.
         """
         self.checks += 1
         if distance is not self._level and as_number(distance, "distance [m]") != self._level:
@@ -402,7 +403,7 @@ class CollisionModel:
         return not pin.computeCollisions(self.model.full, self._data, self._wide, self._q, True)
 
     def _widen(self, distance: float) -> None:
-        """Prepare checks whose margins are `distance` more than contact."""
+        """Prepare checks with margins of `distance` above contact."""
         geometry = self._geometry
         if self._wide_data is None:
             self._wide_data = geometry.model.createData()
@@ -412,12 +413,12 @@ class CollisionModel:
         self._level = distance
 
     def _floors(self) -> FloatArray:
-        """Return the distance that no motion goes below, for each pair of shapes (m, m), [m]."""
+        """Return the minimum distance in any motion, for each pair of shapes (m, m), [m]."""
         sure = (self._margins >= MIN_MARGIN) | (self._margins == 0.0)
         return np.where(sure, 0.0, self._margins - 0.5 * SLACK)
 
     def goal_in_collision(self, q: FloatArray) -> bool:
-        """Like `in_collision`, but without the clearance: a goal may be near objects, and a held body may be set down."""
+        """Return the result of `in_collision` without clearance: a goal may be near objects, and a held body may be put down."""
         if not self.in_collision(q):
             return False
         for k, depth in self._near(q):
@@ -427,11 +428,11 @@ class CollisionModel:
         return False
 
     def colliding_pairs(self, q: FloatArray) -> list[tuple[str, str]]:
-        """Return the names of what touches what in configuration `q`, links of the arm first."""
+        """Return the pairs of names in contact in configuration `q`, links of the arm first."""
         return sorted({(a.label, b.label) for a, b in map(self._geometry.owners_of, self._breaking(q))})
 
     def penetrations(self, q: FloatArray) -> tuple[list[tuple[str, str]], list[float]]:
-        """Return the names of what touches what, deepest first, and how deep [m]; negative where only a margin is broken."""
+        """Return the pairs of names in contact, deepest first, and the penetration [m]; negative if only a margin is violated."""
         deepest: dict[tuple[str, str], float] = {}
         for k, distance in self._near(q):
             a, b = self._geometry.owners_of(k)
@@ -440,7 +441,7 @@ class CollisionModel:
         return pairs, [deepest[pair] for pair in pairs]
 
     def distances(self, q: FloatArray, within: float = np.inf) -> list[Distance]:
-        """Return the distances of all active pairs nearer than `within` [m], nearest first; margins do not matter."""
+        """Return the distances of all active pairs nearer than `within` [m], nearest first, without margins."""
         within = as_number(within, "within [m]", finite=False)
         self._q[self._arm_index] = as_vector(q, self.model.size, "configuration")
         geometry = self._geometry
@@ -453,11 +454,11 @@ class CollisionModel:
         return sorted(found, key=lambda d: d.distance)
 
     def distance(self, q: FloatArray) -> Distance | None:
-        """Return the smallest distance between the arm or what it holds and anything; None when there is nothing."""
+        """Return the smallest distance of the arm or a held body to any body; None if there is no pair."""
         return next(iter(self.distances(q)), None)
 
     def _breaking(self, q: FloatArray) -> list[int]:
-        """Return the indices of the active pairs that break their margin."""
+        """Return the indices of the active pairs that violate their margin."""
         self._q[self._arm_index] = as_vector(q, self.model.size, "configuration")
         geometry = self._geometry
         pin.computeCollisions(self.model.full, self._data, geometry.model, geometry.data, self._q, False)
@@ -465,12 +466,12 @@ class CollisionModel:
         return [k for k, result in enumerate(geometry.data.collisionResults) if active[k] and result.isCollision()]
 
     def _near(self, q: FloatArray) -> list[tuple[int, float]]:
-        """Return pair index and distance [m] of the active pairs that break their margin."""
+        """Return pair index and distance [m] of the active pairs that violate their margin."""
         geometry = self._geometry
         return [(k, pin.computeDistance(geometry.model, geometry.data, k).min_distance) for k in self._breaking(q)]
 
 
 def as_slice(index: FloatArray) -> slice | FloatArray:
-    """Return a slice in place of indices that follow each other: writing through it is faster."""
+    """Return a slice instead of consecutive indices, for faster writes."""
     first = int(index[0])
     return slice(first, first + len(index)) if np.array_equal(index, np.arange(first, first + len(index))) else index

@@ -1,6 +1,6 @@
-"""Descriptions of arms as data: files, names in a fixed order, home, and the numbers that are not in their URDF.
+"""Descriptions of arms: files, names in a fixed order, home configuration, and values that are not in the URDF.
 
-Everything that is true of one arm only stands here: another arm is another record.
+All data of an arm is in its record; to add an arm, add a record.
 """
 
 from __future__ import annotations
@@ -21,23 +21,23 @@ from rlbench_pin.values import POSITIVE, Rule, as_number, as_path, as_pose, as_t
 
 # In front of the gripper, pitched 0.4 rad towards the fingers; at home the top of the image is away from the base.
 HAND_CAMERA = (0.08, 0.0, 0.03, 0.1404802, -0.1404802, -0.6930117, 0.6930117)
-"""Wrist camera (7,) in a hand whose z points out and along whose y the fingers move."""
+"""Pose (7,) of the wrist camera in a hand link whose z axis points out and whose y axis is the direction of the fingers."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class RobotDescription:
-    """One arm with its gripper. Joint names are in the order of every public joint vector."""
+    """One arm with its gripper. Joint names are in the order of all public joint vectors."""
 
     name: str
     """Catalogue name, lower case."""
     urdf: Path
-    """Model file with visual and collision geometry; feeds PyBullet and Pinocchio alike."""
+    """Model file with visual and collision geometry, for PyBullet and Pinocchio."""
     srdf: Path
     """Pairs of links whose collisions are ignored."""
     arm_joints: tuple[str, ...]
     """Arm joints from base to wrist."""
     gripper_joints: tuple[str, ...]
-    """Drive joints of the fingers, first and second; for planning and control there may be none. Joints that follow them are
+    """Drive joints of the fingers, first and second; may be empty for planning and control. Joints that follow them are
     marked `<mimic>` in the URDF."""
     tip_frame: str
     """Frame between the finger pads, z out of the gripper, y from the first finger to the second."""
@@ -52,53 +52,56 @@ class RobotDescription:
     base_pose: tuple[float, float, float, float, float, float, float]
     """Pose of the base link in the world."""
     gripper_open: float
-    """Distance of each pad from the middle when the gripper is open [m]; 0 is shut."""
+    """Distance of each pad from the middle when the gripper is open [m]; 0 is closed."""
     gripper_force: float
     """Largest force of one finger [N]."""
     finger_speed: float
     """Finger speed of gripper actions [m/s]."""
     grip_speed: float
-    """Finger speed of closing on something [m/s]: fast fingers knock light objects away."""
+    """Finger speed when closing [m/s]: fast fingers push light objects away."""
     pad_friction: float
-    """Friction coefficient of the pads; that of a contact is its product with the coefficient of the object."""
+    """Friction coefficient of the pads; the coefficient of a contact is its product with that of the object."""
     pad_size: tuple[float, float]
-    """Size of the box between the pads, along tip x and z, in which a body counts as between the fingers [m]."""
+    """Size along tip x and z of the box between the pads; bodies in this box are between the fingers [m]."""
     acceleration: tuple[float, ...]
     """Acceleration limit of each arm joint [rad/s^2]."""
     reach: float
-    """Nothing that the arm carries gets farther from its base than this [m]."""
+    """Upper bound of the distance of the arm and held bodies from the base [m]."""
     linear_speed: float
-    """Largest speed of the tip that an action may ask for [m/s]."""
+    """Largest linear speed of the tip in an action [m/s]."""
     angular_speed: float
-    """Largest speed of turning of the tip that an action may ask for [rad/s]."""
+    """Largest angular speed of the tip in an action [rad/s]."""
     loaded_joints: int
-    """Joints at the base that carry the arm's weight; their motors may reach a commanded velocity only after a tick."""
+    """Number of joints at the base that carry the weight of the arm; they may reach a commanded velocity only after a tick."""
     loaded_share: float
-    """Share of the acceleration limit of `loaded_joints` that is left while their torque holds the arm up."""
+    """Usable fraction of the acceleration limit of `loaded_joints` while their torque compensates gravity."""
     joint_stiffness: tuple[float, ...]
-    """Springs with which joint impedance control follows motions [N m/rad]: softer than the motors' position control."""
+    """Stiffness of joint impedance control [N m/rad]: softer than the position control of the motors."""
     file: Path | None = None
     """TOML file that describes the arm; None for an arm of the catalogue."""
 
     @property
     def reference(self) -> str:
-        """Text by which another process finds the arm: its name in the catalogue, or the absolute path of its file."""
+        """Reference to the arm for other processes: its name in the catalogue, or the absolute path of its file."""
         return self.name if self.file is None else str(self.file)
 
     def __post_init__(self) -> None:
-        """Refuse vectors that have not one number per arm joint."""
+        """Raise RobotModelError for a vector without one value per arm joint."""
         for name in ("home", "acceleration", "joint_stiffness"):
             count = len(getattr(self, name))
             if count != len(self.arm_joints):
-                raise RobotModelError(f"'{self.name}' has {len(self.arm_joints)} arm joints, but {count} numbers in '{name}'.")
+                raise RobotModelError(
+                    f"'{self.name}' has {len(self.arm_joints)} arm joints, but {count} numbers in '{name}'. "
+                    "Pass one number per joint."
+                )
 
 
 class UnknownRobot(UnknownName, ValueError):
-    """A robot name is not in the catalogue."""
+    """There is no arm with this name in the catalogue."""
 
 
 class RobotFileError(RobotModelError, ValueError):
-    """A TOML file does not describe an arm; `file` and `key` say where."""
+    """A TOML file is not a valid description of an arm; `file` and `key` locate the error."""
 
     def __init__(self, file: Path | str, key: str, problem: str, hint: str = "") -> None:
         self.file, self.key, self.problem = Path(file), key, problem
@@ -107,7 +110,7 @@ class RobotFileError(RobotModelError, ValueError):
 
 
 def _panda() -> RobotDescription:
-    """Franka Emika Panda with its parallel gripper, standing on the table behind the workspace."""
+    """Franka Emika Panda with its parallel gripper, mounted on the table behind the workspace."""
     return RobotDescription(
         name="panda",
         urdf=asset_path("robots/panda/panda.urdf"),
@@ -137,7 +140,7 @@ def _panda() -> RobotDescription:
 
 
 def _with_our_gripper(name: str, arm_joints: tuple[str, ...], **numbers: Any) -> RobotDescription:
-    """An arm whose model has no gripper of its own: it carries a parallel gripper with the measures of the Panda's."""
+    """Return an arm whose model has no gripper, with a parallel gripper of the dimensions of the Panda's."""
     return replace(
         _panda(),
         name=name,
@@ -154,10 +157,10 @@ def _with_our_gripper(name: str, arm_joints: tuple[str, ...], **numbers: Any) ->
 
 
 def _ur5e() -> RobotDescription:
-    """Universal Robots UR5e with a Robotiq 2F-85; limits of its data sheet, acceleration as its drives reach with 5 kg.
+    """Universal Robots UR5e with a Robotiq 2F-85; limits of its data sheet, accelerations that its drives reach with 5 kg.
 
     The pads are of silicone rubber. MuJoCo Menagerie's model of the 2F-85 has a friction of 0.7 at their ends, where objects are
-    gripped, and 0.6 behind; the maker's manuals calculate with 0.3 for silicone on steel with cutting oil.
+    gripped, and 0.6 behind; the manuals of the manufacturer use 0.3 for silicone on steel with cutting oil.
     """
     joints = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
     return replace(
@@ -182,7 +185,7 @@ def _ur5e() -> RobotDescription:
 
 
 def _xarm7() -> RobotDescription:
-    """UFACTORY xArm7; the maker allows 20 rad/s^2."""
+    """UFACTORY xArm7; its manufacturer allows 20 rad/s^2."""
     return _with_our_gripper(
         "xarm7",
         tuple(f"xarm7_joint{i}" for i in range(1, 8)),
@@ -202,7 +205,7 @@ def _iiwa() -> RobotDescription:
 
 
 def _jaco() -> RobotDescription:
-    """Kinova Jaco j2s6s200, a slow arm of six joints."""
+    """Kinova Jaco j2s6s200, a slow arm with six joints."""
     return _with_our_gripper(
         "jaco",
         tuple(f"jaco_joint_{i}" for i in range(1, 7)),
@@ -213,7 +216,7 @@ def _jaco() -> RobotDescription:
 
 
 class _Catalogue(Mapping[str, RobotDescription]):
-    """Names of arms -> descriptions, each built when first asked for."""
+    """Names of arms -> descriptions, each built at its first use."""
 
     def __init__(self, builders: Mapping[str, Callable[[], RobotDescription]]) -> None:
         self._builders = dict(builders)
@@ -234,18 +237,18 @@ class _Catalogue(Mapping[str, RobotDescription]):
 _ARMS = {"panda": _panda, "ur5e": _ur5e, "xarm7": _xarm7, "iiwa": _iiwa, "jaco": _jaco}
 SUPPORTED_ROBOTS: Mapping[str, RobotDescription] = _Catalogue(_ARMS)
 DEFAULT_ROBOT = "panda"
-"""The arm where none is named."""
+"""Name of the default arm."""
 
 
 def robot_description(name: str | PathLike[str]) -> RobotDescription:
     """Return the description of an arm.
 
     Args:
-        name: A name of the catalogue, in any case, or the path of a TOML file; the catalogue comes first.
+        name: A name of the catalogue (case is ignored), or the path of a TOML file; the catalogue takes precedence.
 
     Raises:
-        UnknownRobot: The catalogue has no such arm, and it is not the path of a TOML file; a ValueError as well.
-        RobotFileError: The file does not describe an arm; a ValueError as well.
+        UnknownRobot: The catalogue has no such arm, and it is not the path of a TOML file (also a ValueError).
+        RobotFileError: The file is not a valid description of an arm (also a ValueError).
     """
     text = fspath(name) if isinstance(name, str | PathLike) else ""
     key = text.lower() if isinstance(text, str) else ""
@@ -264,16 +267,16 @@ _NAME_RULE = "has to consist of lower case letters, digits and `_`, and to begin
 
 
 def read_description(file: Path) -> RobotDescription:
-    """Return the arm that a TOML file describes. Its keys are the fields of `RobotDescription`; paths are relative to it.
+    """Return the arm of a TOML file. Its keys are the fields of `RobotDescription`; paths are relative to the file.
 
     Raises:
-        RobotFileError: It is missing or no TOML, a key is unknown or missing, or a value is wrong.
+        RobotFileError: The file is missing or not TOML, a key is unknown or missing, or a value is invalid.
     """
     try:
         file = as_path(file, "robot", InvalidValue).absolute()
         content = tomllib.loads(file.read_text(encoding="utf-8"))
     except FileNotFoundError as error:
-        raise RobotFileError(file, "", "does not exist.", "`rlbench-pin arm new NAME --urdf FILE` makes one.") from error
+        raise RobotFileError(file, "", "does not exist.", "`rlbench-pin arm new NAME --urdf FILE` creates one.") from error
     except (OSError, ValueError) as error:  # decoding and TOML errors are ValueErrors
         raise RobotFileError(file, "", f"cannot be read as TOML: {error}.") from error
     known = tuple(field.name for field in fields(RobotDescription) if field.name != "file")
@@ -344,7 +347,7 @@ def _as_robot_name(value: object, what: str) -> str:
 def _as_file(value: object, what: str, folder: Path) -> Path:
     path = folder / as_path(as_text(value, what), what)
     if not path.is_file():
-        raise InvalidValue(what, value, f"has to be a file; there is none at '{path}'")
+        raise InvalidValue(what, value, f"has to be an existing file; '{path}' does not exist")
     return path
 
 
@@ -354,7 +357,7 @@ def _as_texts(value: object, what: str, counts: range | tuple[int, ...]) -> tupl
         number = f"{counts[0]} or {counts[-1]}" if isinstance(counts, tuple) else f"{counts[0]} to {counts[-1]}"
         raise InvalidValue(what, value, f"has to be a list of {number} names")
     if len(set(texts)) < len(texts):
-        raise InvalidValue(what, value, "has a name twice")
+        raise InvalidValue(what, value, "contains a name twice")
     return texts
 
 

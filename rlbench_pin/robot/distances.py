@@ -1,10 +1,10 @@
-"""Distances of the arm from everything and their gradients: exact for what is near, bounded for the rest.
+"""Distances of the arm and their gradients: exact for near pairs, bounds for the others.
 
 For a pair of bodies with nearest points p_a, p_b and unit normal n from a to b, the distance d = n^T (p_b - p_a) changes as
 
     dd/dt = n^T (v_b - v_a) = [n, p x n]^T (V_b - V_a)                                        (1)
 
-where V are spatial twists, and p is either point: both lie on one line along n. A joint that carries only the farther
+where V are spatial twists, and p is either point: both are on one line along n. A joint that carries only the farther
 body (a: +1, b: -1 the other way) contributes its column of the spatial Jacobian, so that one product gives the gradients
 of all pairs.
 
@@ -113,10 +113,10 @@ class MotionBounds:
     def place(self, data: pin.Data, jacobian: FloatArray) -> FloatArray:
         """Take over the arm's placement, and return a lower bound of each pair's distance, shape (pairs,), [m].
 
-        A bound that is not above 0 says nothing: the pair may be anywhere, also inside each other.
+        A bound that is not above 0 has no information: the shapes may also overlap.
 
         Args:
-            data: Pinocchio's, with joint placements.
+            data: Pinocchio data with joint placements.
             jacobian: Spatial Jacobian of the arm joints, shape (6, n).
         """
         joints = data.oMi
@@ -181,10 +181,10 @@ def _speed_of_points() -> FloatArray:
 
 
 class DistanceModel:
-    """Distances of one arm, and of what it holds, in a world. A pair of shapes is named by its index. Not thread-safe."""
+    """Distances of one arm and its held bodies in a world. Pairs of shapes are identified by their index. Not thread-safe."""
 
     def __init__(self, model: RobotModel) -> None:
-        """Start in an empty world, at home."""
+        """Start in an empty world, with the arm at home."""
         self.model = as_record(model, RobotModel, "model")
         self._data = model.full.createData()
         self._columns = as_slice(model.full_index[: model.size])
@@ -193,11 +193,11 @@ class DistanceModel:
         self.update(WorldSnapshot((), model.home, fingers))
 
     def update(self, snapshot: WorldSnapshot, allowed: Collection[str] = ()) -> None:
-        """Take over the world; pairs with bodies named in `allowed` do not count until the next update."""
+        """Set the world; pairs with bodies in `allowed` are ignored until the next update."""
         as_record(snapshot, WorldSnapshot, "snapshot")
         as_names(allowed, "allowed")
         self.payload = payload_inertia(self.model, snapshot)
-        """Inertia of what the arm holds, in the frame of its last joint."""
+        """Inertia of the held bodies, in the frame of the last joint."""
         self._q = self.model.full_configuration(snapshot.arm, snapshot.fingers)
         bodies = [body for body in snapshot.bodies if body.collides and not (body.fixed and body.name in snapshot.attached)]
         layout = (snapshot.attached, tuple(body.layout for body in bodies))
@@ -217,53 +217,53 @@ class DistanceModel:
         self.place(snapshot.arm)
 
     def _index_motion(self) -> None:
-        """Prepare what is known of each pair as long as the gripper holds the same."""
+        """Prepare the data of each pair that depends only on the held bodies."""
         geometry = self._geometry
         self.motion = MotionBounds(self.model, list(geometry.model.geometryObjects), geometry.pairs)
-        """How bodies move against each other."""
+        """Bounds of the relative motion of bodies."""
         self.crosses = np.array([geometry.crosses[pair] for pair in geometry.pairs], dtype=bool)
-        """Which pairs are with the world, shape (pairs,); the others are within the arm."""
+        """Mask of the pairs with the world, shape (pairs,); the others are within the arm."""
 
     def _index_pairs(self, allowed: set[str]) -> None:
-        """Prepare which pairs count."""
+        """Prepare the mask of the checked pairs."""
         geometry, pairs = self._geometry, self._geometry.pairs
         self._allowed = allowed
         self.counts = np.array([not {geometry.owners[i].body for i in pair} & allowed for pair in pairs], dtype=bool)
-        """Which pairs count, shape (pairs,); a new array whenever that changes."""
+        """Mask of the checked pairs, shape (pairs,); each change creates a new array."""
 
     # Moving -------------------------------------------------------------------------------------------------------
 
     def place(self, q: FloatArray) -> None:
-        """Put the arm at `q` (n,) [rad]."""
+        """Set the configuration of the arm to `q` (n,) [rad]."""
         self.visit(q)
         jacobian = pin.computeJointJacobians(self.model.full, self._data, self._q)
         self._jacobian = jacobian[:, self._columns]
         self.bounds = self.motion.place(self._data, self._jacobian)
-        """Lower bound of each pair's distance where `place` put the arm, shape (pairs,), [m]; exact where measured."""
+        """Lower bound of the distance of each pair at the configuration of `place`, shape (pairs,), [m]; exact if measured."""
         self._found: dict[int, float] = {}
 
     def visit(self, q: FloatArray) -> None:
-        """Put the arm at `q` for `probe` only: what `place` and `measure` found stays."""
+        """Set the configuration `q` for `probe` only; the results of `place` and `measure` do not change."""
         self._q[self._columns] = q
         pin.updateGeometryPlacements(self.model.full, self._data, self._geometry.model, self._geometry.data, self._q)
 
     # Measuring ----------------------------------------------------------------------------------------------------
 
     def measure(self, which: IndexArray) -> FloatArray:
-        """Return the distances [m] of pairs `which` where `place` put the arm; their bounds are exact then."""
+        """Return the distances [m] of pairs `which` at the configuration of `place`, and store them as exact bounds."""
         distances = np.array([self.distance(k) for k in which.tolist()])
         self.bounds[which] = distances
         return distances
 
     def distance(self, k: int) -> float:
-        """Return the distance [m] of one pair where `place` put the arm; its bound stays as it is."""
+        """Return the distance [m] of one pair at the configuration of `place`, without a change of its bound."""
         found = self._found
         if k not in found:
             found[k] = pin.computeDistance(self._geometry.model, self._geometry.data, k).min_distance
         return found[k]
 
     def probe(self, which: IndexArray) -> FloatArray:
-        """Return the distances [m] of pairs `which` where the arm was put last, and remember nothing."""
+        """Return the distances [m] of pairs `which` at the last configuration, without storing them."""
         geometry, data = self._geometry.model, self._geometry.data
         compute = pin.computeDistance
         return np.array([compute(geometry, data, k).min_distance for k in which.tolist()])
@@ -271,7 +271,7 @@ class DistanceModel:
     def gradients(self, which: IndexArray) -> FloatArray:
         """Return the gradients of distances by the joint angles, equation (1), shape (len(which), n), [m/rad].
 
-        The pairs have to be measured where `place` put the arm, with no `visit` in between.
+        The pairs must be measured at the configuration of `place`, without a `visit` in between.
         """
         points, normals = self._nearest_points(which)
         wrenches = np.concatenate([normals, cross(points, normals)], axis=1)
@@ -284,18 +284,18 @@ class DistanceModel:
         return points, np.array([result.normal for result in found]).reshape(-1, 3)
 
     def names(self, k: int) -> tuple[str, str]:
-        """Return the names of pair `k`: a link of the arm or a held body, and what it is near to."""
+        """Return the names of pair `k`: a link of the arm or a held body, and the other link or body."""
         a, b = self._geometry.owners_of(k)
         return a.label, b.label
 
     def pairs_of(self, links: Collection[str]) -> IndexArray:
-        """Return the pairs that count and that one of the arm's `links` is part of."""
+        """Return the checked pairs that contain one of the `links` of the arm."""
         ours = [owner.kind in ("arm", "gripper") and owner.link in links for owner in self._geometry.owners]
         pairs = enumerate(self._geometry.pairs)
         return np.array([k for k, (i, j) in pairs if self.counts[k] and (ours[i] or ours[j])], dtype=np.intp)
 
     def nearest(self, q: FloatArray, count: int = 1) -> list[Distance]:
-        """Return the `count` smallest distances of pairs that count, at `q` (n,) [rad], nearest first."""
+        """Return the `count` smallest distances of checked pairs at `q` (n,) [rad], nearest first."""
         as_whole(count, "count", least=1)
         as_vector(q, self.model.size, "configuration")
         self.place(q)

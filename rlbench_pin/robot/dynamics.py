@@ -1,4 +1,4 @@
-"""Derivatives of kinematics and dynamics, analytically, and the inertia of held bodies."""
+"""Analytic derivatives of kinematics and dynamics, and the inertia of held bodies."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ class DynamicsDerivatives:
     """Partial derivatives of a torque or an acceleration (n,), each of shape (n, n)."""
 
     by_q: FloatArray
-    """By the configuration, shape (n, n)."""
+    """Derivative by the configuration, shape (n, n)."""
     by_v: FloatArray
-    """By the joint velocity, shape (n, n)."""
+    """Derivative by the joint velocity, shape (n, n)."""
     by_input: FloatArray
-    """By the acceleration for inverse dynamics (the inertia), by the torque for forward dynamics (its inverse)."""
+    """Derivative by the acceleration for inverse dynamics (the inertia), by the torque for forward dynamics (its inverse)."""
 
 
 def inverse_dynamics_derivatives(model: RobotModel, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> DynamicsDerivatives:
@@ -73,7 +73,7 @@ def _checked(
 
 
 def payload_inertia(model: RobotModel, snapshot: WorldSnapshot) -> pin.Inertia:
-    """Return the inertia of all held bodies in the frame of the last arm joint; those fixed to the world count nothing."""
+    """Return the inertia of all held bodies in the frame of the last arm joint, without bodies that are fixed to the world."""
     as_record(model, RobotModel, "model")
     as_record(snapshot, WorldSnapshot, "snapshot")
     total = pin.Inertia.Zero()
@@ -98,7 +98,7 @@ def _body_inertia(body: BodySnapshot) -> pin.Inertia:
 
 @cache
 def _link_inertias(urdf: Path) -> dict[str, pin.Inertia]:
-    """Return the inertia of each link in its link frame; links without a mass are left out."""
+    """Return the inertia of each link in its link frame; links without mass are omitted."""
     found: dict[str, pin.Inertia] = {}
     for link in read_urdf(urdf).links:
         if link.inertial is not None and link.inertial.mass > 0.0:

@@ -1,7 +1,8 @@
-"""The two fingers of a gripper: how far each pad is from the middle, and the joint values that bring it there.
+"""The two fingers of a gripper: conversions between the positions of the pads and the values of the finger joints.
 
-A finger position is the distance [m] of a pad from the plane between the fingers; 0 is shut. A drive joint that slides has it
-as its value. For one that turns it follows from the forward kinematics of the URDF. Joints with `<mimic>` follow a drive joint.
+A finger position is the distance [m] of a pad from the plane between the fingers; 0 is closed. It is the value of a prismatic
+drive joint. For a revolute drive joint it follows from the forward kinematics of the URDF. Joints with `<mimic>` follow a drive
+joint.
 """
 
 from __future__ import annotations
@@ -20,19 +21,19 @@ from rlbench_pin.spatial import FloatArray
 from rlbench_pin.urdf import Follows, UrdfJoint, kinematic_urdf, read_urdf
 
 _SAMPLES = 65
-"""Values of a turning drive joint at which positions are computed; between them they are interpolated."""
+"""Number of values of a revolute drive joint at which positions are computed, for interpolation."""
 _STEP = 1e-4
-"""Difference of positions from which the lever of a turning finger follows [m]."""
+"""Difference of positions for the numerical derivative of a revolute finger [m]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Travel:
-    """The way of a turning finger, from shut to open."""
+    """The motion of a revolute finger, from closed to open."""
 
     values: FloatArray
-    """Of the drive joint (m,) [rad]."""
+    """Values of the drive joint (m,) [rad]."""
     positions: FloatArray
-    """Of the pad (m,), increasing [m]."""
+    """Positions of the pad (m,), increasing [m]."""
 
     def position(self, value: float) -> float:
         """Return the position of the pad [m] for a value of the drive joint."""
@@ -49,15 +50,15 @@ class Fingers:
     """Joints and links of a gripper by their role."""
 
     drives: tuple[str, ...]
-    """Joints that a motor moves, one for each finger that moves."""
+    """Driven joints, one for each moving finger."""
     followers: tuple[str, ...]
-    """Joints that follow one of the drives."""
+    """Joints that follow a drive."""
     follows: tuple[Follows, ...]
-    """For each follower its drive, and how it follows it."""
+    """Drive, ratio and offset of each follower."""
     links: tuple[str, ...]
-    """The hand, the pads, then all other links with shapes that the hand carries."""
+    """The hand link, the pads, then all other links with shapes on the hand link."""
     travels: tuple[Travel, ...] = ()
-    """Ways of turning fingers; empty where positions are the values of the drives."""
+    """Motions of revolute fingers; empty if positions are the values of the drives."""
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -77,7 +78,7 @@ class Fingers:
         return np.array([way.value(position) for way, position in zip(self.travels, positions, strict=True)])
 
     def lever(self, positions: FloatArray) -> FloatArray:
-        """Return how fast the drives move when the fingers do (k,) [rad/m]; 1 for joints that slide."""
+        """Return the derivative of the drive values by the finger positions (k,) [rad/m]; 1 for prismatic joints."""
         if not self.travels:
             return np.ones(len(positions))
         inside = [np.clip(p, way.positions[0] + _STEP, way.positions[-1] - _STEP) for p, way in zip(positions, self.travels)]
@@ -104,14 +105,17 @@ def fingers_of(description: RobotDescription) -> Fingers:
     """Return the fingers of an arm.
 
     Raises:
-        RobotModelError: A gripper joint is not in the URDF, or a turning pad does not open as far as the description says.
+        RobotModelError: A gripper joint is not in the URDF, or the pad of a revolute finger does not reach `gripper_open`.
     """
     urdf = read_urdf(description.urdf)
     joints = {joint.name: joint for joint in urdf.joints}
     drives = description.gripper_joints
     for name in drives:
         if name not in joints:
-            raise RobotModelError(f"The URDF of '{description.name}' has no joint '{name}'; its gripper joints are {drives}.")
+            raise RobotModelError(
+                f"The URDF of '{description.name}' has no joint '{name}' of the gripper joints {drives}. "
+                "Correct `gripper_joints`."
+            )
     follows = {name: way for name in joints if name not in drives and (way := way_of(name, joints, drives)) is not None}
     links = (description.hand_link, *description.finger_links)
     carried = _carried(description.hand_link, urdf.joints)
@@ -124,7 +128,7 @@ def fingers_of(description: RobotDescription) -> Fingers:
 
 
 def way_of(name: str, joints: Mapping[str, UrdfJoint], drives: tuple[str, ...]) -> Follows | None:
-    """Return how a joint follows one of the drives, perhaps by way of others; None when it does not.
+    """Return how a joint follows one of the drives, directly or through other joints; None if it does not.
 
     Args:
         name: Name of the joint.
@@ -143,13 +147,13 @@ def way_of(name: str, joints: Mapping[str, UrdfJoint], drives: tuple[str, ...]) 
 
 
 def _carried(link: str, joints: tuple[UrdfJoint, ...]) -> set[str]:
-    """Return the links that a link carries."""
+    """Return the links below a link."""
     below = {joint.child for joint in joints if joint.parent == link}
     return below.union(*(_carried(child, joints) for child in below))
 
 
 def _travels(fingers: Fingers, description: RobotDescription, joints: Mapping[str, UrdfJoint]) -> tuple[Travel, ...]:
-    """Return the ways of turning fingers: positions of their pads for values of their drives."""
+    """Return the motions of revolute fingers: positions of their pads for values of their drives."""
     model = pin.buildModelFromXML(kinematic_urdf(description.urdf))
     data, shapes = model.createData(), link_geometry(description.urdf)
     frames = [model.getFrameId(name) for name in (description.tip_frame, *description.finger_links)]
@@ -168,13 +172,13 @@ def _travels(fingers: Fingers, description: RobotDescription, joints: Mapping[st
 
 
 def _travel(values: FloatArray, positions: FloatArray, description: RobotDescription) -> Travel:
-    """Return the part of a way between shut and open."""
+    """Return the part of a motion between closed and open."""
     if positions[0] > positions[-1]:
         values, positions = values[::-1], positions[::-1]
     if (np.diff(positions) <= 0.0).any() or positions[-1] < description.gripper_open or positions[0] > 0.005:
         raise RobotModelError(
-            f"The fingers of '{description.name}' go from {positions[0]:.4f} to {positions[-1]:.4f} m from the middle when their "
-            f"joints turn; they have to go from shut, 0 m, to `gripper_open`, {description.gripper_open} m."
+            f"The finger positions of '{description.name}' range from {positions[0]:.4f} to {positions[-1]:.4f} m; they have to "
+            f"include 0 m (closed) and `gripper_open` = {description.gripper_open} m. Correct `gripper_open` or the joint limits."
         )
     ends = [0.0, description.gripper_open]
     low, high = np.interp(ends, positions, values)

@@ -1,6 +1,6 @@
-"""Shapes of URDF files as Coal geometry, the analytic questions that sensors and fingers ask of them, and their surfaces.
+"""Shapes of URDF files as Coal geometry, geometric queries for sensors and fingers, and surfaces of shapes.
 
-Meshes become their convex hulls, as PyBullet treats them. Mesh paths are relative to the URDF file.
+Meshes are replaced by their convex hulls, as in PyBullet. Mesh paths are relative to the URDF file.
 """
 
 from __future__ import annotations
@@ -29,40 +29,40 @@ Part = tuple[coal.CollisionGeometry, pin.SE3]
 VolumeShape = Literal["box", "cylinder", "sphere"]
 _FLAT, _THICKNESS = 1e-6, 1e-4  # [m]
 _CAUTION = 1e-5
-"""Balls that are apart by more cannot hold shapes that touch, whatever was rounded [m]."""
+"""Distance between bounding spheres above which shapes cannot touch, including rounding [m]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Ball:
-    """A ball around the shapes of a link."""
+    """A bounding sphere of the shapes of a link."""
 
     center: FloatArray
-    """In the link frame (3,) [m]."""
+    """Centre in the link frame (3,) [m]."""
     radius: float
     """[m]"""
 
 
 @cache
 def link_geometry(urdf: Path, scale: float = 1.0) -> Mapping[str, tuple[Part, ...]]:
-    """Return the collision shapes of every link of a URDF file, in file order; links without shapes are left out."""
+    """Return the collision shapes of each link of a URDF file, in file order; links without shapes are omitted."""
     return _read(urdf, scale, "collision")
 
 
 @cache
 def visual_geometry(urdf: Path, scale: float = 1.0) -> Mapping[str, tuple[Part, ...]]:
-    """Return what is seen of every link, as convex hulls; links without visuals are left out."""
+    """Return the visual shapes of each link as convex hulls; links without visuals are omitted."""
     return _read(urdf, scale, "visual")
 
 
 @cache
 def solid_geometry(urdf: Path, scale: float = 1.0) -> Mapping[str, tuple[Part, ...]]:
-    """Return the collision shapes of a URDF file, or the visual ones when it has none (markers)."""
+    """Return the collision shapes of a URDF file, or the visual shapes if it has none (markers)."""
     return link_geometry(urdf, scale) or visual_geometry(urdf, scale)
 
 
 @cache
 def solid_balls(urdf: Path, scale: float = 1.0) -> Mapping[str, Ball]:
-    """Return a ball around the solid shapes of every link that has some."""
+    """Return a bounding sphere of the solid shapes of each link with shapes."""
     boxes = {link: bounds(parts) for link, parts in solid_geometry(urdf, scale).items()}
     balls = {link: Ball(0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low))) for link, (low, high) in boxes.items()}
     return MappingProxyType(balls)
@@ -78,14 +78,14 @@ def bounds(parts: Iterable[Part]) -> FloatArray:
 
 @cache
 def rigid_bounds(urdf: Path, scale: float = 1.0) -> FloatArray:
-    """Return the box (2, 3) around the shapes of a body of a single link, in its own frame [m]; nobody may write to it."""
+    """Return the box (2, 3) around the shapes of a body with a single link, in its own frame [m]; the array is read-only."""
     box = bounds(part for parts in solid_geometry(urdf, scale).values() for part in parts)
     box.setflags(write=False)
     return box
 
 
 def extent_along(parts: Iterable[Part], T_world_link: pin.SE3, directions: FloatArray) -> FloatArray:
-    """Return how far the shapes of a link reach along unit vectors (n, 3) of the world, [[least], [most]] (2, n) [m]."""
+    """Return the extent of the shapes of a link along unit vectors (n, 3) of the world, [[lowest], [highest]] (2, n) [m]."""
     least, most = np.full(len(directions), np.inf), np.full(len(directions), -np.inf)
     for shape, T_link_shape in parts:
         placed = T_world_link * T_link_shape
@@ -101,7 +101,7 @@ def extent_along(parts: Iterable[Part], T_world_link: pin.SE3, directions: Float
 
 
 def visual_bounds(urdf: Path, link: str | None = None, scale: float = 1.0) -> FloatArray:
-    """Return the box (2, 3) of a link's visuals in the link frame [m]; None is the base link."""
+    """Return the box (2, 3) of the visuals of a link in the link frame [m]; None selects the base link."""
     name = read_urdf(urdf).base_link if link is None else link
     return bounds(visual_geometry(urdf, scale).get(name, ()))
 
@@ -149,7 +149,7 @@ def as_shape(part: Part) -> Shape:
 
 
 def volume_contains(shape: VolumeShape, size: Sequence[float], T_world_volume: pin.SE3, point: FloatArray) -> bool:
-    """Say whether a world point (3,) lies in a sensor volume."""
+    """Return whether a world point (3,) is inside a sensor volume."""
     x = T_world_volume.actInv(np.asarray(point, dtype=float))
     if shape == "box":
         return all(abs(along) <= 0.5 * side for along, side in zip(x.tolist(), size, strict=True))
@@ -159,18 +159,18 @@ def volume_contains(shape: VolumeShape, size: Sequence[float], T_world_volume: p
 
 
 def radius(shape: coal.ShapeBase) -> float:
-    """Return the radius of a ball around the origin of a box, cylinder, capsule or sphere that holds it [m]."""
+    """Return the radius of the sphere around the origin that contains a box, cylinder, capsule or sphere [m]."""
     return float(np.linalg.norm(_half_extent(shape, np.eye(3))))
 
 
 def is_near(ball: Ball, T_world_link: pin.SE3, T_world_volume: pin.SE3, reach: float) -> bool:
-    """Say whether a link's ball meets, or nearly so, a ball of radius `reach` [m] around the origin of a volume."""
+    """Return whether the sphere of a link (nearly) touches the sphere of radius `reach` [m] around the origin of a volume."""
     apart = T_world_link.act(ball.center) - T_world_volume.translation
     return not math.hypot(*apart.tolist()) > ball.radius + reach + _CAUTION
 
 
 def overlaps(shape: coal.CollisionGeometry, T_world_shape: pin.SE3, parts: Iterable[Part], T_world_link: pin.SE3) -> bool:
-    """Say whether a shape touches any of a link's shapes."""
+    """Return whether a shape touches any of the shapes of a link."""
     request, result = coal.CollisionRequest(), coal.CollisionResult()
     placed = to_transform(T_world_shape)
     for part, T_link_part in parts:
@@ -180,7 +180,7 @@ def overlaps(shape: coal.CollisionGeometry, T_world_shape: pin.SE3, parts: Itera
 
 
 def gap(first: Iterable[Part], T_world_first: pin.SE3, second: Iterable[Part], T_world_second: pin.SE3) -> float:
-    """Return the smallest distance between the shapes of two links [m]; 0 where they touch, infinite without shapes."""
+    """Return the smallest distance between the shapes of two links [m]; 0 if they touch, infinity without shapes."""
     others = [(shape, to_transform(T_world_second * T_link_shape)) for shape, T_link_shape in second]
     least = float("inf")
     for shape, T_link_shape in first:
@@ -192,7 +192,7 @@ def gap(first: Iterable[Part], T_world_first: pin.SE3, second: Iterable[Part], T
 
 
 def to_transform(placement: pin.SE3) -> coal.Transform3s:
-    """Convert a Pinocchio placement to Coal's."""
+    """Convert a Pinocchio placement to a Coal transform."""
     return coal.Transform3s(placement.rotation, placement.translation)
 
 
@@ -248,7 +248,7 @@ def _hull(urdf: Path, mesh: Path, scale: FloatArray) -> coal.Convex:
 
 
 def _thickened(corners: FloatArray) -> coal.Convex | None:
-    """Return a hull of 0.1 mm thickness around corners (n, 3) that lie in one plane; None when they do not."""
+    """Return a hull of 0.1 mm thickness around corners (n, 3) in one plane; None if they are not in a plane."""
     _, spread, axes = np.linalg.svd(corners - corners.mean(axis=0), full_matrices=False)
     if spread[-1] > _FLAT:
         return None
@@ -279,12 +279,12 @@ def _half_extent(shape: coal.CollisionGeometry, rotation: FloatArray) -> FloatAr
 
 
 Surface = tuple[FloatArray, NDArray[np.int64]]
-"""Corners (n, 3) [m] and corner numbers of triangles (m, 3)."""
+"""Vertices (n, 3) [m] and vertex indices of triangles (m, 3)."""
 _SIDES = 24  # of what is round
 
 
 def mesh_surface(mesh: Path, scale: float = 1.0) -> Surface:
-    """Return the surface of a mesh file, as it stands there.
+    """Return the surface of a mesh file.
 
     Raises:
         AssetNotFound: There is no such file.
@@ -300,7 +300,7 @@ def mesh_surface(mesh: Path, scale: float = 1.0) -> Surface:
 
 
 def shape_surface(shape: UrdfShape, scale: float = 1.0) -> Surface:
-    """Return the surface of one shape of a URDF file in the frame of its link; round ones become polyhedra."""
+    """Return the surface of one shape of a URDF file in the frame of its link; round shapes become polyhedra."""
     if shape.mesh is not None:
         corners, triangles = mesh_surface(shape.mesh)
         return _moved(scale * np.array(shape.size) * corners, to_placement(shape.origin, scale)), triangles
@@ -311,7 +311,7 @@ def shape_surface(shape: UrdfShape, scale: float = 1.0) -> Surface:
 
 
 def part_surface(part: Part) -> Surface:
-    """Return the surface of a solid in the frame of its link; round ones become polyhedra."""
+    """Return the surface of a solid in the frame of its link; round shapes become polyhedra."""
     solid, placement = part
     if not isinstance(solid, coal.Convex):
         solid, _ = primitive(Shape("convex", tuple(np.ravel(_corners(solid)).tolist())))

@@ -1,7 +1,7 @@
-"""Kinematics and dynamics of an arm, analytically, by Pinocchio: its limits, forward kinematics, Jacobians and inverse dynamics.
+"""Kinematics and dynamics of an arm by Pinocchio: joint limits, forward kinematics, Jacobians and inverse dynamics.
 
-Public joint vectors are the arm's, shape (n,), in the order of `RobotDescription.arm_joints`; the fingers stand open.
-Everything is expressed in the world frame, in which the base has the description's `base_pose`.
+Public joint vectors contain the arm joints, shape (n,), in the order of `RobotDescription.arm_joints`; the fingers are open.
+All quantities are in the world frame, in which the base has the `base_pose` of the description.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from rlbench_pin.urdf import kinematic_urdf
 from rlbench_pin.values import as_array, as_choice, as_finite, as_number, as_record, as_vector
 
 TURN = 2.0 * np.pi
-"""A whole turn of a joint [rad]."""
+"""One revolution of a joint [rad]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +41,7 @@ class JointLimits:
     """Largest torque [N m] or force [N]."""
 
     def __post_init__(self) -> None:
-        """Copy every field into a read-only float array of one shape; raise InvalidValue where that cannot be."""
+        """Copy all fields into read-only float arrays of one shape; raise InvalidValue if that is impossible."""
         size = as_array(self.lower, "JointLimits.lower").size
         for name in ("lower", "upper", "velocity", "acceleration", "effort"):
             array = as_array(getattr(self, name), f"JointLimits.{name}").copy()
@@ -56,7 +56,7 @@ class JointLimits:
                 raise InvalidValue(f"JointLimits.{name}", getattr(self, name), "has to be >= 0")
 
     def capped(self, velocity: float, acceleration: float) -> JointLimits:
-        """Return these limits with no joint faster than `velocity` [rad/s] or accelerating beyond `acceleration` [rad/s^2].
+        """Return these limits, reduced to at most `velocity` [rad/s] and `acceleration` [rad/s^2].
 
         Raises:
             InvalidValue: One of them is not > 0 (also a ValueError).
@@ -68,14 +68,14 @@ class JointLimits:
         )
 
     def contains(self, q: FloatArray, tolerance: float = 0.0) -> bool:
-        """Say whether a configuration (n,) lies within the position limits."""
+        """Return whether a configuration (n,) is within the position limits."""
         q, tolerance = as_vector(q, len(self.lower), "configuration"), as_number(tolerance, "tolerance", finite=False)
         return bool(np.all(q >= self.lower - tolerance) and np.all(q <= self.upper + tolerance))
 
     def nearest_turn(self, q: FloatArray, near: FloatArray) -> FloatArray:
-        """Return the configuration like `q` (n,) but for whole turns of joints that have the room, as near to `near` as it goes.
+        """Return the configuration nearest to `near` that differs from `q` (n,) only by full revolutions of joints.
 
-        Joints whose range is less than a turn stay as they are.
+        Joints whose range is less than one revolution do not change.
         """
         q, near = (as_vector(x, len(self.lower), what) for x, what in ((q, "configuration"), (near, "near")))
         least, most = np.minimum(np.ceil((self.lower - q) / TURN), 0.0), np.maximum(np.floor((self.upper - q) / TURN), 0.0)
@@ -88,15 +88,15 @@ class JointLimits:
 
 
 class ChainReach:
-    """Bounds of the distance between points that an arm carries and the axes of its joints, in every configuration.
+    """Bounds of the distance between points on an arm and the axes of its joints, in all configurations.
 
-    The next joint of the chain keeps its distance from the axis in any configuration; beyond it the links may be stretched. So
-    the part that depends on the arm alone, the distance to the last joint of the chain, is computed once.
+    The next joint of the chain has a constant distance from the axis; beyond it the links may be stretched. So
+    the part that depends only on the arm, the distance to the last joint of the chain, is computed once.
 
     Args:
         full: Arm and fingers.
         arm: Names of the arm joints, n of them.
-        slide: How far a finger joint can slide [m].
+        slide: Range of a finger joint [m].
     """
 
     def __init__(self, full: pin.Model, arm: tuple[str, ...], slide: float) -> None:
@@ -120,12 +120,12 @@ class ChainReach:
                 self._links[carrier, j] = near + stretched + slide * sum(joint not in joints for joint in beyond)
 
     def of(self, carrier: int, center: FloatArray, radius: float) -> FloatArray:
-        """Return the reach of a ball about each joint's axis, shape (n,), [m]; 0 for joints that do not carry it.
+        """Return the reach of a sphere about the axis of each joint, shape (n,), [m]; 0 for joints that do not carry it.
 
         Args:
-            carrier: Pinocchio joint that the ball moves with.
-            center: Its centre in the frame of that joint (3,), [m].
-            radius: Its radius [m].
+            carrier: Pinocchio joint that carries the sphere.
+            center: Centre of the sphere in the frame of that joint (3,), [m].
+            radius: Radius of the sphere [m].
         """
         reach = np.maximum(self._links[carrier] + (float(np.linalg.norm(center)) + radius), 0.0)
         own = self._own.get(carrier)
@@ -147,21 +147,21 @@ VELOCITY = "joint velocity"
 PANDA_SPEED = 2.175
 """Velocity limit of the slowest joint of the Panda [rad/s]."""
 LARGEST = 1e6
-"""Positions, velocities, accelerations and torques of joints beyond this are mistakes, in any unit."""
+"""Upper bound of joint positions, velocities, accelerations and torques, in any unit."""
 
 
 class RobotModel:
-    """Kinematics and dynamics of one arm. Not thread-safe: it reuses its work space between calls."""
+    """Kinematics and dynamics of one arm. Not thread-safe: it reuses its workspace between calls."""
 
     def __init__(self, description: RobotDescription, base_pose: PoseLike | None = None) -> None:
         """Build the models.
 
         Args:
             description: The arm.
-            base_pose: Pose of its base in the world (7,); None takes the description's.
+            base_pose: World pose (7,) of the arm base; None uses the pose in the description.
 
         Raises:
-            RobotModelError: Description and URDF disagree, or home is outside the joint limits.
+            RobotModelError: Description and URDF disagree, or the home configuration is outside the joint limits.
         """
         self.description = as_record(description, RobotDescription, "description")
         self.base = pose_to_se3(description.base_pose if base_pose is None else base_pose)
@@ -182,18 +182,19 @@ class RobotModel:
         )
         if not self.limits.contains(self.home):
             raise RobotModelError(
-                f"The home configuration of '{description.name}' is outside its joint limits: {description.home}."
+                f"The home configuration of '{description.name}' is outside its joint limits: {description.home}. "
+                "Choose another `home`."
             )
         self._bare_inertia = self.arm.inertias[self.size].copy()
 
     @property
     def slowness(self) -> float:
-        """Factor by which the arm may need more time than the Panda for a motion: the velocity limit of the slowest joint of the
-        Panda, 2.175 rad/s, divided by that of this arm; 1 for the Panda and for faster arms, 3.46 for the Jaco.
+        """Factor of time limits relative to the Panda: the velocity limit of the slowest joint of the Panda, 2.175 rad/s,
+        divided by that of this arm; 1 for the Panda and for faster arms, 3.46 for the Jaco.
 
-        Limits of time are chosen for the Panda. Those that a motion of a slow arm would meet too early are multiplied by this
-        factor: seconds of an evaluated episode, steps of a gymnasium episode, ticks of an action by inverse kinematics.
-        Limits on which joint speeds have no influence (fingers, settling, planning, demonstrations) are the same for all arms.
+        Time limits are chosen for the Panda. This factor multiplies the limits that depend on the speed of the arm: seconds of an
+        evaluated episode, steps of a gymnasium episode, ticks of an action by inverse kinematics.
+        Limits that do not depend on joint speeds (fingers, settling, planning, demonstrations) are the same for all arms.
         """
         return max(1.0, PANDA_SPEED / float(self.limits.velocity.min()))
 
@@ -204,7 +205,8 @@ class RobotModel:
         arm = pin.buildReducedModel(self.full, fingers, self.full_configuration(np.zeros(self.size)))
         if tuple(arm.names)[1:] != description.arm_joints:
             raise RobotModelError(
-                f"The URDF orders its arm joints {tuple(arm.names)[1:]}, the description {description.arm_joints}."
+                f"The arm joints of the URDF are {tuple(arm.names)[1:]}, those of the description are {description.arm_joints}. "
+                "List `arm_joints` in the order of the URDF."
             )
         return arm
 
@@ -218,12 +220,12 @@ class RobotModel:
         return result
 
     def _joints(self, vector: ArrayLike, what: str = "configuration") -> FloatArray:
-        """Return a vector (n,) of the arm's joints, or raise InvalidValue."""
+        """Return a vector (n,) of the arm joints, or raise InvalidValue."""
         return as_vector(vector, self.size, what, most=LARGEST)
 
     @cached_property
     def chain_reach(self) -> ChainReach:
-        """How far what the arm carries can be from the axes of its joints, in any configuration."""
+        """Bounds of the distance between points on the arm and the axes of its joints, in all configurations."""
         return ChainReach(self.full, self.description.arm_joints, self.description.gripper_open)
 
     # Kinematics ---------------------------------------------------------------------------------------------------
@@ -234,11 +236,11 @@ class RobotModel:
         return self.data.oMf[self.tip_id].copy()
 
     def tip_pose(self, q: ArrayLike) -> FloatArray:
-        """Return the tip's pose (7,) in the world."""
+        """Return the world pose (7,) of the tip."""
         return se3_to_pose(self.tip_se3(q))
 
     def joint_poses(self, q: ArrayLike) -> list[FloatArray]:
-        """Return the pose (7,) in the world of every arm joint's frame, base first; the joints turn or slide along its axes."""
+        """Return the world pose (7,) of the frame of each arm joint, base first; joint axes are given in these frames."""
         pin.forwardKinematics(self.arm, self.data, self._joints(q))
         return [se3_to_pose(placement) for placement in self.data.oMi.tolist()[1 : self.size + 1]]
 
@@ -265,7 +267,7 @@ class RobotModel:
         return upper + np.triu(upper, 1).T
 
     def gravity(self, q: ArrayLike) -> FloatArray:
-        """Return the torques that carry the arm's weight [N m]."""
+        """Return the torques that compensate gravity [N m]."""
         return np.array(pin.computeGeneralizedGravity(self.arm, self.data, self._joints(q)))
 
     def coriolis(self, q: ArrayLike, v: ArrayLike) -> FloatArray:
@@ -284,12 +286,12 @@ class RobotModel:
         return np.array(pin.aba(self.arm, self.data, q, v, tau))
 
     def set_payload(self, mass: float, center: ArrayLike, inertia: ArrayLike | None = None) -> None:
-        """Add a body to the dynamics of the gripper; a mass of 0 takes it away.
+        """Add a payload to the dynamics of the gripper; a mass of 0 removes it.
 
         Args:
-            mass: [kg].
+            mass: Mass [kg].
             center: Centre of mass in the tip frame, shape (3,), [m].
-            inertia: Rotational inertia about that centre in tip axes, shape (3, 3), [kg m^2]; None is a point.
+            inertia: Rotational inertia about that centre in tip axes, shape (3, 3), [kg m^2]; None is a point mass.
 
         Raises:
             InvalidValue: A negative mass, NaN, or a wrong shape (also a ValueError).
@@ -300,19 +302,19 @@ class RobotModel:
         self.carry(T_joint_tip.act(load) if mass > 0.0 else pin.Inertia.Zero())
 
     def carry(self, payload: pin.Inertia) -> None:
-        """Add an inertia, in the frame of the last joint, to the dynamics of the gripper; it replaces what was added before."""
+        """Add an inertia, in the frame of the last joint, to the dynamics of the gripper; it replaces an earlier payload."""
         as_record(payload, pin.Inertia, "payload")
         self.arm.inertias[self.size] = loaded(self._bare_inertia, payload)
         self.data = self.arm.createData()
 
 
 def loaded(bare: pin.Inertia, payload: pin.Inertia) -> pin.Inertia:
-    """Return the inertia of a link together with what it carries, in one frame; a payload without mass counts nothing."""
+    """Return the inertia of a link with its payload, in one frame; a payload without mass is ignored."""
     return bare + payload if payload.mass > 0.0 else bare.copy()
 
 
 def _reference(frame: FrameChoice) -> pin.ReferenceFrame:
-    """Return what Pinocchio calls a frame, or raise UnknownName."""
+    """Return the Pinocchio reference of a frame, or raise UnknownName."""
     return _REFERENCE[frame if type(frame) is str and frame in _REFERENCE else as_choice(frame, "frame", ("world", "tip"))]
 
 
@@ -320,12 +322,12 @@ def _as_inertia(inertia: ArrayLike) -> FloatArray:
     """Return a rotational inertia (3, 3), or raise InvalidValue."""
     matrix = as_finite(as_array(inertia, "inertia"), "inertia")
     if matrix.shape != (3, 3) or np.abs(matrix - matrix.T).max() > 1e-6 or np.linalg.eigvalsh(matrix).min() < -1e-9:
-        raise InvalidValue("inertia", inertia, "has to be a symmetric matrix (3, 3) with no negative eigenvalue")
+        raise InvalidValue("inertia", inertia, "has to be a symmetric matrix (3, 3) without negative eigenvalues")
     return matrix
 
 
 def _load(description: RobotDescription, base: pin.SE3) -> pin.Model:
-    """Read the URDF and place its base in the world."""
+    """Read the URDF and set the world pose of its base."""
     model = pin.buildModelFromXML(kinematic_urdf(description.urdf))
     for joint in range(1, model.njoints):
         if model.parents[joint] == 0:
@@ -337,14 +339,17 @@ def _load(description: RobotDescription, base: pin.SE3) -> pin.Model:
 
 
 def _indices(model: pin.Model, names: tuple[str, ...]) -> FloatArray:
-    """Return where each named one-dimensional joint sits in a Pinocchio configuration."""
+    """Return the index of each named one-dimensional joint in a Pinocchio configuration."""
     unknown = [name for name in names if not model.existJointName(name)]
     if unknown or model.nq != len(names):
-        raise RobotModelError(f"The URDF has joints {tuple(model.names)[1:]}, the description {names}.")
+        raise RobotModelError(
+            f"The URDF has the joints {tuple(model.names)[1:]}, the description has {names}. "
+            "Correct the names in the description."
+        )
     return np.array([model.idx_qs[model.getJointId(name)] for name in names])
 
 
 def _frame_id(model: pin.Model, name: str) -> int:
     if not model.existFrame(name):
-        raise RobotModelError(f"The URDF has no frame '{name}'.")
+        raise RobotModelError(f"The URDF has no frame '{name}'. Use the name of one of its links or joints.")
     return model.getFrameId(name)

@@ -1,4 +1,4 @@
-"""Where a gripper goes on an arm, and which joints and links of a gripper are its fingers, found from URDF files."""
+"""Mounting of a gripper on an arm, and detection of finger joints and links, from URDF files."""
 
 from __future__ import annotations
 
@@ -19,33 +19,33 @@ from rlbench_pin.urdf import Follows, Urdf, UrdfJoint, kinematic_urdf, read_urdf
 _TIP_BEHIND_END = 0.01
 """Distance of the tip from the end of the pads, as in the Panda's gripper [m]."""
 _SHUT = 0.005
-"""Pads that come as near to the middle can grasp anything [m]."""
+"""Distance of pads from the middle at which the gripper is closed [m]."""
 _SAMPLES = 33
 
 
 @dataclass(frozen=True, eq=False)
 class Mount:
-    """Place of the gripper's base in the flange of an arm."""
+    """Pose of the gripper base in the flange of an arm."""
 
     xyz: FloatArray
-    """(3,) [m]."""
+    """Position (3,) [m]."""
     rpy: FloatArray
     """Roll, pitch, yaw (3,) [rad]."""
 
     def turned(self, angle: float) -> Mount:
-        """Return the mount with the gripper turned about its own z [rad]."""
+        """Return the mount with the gripper rotated about its z axis [rad]."""
         return Mount(self.xyz, _rpy(pin.rpy.rpyToMatrix(self.rpy) @ pin.rpy.rpyToMatrix(0.0, 0.0, angle)))
 
 
 @dataclass(frozen=True)
 class Slide:
-    """Way of a finger that slides."""
+    """Motion of a prismatic finger."""
 
     joint: str
     shut: float
     """Value of the joint at which the pad is at the middle [m]."""
     sign: float
-    """1 where larger values open, -1 where smaller ones do."""
+    """1 if larger values open the finger, -1 if smaller values do."""
     travel: float
     """Largest distance of the pad from the middle [m]."""
 
@@ -57,7 +57,7 @@ class FingerLayout:
     drives: tuple[str, str]
     """Joints that move the first and the second finger."""
     pads: tuple[str, str]
-    """Links that grasp."""
+    """Links of the pads."""
     tip: Mount
     """Tip frame in the base link of the gripper."""
     camera: FloatArray
@@ -65,15 +65,15 @@ class FingerLayout:
     opening: float
     """Distance of each pad from the middle when the gripper is open [m]."""
     slides: tuple[Slide, ...]
-    """Ways of the drives that slide; empty where they turn."""
+    """Motions of prismatic drives; empty for revolute drives."""
     follows: Mapping[str, Follows]
-    """How each other moving joint follows one of the drives."""
+    """Drive, ratio and offset of each other moving joint."""
 
 
 def flange_mount(urdf: Path, flange: str) -> Mount:
-    """Return where a gripper goes: its z along the axis of the last joint, away from the arm, on the end of the link's shapes.
+    """Return the mount of a gripper: its z axis along the axis of the last joint, away from the arm, at the end of the flange.
 
-    A flange without shapes whose z is along that axis is taken as it is.
+    The frame of a flange without shapes is used unchanged if its z axis is along that axis.
 
     Raises:
         RobotModelError: No joint moves the flange.
@@ -82,7 +82,7 @@ def flange_mount(urdf: Path, flange: str) -> Mount:
     last = max((k for k, joint in enumerate(chain) if joint.kind != "fixed"), default=None)
     if last is None:
         raise RobotModelError(
-            f"No joint of '{urdf.name}' moves '{flange}'. Give the link that carries the gripper with --flange."
+            f"No joint of '{urdf.name}' moves '{flange}'. Pass the link that carries the gripper with --flange."
         )
     T_joint_flange = pin.SE3.Identity()
     for joint in chain[last + 1 :]:
@@ -108,19 +108,22 @@ def finger_layout(file: Path, base: str) -> FingerLayout:
     The pads are the two links with collision shapes, at the ends of moving joints, that reach farthest along z.
 
     Raises:
-        RobotModelError: There are no such two, they are moved by one joint, or another joint moves freely.
+        RobotModelError: There are not two such links, one joint moves both, or another joint moves freely.
     """
     hand = _Hand(file)
     pads = hand.pads()
     drives = [next(joint for joint in joints_to(hand.urdf, pad) if joint.kind != "fixed") for pad in pads]
     if drives[0].name == drives[1].name:
-        raise RobotModelError(f"One joint, '{drives[0].name}', moves both fingers of '{file.name}': {pads[0]} and {pads[1]}.")
+        raise RobotModelError(
+            f"One joint, '{drives[0].name}', moves both fingers of '{file.name}': {pads[0]} and {pads[1]}. "
+            "Use a gripper with one joint per finger; one of them may be a <mimic> of the other."
+        )
     if drives[0].follows is not None:
         drives, pads = drives[::-1], pads[::-1]
     first, second = drives
     if first.follows is not None or (second.follows is not None and second.follows.joint != first.name):
         raise RobotModelError(
-            f"The fingers of '{file.name}' follow other joints. One of {first.name}, {second.name} has to move itself."
+            f"Both finger joints of '{file.name}' follow other joints. Remove <mimic> from {first.name} or {second.name}."
         )
     ways = {first.name: Follows(first.name), second.name: second.follows or Follows(second.name)}
     T_base_tip = hand.tip(pads, ways)
@@ -166,12 +169,14 @@ def _slide(file: Path, drive: UrdfJoint, values: FloatArray, positions: FloatArr
     slope = float((positions[-1] - positions[0]) / (values[-1] - values[0]))
     if abs(abs(slope) - 1.0) > 0.02:
         raise RobotModelError(
-            f"The finger of '{drive.name}' of '{file.name}' slides {slope:.2f} m across for each metre. It has to be 1."
+            f"The finger of '{drive.name}' of '{file.name}' moves {slope:.2f} m across per metre of its joint; it has to be 1. "
+            "Correct the axis of this joint."
         )
     sign, travel = float(np.sign(slope)), float(positions.max())
     if abs(positions.min()) > _SHUT:
         raise RobotModelError(
-            f"The pad of '{drive.name}' of '{file.name}' comes to {1000 * positions.min():.1f} mm from the middle, not to 0."
+            f"The pad of '{drive.name}' of '{file.name}' stops {1000 * positions.min():.1f} mm from the middle, not at 0. "
+            "Correct the limits of this joint."
         )
     return Slide(drive.name, float(values[0] - sign * positions[0]), sign, travel)
 
@@ -193,7 +198,7 @@ class _Hand:
         return self.data.oMf[self.model.getFrameId(link)].copy()
 
     def pads(self) -> list[str]:
-        """Return the links that grasp, in file order."""
+        """Return the links of the pads, in file order."""
         parents = {joint.parent for joint in self.urdf.joints}
         moved = [link for link in self.shapes if any(joint.kind != "fixed" for joint in joints_to(self.urdf, link))]
         ends = [
@@ -203,7 +208,8 @@ class _Hand:
         ]
         if len(ends) < 2:
             raise RobotModelError(
-                f"'{self.file.name}' has {len(ends)} finger links with collision shapes; a gripper has two fingers."
+                f"'{self.file.name}' has {len(ends)} finger links with collision shapes; a gripper needs two. "
+                "Add <collision> elements to the finger links."
             )
         up = np.array([[0.0, 0.0, 1.0]])
         ends.sort(key=lambda link: -float(extent_along(self.shapes[link], self.placement(link, {}), up)[1, 0]))
@@ -220,7 +226,10 @@ class _Hand:
         middles = [box.mean(axis=0) for box in boxes]
         y = (middles[1] - middles[0]) * (1.0, 1.0, 0.0)
         if np.linalg.norm(y) < 1e-3:
-            raise RobotModelError(f"The fingers of '{self.file.name}' are not side by side seen along z: {pads[0]}, {pads[1]}.")
+            raise RobotModelError(
+                f"The fingers {pads[0]} and {pads[1]} of '{self.file.name}' have no distance across z. "
+                "The z axis of the gripper base has to point along the fingers."
+            )
         y /= np.linalg.norm(y)
         z = np.array([0.0, 0.0, 1.0])
         inner = [extent_along(self.shapes[p], place, y[None])[:, 0] for p, place in zip(pads, places, strict=True)]

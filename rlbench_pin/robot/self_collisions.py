@@ -1,4 +1,4 @@
-"""Pairs of an arm's links whose collisions mean nothing, found by sampling configurations; the SRDF names them."""
+"""Detection of link pairs whose collisions are ignored, by sampling configurations; the SRDF contains these pairs."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from rlbench_pin.urdf import Follows, Urdf, format_srdf, read_urdf
 
 SAMPLES, SEED = 10000, 1
 NEAR = 0.01
-"""Pairs that never come nearer than this are never checked [m]."""
+"""Distance above which a pair in all samples is not checked [m]."""
 Reason = Literal["Adjacent", "Gripper", "Always", "Never"]
 Pair = tuple[str, str]
 
@@ -28,7 +28,7 @@ class _Tree:
     """The joints of a URDF."""
 
     parents: Mapping[str, tuple[str, str]]
-    """Link -> the joint above it and its parent link."""
+    """Link -> its parent joint and its parent link."""
     moving: frozenset[str]
     """Joints that are not fixed."""
     follows: Mapping[str, Follows]
@@ -48,17 +48,17 @@ class _Tree:
         return frozenset(a ^ b) & self.moving
 
     def gripper(self) -> frozenset[str]:
-        """Return the moving joints below the first link on which several of them hang."""
+        """Return the moving joints below the first link with several moving child joints."""
         above = {joint: [up for up, _ in self.above(parent) if up in self.moving] for joint, parent in self.parents.values()}
         serial = [a for a in self.moving if all(a == b or a in above[b] or b in above[a] for b in self.moving)]
         return self.moving - frozenset(serial)
 
 
 def sample_disabled_pairs(urdf: Path, samples: int = SAMPLES) -> list[tuple[str, str, Reason]]:
-    """Return pairs of links and why their collisions are ignored, sorted by name.
+    """Return pairs of links and the reasons why their collisions are ignored, sorted by name.
 
-    Ignored are pairs of links that one joint connects (links without shapes do not count), that only joints of the gripper move
-    against each other, that touch in every sampled configuration, and that touch in none.
+    Ignored are collisions between links that one joint connects (links without shapes are skipped), between links that only
+    gripper joints move relative to each other, and between links that touch in all sampled configurations, or in none.
     """
     tree = _tree_of(read_urdf(urdf))
     model = pin.buildModelFromUrdf(str(urdf))
@@ -110,7 +110,7 @@ def _hulls(model: pin.Model, urdf: Path) -> pin.GeometryModel:
 
 
 def _configurations(model: pin.Model, tree: _Tree, samples: int) -> FloatArray:
-    """Return random configurations (samples, nq) within the limits; joints that follow others do so."""
+    """Return random configurations (samples, nq) within the limits; mimic joints follow their drives."""
     rng = np.random.default_rng(SEED)
     names = list(model.names)[1:]
     angles: dict[str, FloatArray] = {}
@@ -138,7 +138,7 @@ def _touches(
     configurations: FloatArray,
     margin: float,
 ) -> dict[Pair, int]:
-    """Return in how many configurations shapes of each pair of links come nearer than `margin` [m]."""
+    """Return the number of configurations in which shapes of each pair of links are nearer than `margin` [m]."""
     shapes.removeAllCollisionPairs()
     owners: list[int] = []
     for number, (first, second) in enumerate(pairs):

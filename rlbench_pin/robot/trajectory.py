@@ -13,7 +13,7 @@ from rlbench_pin.values import as_array, as_finite, as_number, as_rows
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """Joint motion sampled finely in time, evaluated between the samples by cubic Hermite interpolation.
+    """A sampled joint motion, with cubic Hermite interpolation between the samples.
 
     `times` has shape (m,), [s], starts at 0 and increases; `q`, `v`, `a` have shape (m, nq), [rad], [rad/s], [rad/s^2].
     """
@@ -28,11 +28,11 @@ class Trajectory:
     """Accelerations (m, n), [rad/s^2]."""
 
     def __post_init__(self) -> None:
-        """Raise InvalidValue unless there is a sample, each is later than the last, and as many of all (also a ValueError)."""
+        """Raise InvalidValue unless there are samples at increasing times and all fields are equally long (also a ValueError)."""
         times = as_array(self.times, "Trajectory.times")
         as_finite(times, "Trajectory.times")
         if times.ndim != 1 or not len(times) or times[0] != 0.0 or (np.diff(times) <= 0.0).any():
-            raise InvalidValue("Trajectory.times", self.times, "has to have shape (m,), begin at 0 and increase")
+            raise InvalidValue("Trajectory.times", self.times, "has to have shape (m,), start at 0 and increase")
         q = as_array(self.q, "Trajectory.q")
         for name in ("q", "v", "a"):
             rows = as_rows(getattr(self, name), q.shape[-1] if q.ndim else 1, f"Trajectory.{name}")
@@ -47,7 +47,7 @@ class Trajectory:
         return float(self.times[-1])
 
     def sample(self, t: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return q, v, a at time `t` [s]; before the start and after the end the joints rest."""
+        """Return q, v, a at time `t` [s]; the joints are at rest before the start and after the end."""
         t = as_number(t, "the time t [s]", finite=False)
         if t < 0.0 or t > self.duration or len(self.times) == 1:
             q = self.q[0] if t < 0.0 else self.q[-1]

@@ -1,6 +1,6 @@
-"""Tasks: what a task file needs, and the classes of the library by name.
+"""Tasks: the API for task files, and the task classes of the library by name.
 
-`from rlbench_pin.tasks import ReachTarget` imports that one task and no other.
+`from rlbench_pin.tasks import ReachTarget` imports only that task.
 """
 
 from __future__ import annotations
@@ -117,7 +117,7 @@ __all__ = [
 ]
 
 _stored, _, _ = lazy.attach(__name__, submod_attrs={"stored": ["chosen_tasks_of", "keep_task", "keep_tasks", "stored_task"]})
-"""Looks up the names that need the libraries of datasets; these libraries are loaded when one of the names is first used."""
+"""Names that need the libraries of datasets; these libraries are imported when one of the names is first used."""
 
 if not TYPE_CHECKING:
 

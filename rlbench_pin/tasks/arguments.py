@@ -1,6 +1,6 @@
-"""Checks of arguments of tasks: objects that a world hands out, by the attributes that are used of them, and rotations.
+"""Checks of arguments of tasks: objects of a world, by the attributes that are used, and rotations.
 
-A wrong argument is refused when it is given, not when it is used. No simulator is imported for that.
+An invalid argument raises an error when it is passed, not when it is used. The checks import no simulator.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ ObjectT = TypeVar("ObjectT")
 Rotation = tuple[float, float, float]
 """Roll, pitch, yaw [rad]."""
 MAX_TURN = 1e3
-"""Rotations are at most so large [rad]."""
+"""Upper bound of rotations [rad]."""
 _BODY = "a body, such as `self.world.body(name)`"
 
 
 class ObjectKind(NamedTuple):
-    """A kind of object of a world."""
+    """A kind of object in a world."""
 
     words: str
-    """Its kind, and where a task finds one."""
+    """Name of the kind, with an example for a task."""
     attributes: tuple[str, ...]
-    """Its used attributes."""
+    """Attributes that are used."""
 
 
 BODY_OR_FRAME = ObjectKind("a body or a frame", ("name", "position"))
@@ -49,14 +49,14 @@ ROOTED_WORLD = ObjectKind("a world, such as `self.world`", ("place_root",))
 
 
 def as_object(value: ObjectT, kind: ObjectKind, what: str) -> ObjectT:
-    """Return `value`, or raise InvalidValue when it is not of a kind; `what` is the argument as users call it."""
+    """Return `value`, or raise InvalidValue if it is not of the kind; `what` is the name of the argument in the message."""
     if not all(hasattr(value, name) for name in kind.attributes):
         raise InvalidValue(what, value, f"has to be {kind.words}")
     return value
 
 
 def as_objects(values: Iterable[ObjectT], kind: ObjectKind, what: str) -> tuple[ObjectT, ...]:
-    """Return the entries of a list, or raise InvalidValue when it is none or one of them is not of a kind."""
+    """Return the entries of a list, or raise InvalidValue if it is not a list or an entry is not of the kind."""
     return tuple(as_object(entry, kind, f"entry {n} of {what}") for n, entry in enumerate(as_several(values, what)))
 
 
@@ -66,15 +66,15 @@ def as_rotations(low: ArrayLike, high: ArrayLike, lowest: str, highest: str) -> 
     Args:
         low: Lowest angles.
         high: Highest angles.
-        lowest: What the former are called.
-        highest: What the latter are called.
+        lowest: Name of `low` in messages.
+        highest: Name of `high` in messages.
     """
     first, last = as_vector(low, 3, lowest, most=MAX_TURN), as_vector(high, 3, highest, most=MAX_TURN)
     if (first > last).any():
-        raise InvalidValue(highest, high, f"has to be nowhere below {lowest}, {first.tolist()}")
+        raise InvalidValue(highest, high, f"has to be at least {lowest}, {first.tolist()}, in each entry")
     return first, last
 
 
 def has_extent(value: object) -> bool:
-    """Whether an object has an extent, as bodies have; frames, regions and sensors are points."""
+    """Return whether an object has an extent, as bodies do; frames, regions and sensors are points."""
     return hasattr(type(value), "bounds")

@@ -1,4 +1,4 @@
-"""Oriented boxes: the little geometry that placement needs."""
+"""Oriented boxes: geometry for placement."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class OrientedBox:
 
     @classmethod
     def of(cls, bounds: FloatArray, pose: FloatArray) -> OrientedBox:
-        """Put a local box with lowest and highest corner `bounds` (2, 3) [m] at a world pose (7,)."""
+        """Return the box with lowest and highest local corner `bounds` (2, 3) [m] at a world pose (7,)."""
         low, high = np.asarray(bounds, dtype=float)
         transform = pose_to_se3(pose)
         return cls(transform.act((low + high) / 2.0), np.array(transform.rotation), (high - low) / 2.0)
@@ -38,7 +38,7 @@ class OrientedBox:
         return self.center + (_CORNERS * self.half) @ self.axes.T
 
     def overlaps(self, other: OrientedBox) -> bool:
-        """Return whether two boxes share a point: no axis separates them."""
+        """Return whether two boxes overlap: no axis separates them."""
         if math.dist(self.middle, other.middle) > self.radius + other.radius:
             return False
         way = other.center - self.center
@@ -49,16 +49,16 @@ class OrientedBox:
 
     @cached_property
     def middle(self) -> list[float]:
-        """The centre as plain numbers, which are quicker to compare [m]."""
+        """The centre as plain numbers, for fast comparisons [m]."""
         return self.center.tolist()
 
     @cached_property
     def radius(self) -> float:
-        """Radius of the ball around the box [m]."""
+        """Radius of the bounding sphere of the box [m]."""
         return math.sqrt(self.half @ self.half)
 
 
 def rotated(rotation: FloatArray, quaternion: FloatArray) -> FloatArray:
-    """Apply roll, pitch, yaw [rad] on top of an orientation, about the axes it is given in."""
+    """Rotate an orientation by roll, pitch, yaw [rad] about the axes of its reference frame."""
     turn = pose_at((0.0, 0.0, 0.0), *rotation)
     return compose(turn, np.concatenate([np.zeros(3), quaternion]))[3:]

@@ -1,4 +1,4 @@
-"""Every condition that a task may register: questions about the present instant."""
+"""The conditions that a task may register; they are evaluated at the present instant."""
 
 from __future__ import annotations
 
@@ -48,9 +48,9 @@ __all__ = [
 
 
 class Condition(ABC):
-    """Answers yes or no for the present instant.
+    """A condition that is true or false at the present instant.
 
-    Conditions that remember something override `reset`, `state` and `set_state`.
+    Conditions with a memory override `reset`, `state` and `set_state`.
     """
 
     @abstractmethod
@@ -58,21 +58,21 @@ class Condition(ABC):
         """Return whether the condition holds now."""
 
     def reset(self) -> None:  # noqa: B027
-        """Forget what was remembered; called once the world of a new episode has settled."""
+        """Reset the memory; called after the world of a new episode has settled."""
 
     def state(self) -> object:
-        """Return what is remembered, as an immutable value."""
+        """Return the memory as an immutable value."""
         return None
 
     def set_state(self, state: object) -> None:  # noqa: B027
-        """Remember `state`, which `state()` returned before."""
+        """Restore a memory that `state()` returned."""
 
 
 class _Combined(Condition):
-    """Has members; passes reset and state on to them.
+    """A combination of members, to which it passes reset and state.
 
     Args:
-        members: The conditions, one at least.
+        members: The conditions, at least one.
     """
 
     def __init__(self, members: Sequence[Condition]) -> None:
@@ -81,14 +81,14 @@ class _Combined(Condition):
             as_record(member, Condition, f"entry {number} of {what}")  # type: ignore[type-abstract]
         self.members = tuple(members)
         if not self.members:
-            raise TaskError(f"{type(self).__name__} needs at least one condition.")
+            raise TaskError(f"{type(self).__name__} needs at least one condition. Pass some.")
 
     def _asked(self) -> list[bool]:
-        """Evaluate every member, so that those which keep count see every instant."""
+        """Evaluate all members, so that members with a memory see each instant."""
         return [member.met() for member in self.members]
 
     def reset(self) -> None:
-        """Reset every member."""
+        """Reset all members."""
         for member in self.members:
             member.reset()
 
@@ -103,10 +103,10 @@ class _Combined(Condition):
 
 
 class AllOf(_Combined):
-    """Holds while every member holds at the same instant."""
+    """Holds while all members hold at the same instant."""
 
     def met(self) -> bool:
-        """Return whether all members hold now; every one is evaluated."""
+        """Return whether all members hold now; all are evaluated."""
         return all(self._asked())
 
 
@@ -114,18 +114,18 @@ class AnyOf(_Combined):
     """Holds while at least one member holds."""
 
     def met(self) -> bool:
-        """Return whether a member holds now; every one is evaluated."""
+        """Return whether a member holds now; all are evaluated."""
         return any(self._asked())
 
 
 class InOrder(_Combined):
-    """Holds once every member has held in turn, and from then on until reset.
+    """Holds after all members have held in order, and then until reset.
 
-    Each evaluation passes as many consecutive members as hold right now and stops at the first that does not. What was
-    passed stays passed, so members need not hold together.
+    Each evaluation passes the consecutive members that hold now, and stops at the first that does not. Passed members stay
+    passed, so the members need not hold at the same time.
 
     Args:
-        members: The conditions in the order in which they have to hold, one at least.
+        members: The conditions in the order in which they have to hold, at least one.
     """
 
     def __init__(self, members: Sequence[Condition]) -> None:
@@ -133,39 +133,39 @@ class InOrder(_Combined):
         self.passed = 0
 
     def met(self) -> bool:
-        """Pass the members that hold now, in turn, and return whether all have been passed."""
+        """Pass the members that hold now, in order, and return whether all have been passed."""
         while self.passed < len(self.members) and self.members[self.passed].met():
             self.passed += 1
         return self.passed == len(self.members)
 
     def reset(self) -> None:
-        """Begin with the first member again."""
+        """Restart at the first member."""
         super().reset()
         self.passed = 0
 
     def state(self) -> tuple[object, ...]:
-        """Return how many members were passed, then the states of all."""
+        """Return the number of passed members, then the states of all."""
         return (self.passed, *super().state())
 
     def set_state(self, state: object) -> None:
-        """Set how many members were passed, and the states of all."""
+        """Set the number of passed members, and the states of all."""
         passed, *members = cast(tuple[object, ...], state)
         self.passed = cast(int, passed)
         super().set_state(tuple(members))
 
 
 def is_detected(element: Body | Frame, sensor: Sensor) -> bool:
-    """Return whether any part of a body touches the volume, or whether the origin of a frame lies in it."""
+    """Return whether a part of a body touches the volume, or whether the origin of a frame is in it."""
     return sensor.detects(element.name) if has_extent(element) else sensor.contains(element.position)
 
 
 class Detected(Condition):
-    """Holds while any part of a body touches the volume of a sensor; for a frame its origin must be inside.
+    """Holds while a part of a body touches the volume of a sensor; the origin of a frame must be inside.
 
     Args:
         element: A body or a frame.
         sensor: The volume.
-        negated: Invert the answer.
+        negated: Invert the result.
     """
 
     def __init__(self, element: Body | Frame, sensor: Sensor, negated: bool = False) -> None:
@@ -173,17 +173,17 @@ class Detected(Condition):
         self.negated = as_flag(negated, "negated")
 
     def met(self) -> bool:
-        """Return whether the object is detected now, or is not when negated."""
+        """Return whether the object is detected now, or not detected if negated."""
         return is_detected(self.element, self.sensor) != self.negated
 
 
 class DetectedSeveral(Condition):
-    """Holds while at least `count` of the objects are detected; which ones does not matter.
+    """Holds while at least `count` of the objects are detected.
 
     Args:
         elements: Bodies and frames.
         sensor: The volume.
-        count: How many, from 1 to all.
+        count: Minimum number of detected objects, from 1 to all.
     """
 
     def __init__(self, elements: Sequence[Body | Frame], sensor: Sensor, count: int) -> None:
@@ -191,7 +191,7 @@ class DetectedSeveral(Condition):
         self.count = as_whole(count, "count")
         if not 0 < self.count <= len(self.elements):
             raise TaskError(
-                f"DetectedSeveral asks for {count} of {len(self.elements)} elements; choose 1 to {len(self.elements)}."
+                f"DetectedSeveral has {len(self.elements)} elements, but count={count}. Choose 1 to {len(self.elements)}."
             )
 
     def met(self) -> bool:
@@ -200,10 +200,10 @@ class DetectedSeveral(Condition):
 
 
 class Aligned(Condition):
-    """Holds while every object is turned like a reference: roll, pitch and yaw in its frame are each at most `angle`.
+    """Holds while all objects have the orientation of a reference: roll, pitch and yaw in its frame are each at most `angle`.
 
     Args:
-        elements: Bodies and frames, one at least.
+        elements: Bodies and frames, at least one.
         reference: A body or a frame.
         angle: Largest roll, pitch and yaw, in either direction [rad].
     """
@@ -211,12 +211,12 @@ class Aligned(Condition):
     def __init__(self, elements: Sequence[Body | Frame], reference: Body | Frame, angle: float) -> None:
         self.elements = as_objects(elements, POSED, "elements")
         if not self.elements:
-            raise TaskError("Aligned needs at least one element.")
+            raise TaskError("Aligned needs at least one element. Pass some.")
         self.reference = as_object(reference, POSED, "reference")
         self.angle = as_number(angle, "angle [rad]", least=0.0)
 
     def met(self) -> bool:
-        """Return whether all objects are turned like the reference now."""
+        """Return whether all objects have the orientation of the reference now."""
         return all(self._largest_angle(element) <= self.angle for element in self.elements)
 
     def _largest_angle(self, element: Body | Frame) -> float:
@@ -246,17 +246,17 @@ MAX_STRIKES = 3
 
 
 class FollowPath(Condition):
-    """Holds once a body has visited all points in order, coming within half of `tolerance` of each.
+    """Holds after a body has visited all points in order, within half of `tolerance` of each.
 
-    Once the path has started, each evaluation with the body farther than `tolerance` from the next point is a strike.
-    A visited point clears the strikes. After `MAX_STRIKES` a further miss sets `lost`.
+    After the start of the path, each evaluation with the body farther than `tolerance` from the next point is a strike.
+    A visited point clears the strikes. After `MAX_STRIKES` strikes, the next one sets `lost`.
 
     Args:
-        body: What has to travel.
-        points: Way points, shape (n, 3), [m], in the coordinates of `frame`.
+        body: The moving body.
+        points: Points of the path, shape (n, 3), [m], in the coordinates of `frame`.
         frame: Frame of the points; None is the world.
         tolerance: Distance of a miss [m].
-        start_after_first: No strikes before the first point was visited.
+        start_after_first: Count no strikes before the first visited point.
     """
 
     def __init__(
@@ -275,7 +275,7 @@ class FollowPath(Condition):
         self.index, self.strikes, self.lost = 0, 0, False
 
     def met(self) -> bool:
-        """Advance over the points that the body is at now, and return whether all were visited."""
+        """Advance over the points at the present position of the body, and return whether all were visited."""
         first = True
         while self.index < len(self.points):
             distance = self._distance()
@@ -299,15 +299,15 @@ class FollowPath(Condition):
         return float(np.linalg.norm(self.body.position - point))
 
     def reset(self) -> None:
-        """Begin with the first point again, without strikes."""
+        """Restart at the first point, without strikes."""
         self.index, self.strikes, self.lost = 0, 0, False
 
     def state(self) -> tuple[int, int, bool]:
-        """Return the number of points visited, the strikes, and whether the path was lost."""
+        """Return the number of visited points, the strikes, and whether the path was lost."""
         return self.index, self.strikes, self.lost
 
     def set_state(self, state: object) -> None:
-        """Set the number of points visited, the strikes, and whether the path was lost."""
+        """Set the number of visited points, the strikes, and whether the path was lost."""
         self.index, self.strikes, self.lost = cast(tuple[int, int, bool], state)
 
 
@@ -329,7 +329,7 @@ class Grasped(Condition):
 
 
 class NothingGrasped(Condition):
-    """Holds while the gripper holds nothing; holding means the same as for `Grasped`.
+    """Holds while the gripper holds no body, in the sense of `Grasped`.
 
     Args:
         gripper: The gripper, `self.gripper`.
@@ -339,7 +339,7 @@ class NothingGrasped(Condition):
         self.gripper = as_object(gripper, GRIPPER, "gripper")
 
     def met(self) -> bool:
-        """Return whether the gripper holds nothing now."""
+        """Return whether the gripper holds no body now."""
         return not self.gripper.held
 
 
@@ -356,7 +356,7 @@ class HasColor(Condition):
         self.rgb = np.array(as_vector(rgb, 3, "rgb", most=1.0))
 
     def met(self) -> bool:
-        """Return whether the body shows the colour now."""
+        """Return whether the body has the colour now."""
         color = self.body.color
         return color is not None and np.allclose(np.asarray(color, dtype=float)[:3], self.rgb, rtol=0.0, atol=1e-9)
 
@@ -366,7 +366,7 @@ class JointMoved(Condition):
 
     Args:
         joint: The joint of an object.
-        distance: Travel to exceed, [rad] or [m].
+        distance: Minimum change of its value, [rad] or [m].
     """
 
     def __init__(self, joint: ObjectJoint, distance: float) -> None:
@@ -379,7 +379,7 @@ class JointMoved(Condition):
         return abs(float(self.joint.position) - self.start) > self.distance
 
     def reset(self) -> None:
-        """Take the present value of the joint as its start."""
+        """Use the present value of the joint as its start value."""
         self.start = float(self.joint.position)
 
     def state(self) -> float:
@@ -392,7 +392,7 @@ class JointMoved(Condition):
 
 
 class ListEmpty(Condition):
-    """Holds while a list that the task keeps has no entries left.
+    """Holds while a list of the task is empty.
 
     Args:
         items: The list itself; change it in place.
@@ -402,7 +402,7 @@ class ListEmpty(Condition):
         try:
             len(items)
         except Exception as error:  # of whatever it is
-            raise InvalidValue("items", items, "has to be a list, or something else that has a length") from error
+            raise InvalidValue("items", items, "has to be a list, or another object with a length") from error
         self.items = items
 
     def met(self) -> bool:

@@ -1,4 +1,4 @@
-"""Grasps: the part by which a body may be held, the easiest grasp from above in a tray, and free ways to a place on the table."""
+"""Grasps: graspable parts of a body, the easiest grasp from above in a tray, and free directions of approach on the table."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ if TYPE_CHECKING:
     from rlbench_pin.sim import Body, World
 
 SIDES = (0.0, -1.0, 1.0)
-"""Places of a body between the fingers: in the middle, or nearly at one of them."""
+"""Positions of a body between the fingers: in the middle, or close to one of them."""
 OPEN, FINGER = 0.028, 0.053
-"""How far the middle of the gripper may be from a side of a body, and from the middle of an open finger [m]."""
+"""Maximum distance of the middle of the gripper from a side of a body, and from the middle of an open finger [m]."""
 PAD = np.array([0.014, 0.016])
-"""Half size of the place that a finger needs, along its breadth and its thickness [m]."""
+"""Half size of the space for a finger, along its width and its thickness [m]."""
 CORNERS = np.array([[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]])
 FARTHEST = 1e3
-"""Coordinates and turns are at most so large [m], [rad]."""
+"""Upper bound of coordinates [m] and angles [rad]."""
 ANGLES = 24
-"""Turns of the gripper that are compared."""
+"""Number of compared yaw angles of the gripper."""
 
 
 def graspable_part(world: World, name: str) -> tuple[Body, str]:
-    """Return the body that `body` or `body/link` names, and the link by which alone it may be held, empty for all.
+    """Return the body of `body` or `body/link`, and the only link by which it may be held; empty for all links.
 
     Raises:
         UnknownName: There is no such body, or it has no such link.
@@ -47,15 +47,15 @@ class TopGrasp:
     """A grasp from above."""
 
     cost: float
-    """How wide the body is between the fingers, half of how far from their middle, and tenfold how far the fingers stand in
-    a wall or in another body [m]."""
+    """Cost: the width of the body between the fingers, plus half its distance from their middle, plus ten times the penetration
+    of the fingers into a wall or another body [m]."""
     position: FloatArray
     """Middle between the fingers (3,) in the world [m], at the height of the body."""
     angle: float
-    """Turn of the gripper about the vertical [rad]."""
+    """Yaw of the gripper about the vertical [rad]."""
 
     def tip_pose(self, height: float | None = None) -> FloatArray:
-        """Return the tip pose (7,) in the world, at a height [m] if one is given."""
+        """Return the tip pose (7,) in the world, at a height [m] if it is given."""
         x, y, z = self.position
         turn = self.angle / 2.0
         return np.array([x, y, z if height is None else height, -np.sin(turn), np.cos(turn), 0.0, 0.0])
@@ -63,15 +63,15 @@ class TopGrasp:
 
 @dataclass(frozen=True, eq=False)
 class Tray:
-    """A tray that the fingers must stay inside."""
+    """A tray in which the fingers must stay."""
 
     pose: FloatArray
-    """Pose (7,) in the world; it is turned about the vertical alone."""
+    """Pose (7,) in the world; rotations are only about the vertical."""
     half: FloatArray
     """Half size (2,) of its inside [m]."""
 
     def __post_init__(self) -> None:
-        """Keep arrays, or raise InvalidValue for an invalid pose or size."""
+        """Convert to arrays, or raise InvalidValue for an invalid pose or size."""
         as_pose(self.pose, "Tray.pose")
         object.__setattr__(self, "pose", as_vector(self.pose, 7, "Tray.pose"))
         object.__setattr__(self, "half", as_vector(self.half, 2, "Tray.half"))
@@ -80,24 +80,24 @@ class Tray:
 
 
 def easiest_top_grasp(wanted: Sequence[Body], bodies: Sequence[Body], tray: Tray) -> TopGrasp:
-    """Return the grasp that is easiest: across a narrow side, with space for the fingers.
+    """Return the easiest grasp: across a narrow side, with space for the fingers.
 
     Args:
-        wanted: Bodies that may be gripped.
-        bodies: Everything that lies in the tray, the wanted ones included.
-        tray: Where they lie.
+        wanted: Bodies to grasp.
+        bodies: All bodies in the tray, including `wanted`.
+        tray: The tray.
 
     Raises:
-        BoundaryError: Nothing is wanted.
-        InvalidValue: Something is not a body or tray, or a wanted body is not among the bodies.
+        BoundaryError: `wanted` is empty.
+        InvalidValue: An argument is not a body or tray, or a wanted body is not in `bodies`.
     """
     wanted, bodies = as_objects(wanted, BODY_WITH_EXTENT, "wanted"), as_objects(bodies, BODY_WITH_EXTENT, "bodies")
     as_record(tray, Tray, "tray")
     names = [body.name for body in bodies]
     if missing := [body.name for body in wanted if body.name not in names]:
-        raise InvalidValue("wanted", missing, f"has to be some of the bodies, {', '.join(names) or 'of which there are none'}")
+        raise InvalidValue("wanted", missing, f"has to be a subset of `bodies` ({', '.join(names) or 'empty'})")
     if not wanted:
-        raise BoundaryError("There is no body to grip. Ask for a grasp while something is left.")
+        raise BoundaryError("There is no body to grasp, `wanted` is empty. Call easiest_top_grasp only while bodies are left.")
     angles = np.arange(ANGLES) * np.pi / ANGLES
     turns = np.moveaxis(_turn_by(angles), -1, 0)
     boxes = {body.name: _flat_boxes(body, turns) for body in bodies}
@@ -108,20 +108,20 @@ def easiest_top_grasp(wanted: Sequence[Body], bodies: Sequence[Body], tray: Tray
 def free_direction(
     place: FloatArray, directions: Iterable[float], others: Iterable[FloatArray], half_width: float, length: float
 ) -> float | None:
-    """Return the first direction in which the lane that ends at a place is free of other objects.
+    """Return the first direction in which the lane to a position is free of other objects.
 
     Args:
-        place: Where the gripper wants to come to, its x and y (2,) in the world [m].
-        directions: Headings of the gripper to try, best first [rad].
-        others: x and y (2,) of what may be in the way [m]; the place itself is never in its own way.
+        place: Target of the gripper, x and y (2,) in the world [m].
+        directions: Directions of the gripper to try, best first [rad].
+        others: x and y (2,) of possible obstacles [m]; an obstacle at `place` is ignored.
         half_width: Half width of the lane [m].
-        length: Length of the lane before the place [m].
+        length: Length of the lane before `place` [m].
 
     Returns:
-        The direction [rad], or None when every lane is taken.
+        The direction [rad], or None if no lane is free.
 
     Raises:
-        InvalidValue: Something is not a place, direction or length.
+        InvalidValue: An argument is not a position, direction or length.
     """
     place = as_vector(place, 2, "place", most=FARTHEST)
     half_width, length = as_number(half_width, "half_width", least=0.0), as_number(length, "length", least=0.0)
@@ -136,12 +136,12 @@ def free_direction(
 
 
 def _entries(values: object, what: str) -> tuple[Any, ...]:
-    """Return what a list holds, or the rows of an array."""
+    """Return the entries of a list, or the rows of an array."""
     return tuple(values) if isinstance(values, np.ndarray) and values.ndim else as_several(values, what)
 
 
 def _flat_boxes(body: Body, turns: FloatArray) -> FloatArray:
-    """Return the boxes (n, 2, 2), [[min], [max]] each, around a body seen from above along the axes of turned grippers [m]."""
+    """Return the boxes (n, 2, 2), [[min], [max]] each, around a body from above along the axes of rotated grippers [m]."""
     directions = np.zeros((len(turns), 2, 3))
     directions[:, :, :2] = turns.transpose(0, 2, 1)
     return body.extent_along(directions.reshape(-1, 3)).reshape(2, len(turns), 2).transpose(1, 0, 2)
@@ -150,15 +150,15 @@ def _flat_boxes(body: Body, turns: FloatArray) -> FloatArray:
 def _best_grasp(
     body: Body, side: float, angles: FloatArray, turns: FloatArray, boxes: Mapping[str, FloatArray], tray: Tray
 ) -> TopGrasp:
-    """Return the easiest grasp of a body that is in the middle of the gripper or nearly at one of the fingers.
+    """Return the easiest grasp of a body in the middle of the gripper or close to one of the fingers.
 
     Args:
-        body: What is gripped.
+        body: The body.
         side: One of `SIDES`.
         angles: Yaws of the gripper to score (n,) [rad].
-        turns: The same as rotations (n, 2, 2).
-        boxes: Box around each body in the axes of each turned gripper (n, 2, 2) [m].
-        tray: Where they lie.
+        turns: The yaws as rotations (n, 2, 2).
+        boxes: Box around each body in the axes of each rotated gripper (n, 2, 2) [m].
+        tray: The tray.
     """
     position = body.position
     low, high = boxes[body.name][:, :, 1].T
@@ -181,11 +181,11 @@ def _turn_by(angle: float | FloatArray) -> FloatArray:
 
 
 def _depth_in_walls(corners: FloatArray, half: FloatArray) -> FloatArray:
-    """Return how far two fingers, their corners (n, 2, 4, 2) given in the axes of the tray, stand in its walls (n,) [m]."""
+    """Return the penetration (n,) of two fingers into the walls of the tray; corners (n, 2, 4, 2) in its axes [m]."""
     return np.maximum(np.abs(corners) - half, 0.0).max(axis=(2, 3)).sum(axis=1)
 
 
 def _depth_in_box(fingers: FloatArray, box: FloatArray) -> FloatArray:
-    """Return how far two fingers (n, 2, 2) stand in a box (n, 2, 2) [[min], [max]], all in the axes of the gripper (n,) [m]."""
+    """Return the penetration (n,) of two fingers (n, 2, 2) into a box (n, 2, 2) [[min], [max]], in gripper axes [m]."""
     depth = np.minimum(box[:, 1:] - fingers, fingers - box[:, :1]) + PAD
     return np.maximum(depth.min(axis=-1), 0.0).sum(axis=1)

@@ -1,4 +1,4 @@
-"""The named colours that variations are made of."""
+"""The named colours of variations."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Rgb = tuple[float, float, float]
 
 
 class Color(NamedTuple):
-    """A colour with the word that instructions use; unpacks to `name, rgb`."""
+    """A colour with its name in instructions; unpacks to `name, rgb`."""
 
     name: str
     rgb: Rgb
@@ -42,27 +42,27 @@ COLORS: tuple[Color, ...] = (
     Color("black", (0.0, 0.0, 0.0)),
     Color("white", (1.0, 1.0, 1.0)),
 )
-"""The 20 colours; the place in the tuple is the variation."""
+"""The 20 colours; the index in the tuple is the variation."""
 
 BUTTON_COLORS: tuple[Color, ...] = tuple(color for color in COLORS if color.name not in ("red", "lime"))
-"""The 18 colours of button bases: all but those a button cap has before and after it is pressed."""
+"""The 18 colours of button bases: all except those of a button cap before and after it is pressed."""
 
 
 def distractor_colors(rng: np.random.Generator, goal: int, count: int) -> tuple[Color, ...]:
-    """Draw `count` different colours, none of them `COLORS[goal]`."""
+    """Draw `count` different colours except `COLORS[goal]`."""
     as_record(rng, np.random.Generator, "rng")
     goal, count = as_whole(goal, "goal"), as_whole(count, "count", least=0, most=len(COLORS) - 1)
     if not 0 <= goal < len(COLORS):
-        raise TaskError(f"There is no colour {goal}; the palette has 0 to {len(COLORS) - 1}.")
+        raise TaskError(f"There is no colour {goal}. Choose 0 to {len(COLORS) - 1}.")
     others = [i for i in range(len(COLORS)) if i != goal]
     return tuple(COLORS[i] for i in rng.choice(others, size=count, replace=False))
 
 
 def fill_up_colors(rng: np.random.Generator, asked: Sequence[Color], count: int, palette: Sequence[Color]) -> list[Color]:
-    """Return `count` colours: those asked for, then different ones drawn from the other colours of a palette.
+    """Return `count` colours: the given ones, then different ones drawn from the other colours of a palette.
 
     Raises:
-        InvalidValue: Fewer are wanted than were asked for, or more than there are.
+        InvalidValue: `count` is below the number of given colours, or above the number of available ones.
     """
     as_record(rng, np.random.Generator, "rng")
     asked, palette = (tuple(as_record(c, Color, "a colour") for c in as_several(x, "colours")) for x in (asked, palette))

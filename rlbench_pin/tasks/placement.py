@@ -1,4 +1,4 @@
-"""Random places: of bodies and frames inside regions, without letting them touch, and of the whole task on the table."""
+"""Random placement: of bodies and frames in regions without contact, and of the whole task on the table."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ if TYPE_CHECKING:
 
 
 MAX_SAMPLES, MAX_LAYOUTS = 100, 200
-"""Places that are tried for one object, and layouts of several objects."""
+"""Maximum number of poses to try for one object, and of layouts of several objects."""
 NO_ROTATION: Rotation = (0.0, 0.0, 0.0)
 ANY_YAW: tuple[Rotation, Rotation] = ((0.0, 0.0, -3.14), (0.0, 0.0, 3.14))
 
 
 class SpawnBoundary:
-    """Places objects inside one or several regions without letting them touch.
+    """Places objects in one or several regions without contact.
 
     Args:
         regions: Rectangles (height 0) or boxes.
 
     Raises:
-        InvalidValue: Something is not a region.
-        TaskError: There is none.
+        InvalidValue: An entry is not a region.
+        TaskError: `regions` is empty.
     """
 
     def __init__(self, regions: Iterable[Region]) -> None:
@@ -45,15 +45,15 @@ class SpawnBoundary:
         self._placed: list[tuple[str, OrientedBox, FloatArray]] = []
 
     def clear(self) -> None:
-        """Forget what was placed; call it at the start of every episode."""
+        """Forget the placed objects; call this at the start of each episode."""
         self._placed.clear()
 
     def state(self) -> tuple[tuple[str, OrientedBox, FloatArray], ...]:
-        """Return what was placed since the last `clear`."""
+        """Return the objects placed since the last `clear`."""
         return tuple(self._placed)
 
     def set_state(self, state: tuple[tuple[str, OrientedBox, FloatArray], ...]) -> None:
-        """Remember as placed what `state()` returned before."""
+        """Restore the placed objects that `state()` returned."""
         self._placed[:] = state
 
     def sample(
@@ -67,23 +67,23 @@ class SpawnBoundary:
         apart: Mapping[str, float] | None = None,
         ignore_collisions: bool = False,
     ) -> None:
-        """Move a body or a frame to a random place.
+        """Move a body or a frame to a random pose.
 
-        A region is drawn by its area (or volume), then a rotation on top of the present one, then a place at which the turned
-        bounding box fits. A rectangle leaves the height as it is.
+        A region is drawn by its area (or volume), then a rotation relative to the present one, then a position at which the
+        rotated bounding box fits. A rectangle does not change the height.
 
         Args:
             element: Body or frame to place.
             rng: Random generator.
             min_rotation: Lowest roll, pitch, yaw in the axes of the region [rad].
             max_rotation: Highest roll, pitch, yaw [rad].
-            min_distance: Least distance between origins of objects placed by this boundary [m].
-            apart: Larger distances from some of them, by name [m].
-            ignore_collisions: Ignore all that this boundary has placed already.
+            min_distance: Minimum distance between origins of objects placed by this boundary [m].
+            apart: Larger minimum distances from some of them, by name [m].
+            ignore_collisions: Ignore the objects that this boundary has placed.
 
         Raises:
-            BoundaryError: No place was found in `MAX_SAMPLES` tries.
-            InvalidValue: Something is not a body, generator, rotation or distance.
+            BoundaryError: No pose was found in `MAX_SAMPLES` attempts.
+            InvalidValue: An argument is not a body, generator, rotation or distance.
         """
         as_object(element, MOVABLE, "element")
         as_record(rng, np.random.Generator, "rng")
@@ -102,7 +102,7 @@ class SpawnBoundary:
         apart: Mapping[str, float],
         ignore_collisions: bool = False,
     ) -> None:
-        """Do what `sample` does, when all has been checked."""
+        """Place an object as `sample` does, without checks of the arguments."""
         start, bounds, too_big = np.array(element.pose), _bounds(element), 0
         for _ in range(MAX_SAMPLES):
             pose = _draw_pose(self._draw_region(rng), bounds, start, rng.uniform(*rotations), rng)
@@ -124,17 +124,17 @@ class SpawnBoundary:
         min_distance: float = 0.01,
         accept: Callable[[], bool] | None = None,
     ) -> None:
-        """Forget what was placed and place objects one after another, anew until the layout is accepted.
+        """Forget the placed objects, and place objects in order; repeat until the layout is accepted.
 
         Args:
             elements: Bodies and frames to place, each at any yaw.
             rng: Random generator.
-            min_distance: Least distance between their origins [m].
-            accept: Asked after each layout whether it will do; None takes the first.
+            min_distance: Minimum distance between their origins [m].
+            accept: Function that is called after each layout and returns whether to accept it; None accepts the first.
 
         Raises:
-            BoundaryError: An object found no place, or none of `MAX_LAYOUTS` layouts was accepted.
-            InvalidValue: Something is not a body, generator, distance or function.
+            BoundaryError: An object has no valid pose, or none of `MAX_LAYOUTS` layouts was accepted.
+            InvalidValue: An argument is not a body, generator, distance or function.
         """
         elements = as_objects(elements, MOVABLE, "elements")
         as_record(rng, np.random.Generator, "rng")
@@ -148,7 +148,9 @@ class SpawnBoundary:
             if accept is None or accept():
                 return
         names = ", ".join(element.name for element in elements)
-        raise BoundaryError(f"None of {MAX_LAYOUTS} layouts of {names} was accepted. Enlarge the regions or ask for less space.")
+        raise BoundaryError(
+            f"None of {MAX_LAYOUTS} layouts of {names} was accepted. Enlarge the regions, or place fewer objects."
+        )
 
     def _draw_region(self, rng: np.random.Generator) -> Region:
         return self._regions[int(rng.choice(len(self._regions), p=self._weights)) if len(self._regions) > 1 else 0]
@@ -171,9 +173,9 @@ class SpawnBoundary:
 
 
 def clearance(element: Body | Frame, others: Iterable[Body | Frame]) -> float:
-    """Return the least horizontal distance between the origin of an object and those of others [m]; itself does not count.
+    """Return the smallest horizontal distance between the origin of an object and those of other objects [m].
 
-    Infinity where there are no others.
+    The object itself is ignored. Infinity without other objects.
     """
     as_object(element, MOVABLE, "element")
     others = as_objects(others, MOVABLE, "others")
@@ -191,7 +193,7 @@ def _measure(region: Region) -> float:
 
 
 def _bounds(element: Body | Frame) -> FloatArray:
-    """Local bounding box (2, 3) [m]; a frame is a point."""
+    """Return the local bounding box (2, 3) [m]; a frame is a point."""
     if not has_extent(element):
         return np.zeros((2, 3))
     return np.asarray(cast("Body", element).bounds(), dtype=float)
@@ -200,7 +202,7 @@ def _bounds(element: Body | Frame) -> FloatArray:
 def _draw_pose(
     region: Region, bounds: FloatArray, start: FloatArray, rotation: FloatArray, rng: np.random.Generator
 ) -> FloatArray | None:
-    """Draw a world pose at which the turned bounding box lies in the region; None when it cannot."""
+    """Draw a world pose at which the rotated bounding box is in the region; None if it does not fit."""
     T_world_region = pose_to_se3(region.pose)
     T_region_thing = T_world_region.actInv(pose_to_se3(start))
     place = np.array(T_region_thing.translation)
@@ -219,7 +221,7 @@ def _draw_pose(
 
 
 MAX_TURNS = 100
-"""Orientations of the task that are tried."""
+"""Maximum number of orientations of the task to try."""
 
 
 @dataclass(frozen=True)
@@ -245,21 +247,21 @@ PLACEMENT_AREA = PlacementArea()
 
 
 def place_task(world: World, rng: np.random.Generator, bounds: tuple[Rotation, Rotation] = ANY_YAW) -> None:
-    """Place the task root at random in the placement area; only its footprint has to fit.
+    """Move the task root to a random pose in the placement area; only its footprint has to fit.
 
     Args:
-        world: The world whose root is moved, with all its descendants.
+        world: The world whose task root is moved, with all descendants.
         rng: Random generator.
-        bounds: Lowest and highest roll, pitch, yaw on top of the nominal orientation [rad].
+        bounds: Lowest and highest roll, pitch, yaw relative to the nominal orientation [rad].
 
     Raises:
         BoundaryError: The footprint does not fit at any of `MAX_TURNS` drawn orientations.
-        InvalidValue: Something is not a world, generator or pair of rotations.
+        InvalidValue: An argument is not a world, generator or pair of rotations.
     """
     as_object(world, ROOTED_WORLD, "world")
     as_record(rng, np.random.Generator, "rng")
     if len(items_of(bounds)) != 2:
-        raise InvalidValue("bounds", bounds, "has to be the lowest and the highest roll, pitch, yaw", "They are in radians.")
+        raise InvalidValue("bounds", bounds, "has to be the lowest and the highest roll, pitch, yaw", "Pass radians.")
     rotations = as_rotations(*bounds, "bounds[0]", "bounds[1]")
     nominal = np.array(world.spec.placement.pose)
     low, high = footprint(world)
@@ -280,7 +282,7 @@ def place_task(world: World, rng: np.random.Generator, bounds: tuple[Rotation, R
 
 
 def swap_places(first: Body, second: Body) -> None:
-    """Exchange x and y of two bodies; heights and orientations stay."""
+    """Exchange x and y of two bodies; heights and orientations do not change."""
     as_object(first, MOVABLE, "first")
     as_object(second, MOVABLE, "second")
     pose, other = np.array(first.pose), np.array(second.pose)
@@ -290,7 +292,7 @@ def swap_places(first: Body, second: Body) -> None:
 
 
 def footprint(world: World) -> tuple[FloatArray, FloatArray]:
-    """Return the lowest and highest x, y of the patch that has to fit, in the root frame, each of shape (2,) [m]."""
+    """Return the lowest and highest x, y of the footprint in the root frame, each of shape (2,) [m]."""
     placement = world.spec.placement
     if placement.footprint is not None:
         half, center = np.array(placement.footprint) / 2.0, np.array(placement.footprint_center)

@@ -1,4 +1,4 @@
-"""Task classes and where they come from: the library, other packages, and task files, with the files that make one up."""
+"""Lookup of task classes in the library, other packages and task files, and the files of a task."""
 
 from __future__ import annotations
 
@@ -23,26 +23,28 @@ from rlbench_pin.urdf import read_urdf
 from rlbench_pin.values import as_path, as_several, as_text
 
 OwnTasks = Mapping[str, type[Task]]
-"""Task name -> class that the user named a file of."""
+"""Task name -> class from a task file of the user."""
 _PREFIX = "rlbench_pin_task_"
-"""How the modules of task files are called."""
+"""Prefix of the module names of task files."""
 _NAMED_IN_OBJ = re.compile(rb"^mtllib[ \t]+(\S+)", re.MULTILINE)
 _NAMED_IN_MTL = re.compile(rb"^map_\w+[ \t]+(\S+)", re.MULTILINE)
 
 
 def load_task_file(path: str | PathLike[str]) -> type[Task]:
-    """Run a file outside the package, with its scene file beside it, and return its task class; unchanged files are run once.
+    """Execute a task file outside the package and return its task class; unchanged files are executed once.
+
+    The scene file must be in the same folder.
 
     Args:
         path: The Python file.
 
     Raises:
-        TaskError: The file does not exist, cannot be run, or holds no task class named after it.
+        TaskError: The file does not exist, cannot be executed, or contains no task class with the name of the file.
     """
     path = as_path(path, "path").resolve()
     if not path.is_file():
         near = path.with_name(f"{path.name}.py")
-        advice = f"Did you mean '{near}'?" if near.is_file() else "`rlbench-pin new` makes one."
+        advice = f"Did you mean '{near}'?" if near.is_file() else "`rlbench-pin new` creates one."
         raise TaskError(f"Task file '{path}' does not exist. {advice}")
     if path.suffix != ".py":
         raise TaskError(f"Task file '{path}' is not a Python file. Its name must end with `.py`.")
@@ -54,58 +56,58 @@ def load_task_file(path: str | PathLike[str]) -> type[Task]:
 
 
 def camel_case(name: str) -> str:
-    """Turn `reach_target` into `ReachTarget`."""
+    """Convert `reach_target` to `ReachTarget`."""
     return "".join(word.capitalize() for word in as_text(name, "name").split("_"))
 
 
 def name_fault(name: str) -> str:
-    """Return why a new task cannot be called so, with what to do; "" where it can."""
+    """Return why a new task cannot have this name, with the next step; "" if it can."""
     if not re.fullmatch(NAME_PATTERN, name):
-        return "it is not a name of a task. Use small letters, digits and underscores, a letter first."
+        return "it is not a valid task name. Use lower-case letters, digits and underscores, starting with a letter."
     if iskeyword(name) or iskeyword(camel_case(name)):
-        return "it is a word of Python's own. Choose another name."
+        return "it is a keyword of Python. Choose another name."
     if camel_case(name) in sys.modules["rlbench_pin.tasks"].__all__:
         return f"its class would hide rlbench_pin.tasks.{camel_case(name)}, which task files import. Choose another name."
     return ""
 
 
 def class_in(module: ModuleType, name: str) -> type[Task]:
-    """Return the task class of that name in a module.
+    """Return the task class with a given name in a module.
 
     Raises:
-        TaskError: There is none.
+        TaskError: There is no such class.
     """
     found = getattr(module, name, None)
     if isinstance(found, type) and issubclass(found, Task):
         return found
-    raise TaskError(f"'{module.__file__}' holds no class '{name}' derived from Task. Name the class after its file.")
+    raise TaskError(f"'{module.__file__}' contains no class '{name}' derived from Task. Name the class after its file.")
 
 
 def checked_class(task: object) -> type[Task]:
     """Return a task class, or raise InvalidValue."""
     if not isinstance(task, type) or not issubclass(task, Task):
-        raise InvalidValue("task", task, "has to be a task class", "`find_task(name)` returns one.")
+        raise InvalidValue("task", task, "has to be a task class", "Pass `find_task(name)`.")
     return task
 
 
 def is_task_file(task: type[Task]) -> bool:
-    """Whether a task was loaded from a file by `load_task_file`."""
+    """Return whether a task was loaded from a file by `load_task_file`."""
     return checked_class(task).__module__.startswith(_PREFIX)
 
 
 def is_of_library(task: type[Task]) -> bool:
-    """Whether a task is one of the library."""
+    """Return whether a task belongs to the library."""
     return task.__module__.startswith("rlbench_pin.tasks.library.")
 
 
 def task_files(task: type[Task]) -> dict[str, Path]:
-    """Return the files that make up a task: its Python file, its scene, and models and images of its own that the scene names.
+    """Return the files of a task: its Python file, its scene, and its own models and images in the scene.
 
     Returns:
-        Path below the folder of the task file, with slashes -> file. What lies elsewhere is left out.
+        Path below the folder of the task file, with slashes -> file. Files outside that folder are omitted.
 
     Raises:
-        SceneFileError: The scene file is missing or wrong.
+        SceneFileError: The scene file is missing or invalid.
     """
     scene = task.scene_file().resolve()
     folder = scene.parent
@@ -119,38 +121,38 @@ def task_files(task: type[Task]) -> dict[str, Path]:
 
 
 def digests(files: dict[str, Path]) -> dict[str, str]:
-    """Return the SHA-256 of each file, by the same names."""
+    """Return the SHA-256 of each file, with the same keys."""
     return {name: _digest(file.read_bytes()) for name, file in files.items()}
 
 
 def own_tasks(files: Iterable[str | PathLike[str]]) -> dict[str, type[Task]]:
-    """Load task files that the user names, and return their classes by task name.
+    """Load the task files of the user, and return their classes by task name.
 
     Raises:
-        TaskError: A file cannot be loaded, or two are of one name.
+        TaskError: A file cannot be loaded, or two tasks have the same name.
     """
     found: dict[str, type[Task]] = {}
     for file in as_several(files, "files"):
         task = load_task_file(file)
         if found.setdefault(task.get_name(), task) is not task:
-            raise TaskError(f"Two task files are called '{task.get_name()}'; the second is '{file}'. Name one of them.")
+            raise TaskError(f"Two task files have the name '{task.get_name()}'; the second is '{file}'. Pass only one of them.")
     return found
 
 
 def task_reference(task: type[Task]) -> str:
-    """Return the text by which another process finds a task: its name, or the absolute path of its file."""
+    """Return a reference to a task for other processes: its name, or the absolute path of its file."""
     return str(task.scene_file().with_suffix(".py").resolve()) if is_task_file(task) else task.get_name()
 
 
 def task_digest(task: type[Task]) -> str:
-    """Return one text that changes with any file of a task that is not in the library; empty for those of the library."""
+    """Return a digest of all files of a task outside the library; empty for tasks of the library."""
     checked_class(task)
     return "" if is_of_library(task) else " ".join(f"{n}:{s}" for n, s in sorted(digests(task_files(task)).items()))
 
 
 @lru_cache(maxsize=64)
 def _load(path: Path, content: bytes) -> type[Task]:
-    """Run the bytes of a file. They are compiled here: Python's own import might take stale or foreign bytecode beside it."""
+    """Execute the content of a file. It is compiled here, because an import could use stale or foreign bytecode."""
     name = f"{_PREFIX}{path.stem}_{_digest(bytes(path) + content)[:12]}"
     module = ModuleType(name)
     module.__file__ = str(path)
@@ -166,7 +168,7 @@ def _load(path: Path, content: bytes) -> type[Task]:
 
 
 def _line(error: BaseException, path: Path) -> str:
-    """Say in which line of the file an error was raised."""
+    """Return the line of the file in which an error was raised, as text."""
     found, trace = 0, error.__traceback__
     while trace is not None:
         if trace.tb_frame.f_code.co_filename == str(path):
@@ -176,7 +178,7 @@ def _line(error: BaseException, path: Path) -> str:
 
 
 def _model_files(urdf: Path) -> list[Path]:
-    """Return a URDF file and the meshes and images that it leads to, as far as they exist."""
+    """Return a URDF file and its existing meshes and images."""
     try:
         read = read_urdf(urdf)
     except (AssetNotFound, AssetInvalid):
@@ -204,12 +206,12 @@ LIST_COMMAND = "rlbench-pin list"
 
 @lru_cache(maxsize=1)
 def library_names() -> tuple[str, ...]:
-    """Return the names of the tasks of the library: its scene files."""
+    """Return the names of the tasks in the library, from its scene files."""
     return tuple(sorted(file.stem for file in LIBRARY.glob("*.toml")))
 
 
 def task_names() -> tuple[str, ...]:
-    """Return the names of all tasks: those of the library, then those that other packages bring, each in alphabetical order."""
+    """Return the names of all tasks: of the library, then of other packages, each in alphabetical order."""
     return (*library_names(), *_plugins().tasks)
 
 
@@ -217,11 +219,11 @@ def task_class(name: str) -> type[Task]:
     """Return the class of a task.
 
     Args:
-        name: `reach_target` or `ReachTarget`, of the library or of a package that brings tasks.
+        name: `reach_target` or `ReachTarget`, of the library or of another package.
 
     Raises:
-        UnknownName: No task is called so; proposes the nearest name.
-        TaskError: The package that brings it is broken, or two packages claim the name.
+        UnknownName: There is no task with this name; the message proposes the most similar one.
+        TaskError: The package of the task is broken, or two packages have a task with this name.
     """
     if not isinstance(name, str):
         raise UnknownName("task", name, task_names(), LIST_COMMAND)
@@ -238,7 +240,7 @@ def task_class(name: str) -> type[Task]:
 
 @lru_cache(maxsize=256)
 def _library_class(stem: str) -> type[Task]:
-    """Return a class of the library: that of its Python file or, without one, that of the task that its scene names as base."""
+    """Return a class of the library: from its Python file or, without one, of the base task in its scene."""
     scene = LIBRARY / f"{stem}.toml"
     if scene.with_suffix(".py").is_file():
         return class_in(importlib.import_module(f"rlbench_pin.tasks.library.{stem}"), camel_case(stem))
@@ -250,7 +252,7 @@ def _library_class(stem: str) -> type[Task]:
 
 
 def source_files(task: type[Task]) -> tuple[Path, ...]:
-    """Return the Python files of a task and of the tasks that it extends, the scenes beside them, its own scene and its base."""
+    """Return the Python files of a task and of the tasks that it extends, their scenes, its own scene and its base."""
     python = [Path(inspect.getfile(kind)) for kind in checked_class(task).__mro__ if kind is not Task and issubclass(kind, Task)]
     scenes = [*(file.with_suffix(".toml") for file in python), task.scene_file()]
     bases = [scene.with_name(f"{base}.toml") for scene in scenes if (base := read_scene(scene).base)]
@@ -258,11 +260,11 @@ def source_files(task: type[Task]) -> tuple[Path, ...]:
 
 
 def find_task(name: str | PathLike[str]) -> type[Task]:
-    """Return the task of that name, or the one in a file: a path, or a text that ends with `.py` or has a folder in it.
+    """Return the class of a task by name or by file: a path, or a text that ends with `.py` or contains a folder.
 
     Raises:
-        UnknownName: No task is called so.
-        TaskError: The file does not exist, cannot be loaded, or holds no task class named after it.
+        UnknownName: There is no task with this name.
+        TaskError: The file does not exist, cannot be loaded, or contains no task class with the name of the file.
     """
     if not isinstance(name, str | PathLike):
         raise UnknownName("task", name, task_names(), LIST_COMMAND)
@@ -272,13 +274,13 @@ def find_task(name: str | PathLike[str]) -> type[Task]:
 
 
 def task_origin(name: str) -> str:
-    """Return the package that brings a task, with its version; empty for those of the library."""
+    """Return the package of a task with its version; empty for tasks of the library."""
     task = _plugins().tasks.get(as_text(name, "name"))
     return task.origin if task else ""
 
 
 def plugin_faults() -> dict[str, str]:
-    """Load every task that other packages bring, and return those that cannot be used: name of the task or package -> why."""
+    """Load all tasks of other packages, and return those that cannot be used: name of the task or package -> reason."""
     plugins = _plugins()
     faults = dict(plugins.faults)
     for name, task in plugins.tasks.items():
@@ -290,17 +292,17 @@ def plugin_faults() -> dict[str, str]:
 
 
 def usable_task_names() -> tuple[str, ...]:
-    """Return the names of all tasks but those that broken packages bring; these are loaded for it."""
+    """Return the names of all tasks except those of broken packages; this loads the tasks of other packages."""
     faults = plugin_faults()
     return tuple(name for name in task_names() if name not in faults or not task_origin(name))
 
 
 def task_scene(task: type[Task]) -> SceneSpec:
-    """Return the scene of a task; read once, and again only when the file has changed.
+    """Return the scene of a task; the file is read once, and again only after a change.
 
     Raises:
-        SceneFileError: The file is missing or wrong.
-        AssetNotFound: Something that the scene needs does not exist.
+        SceneFileError: The file is missing or invalid.
+        AssetNotFound: An asset of the scene does not exist.
     """
     checked_class(task)
     file = task.scene_file()
@@ -321,7 +323,7 @@ def _plugin_class(task: PluginTask) -> type[Task]:
     """Load a task of another package.
 
     Raises:
-        TaskError: Its module cannot be imported, or what it names is no such task.
+        TaskError: Its module cannot be imported, or its entry point is not a task of this name.
     """
     start = f"The task '{task.name}' of '{task.origin}' ({task.value})"
     try:

@@ -1,4 +1,4 @@
-"""Bring bodies that were dropped to rest, with nothing left on an edge."""
+"""Settling of dropped bodies: step the world until they rest, and none rests on an edge."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ if TYPE_CHECKING:
     from rlbench_pin.sim import Body, World
 
 FALL_TICKS = 20
-"""Control ticks, a second, that bodies have at most to fall or to move on."""
+"""Maximum number of control ticks (1 s) for bodies to fall or move."""
 STILL_TICKS = 4
-"""After so many control ticks in a row without a move they are not waited for any longer."""
+"""Number of successive control ticks without motion after which the wait ends."""
 WATCH_TICKS = 10
-"""Control ticks over which it is measured whether bodies rest."""
+"""Number of control ticks over which motion is measured."""
 KNOCK_SPEED, KNOCKS = 3.0, 2
-"""Speed of turning with which what stands on an edge is knocked over [rad/s], and how often."""
+"""Angular speed that tips over bodies on an edge [rad/s], and number of repetitions."""
 PUSH_SPEED, MAX_PUSHES = 0.4, 8
-"""Speed with which bodies are pushed apart that do not come to rest [m/s], and how often at most."""
+"""Speed that pushes apart bodies that do not come to rest [m/s], and maximum number of pushes."""
 MAX_DRIFT = 2e-4
 """Largest motion [m] or rotation (part of a quaternion) of a body at rest within a second."""
 REST_SPEED, REST_TURN = 5e-4, 1e-2
-"""Speed [m/s] and speed of turning [rad/s] below which a body counts as resting; its joints, in either unit, below the first."""
+"""Speed [m/s] and angular speed [rad/s] below which a body is at rest; the first also applies to its joints, in either unit."""
 
 
 def at_rest(bodies: Iterable[Body]) -> bool:
-    """Return whether bodies and their joints are stationary at this instant; of a fixed body only the joints count."""
+    """Return whether bodies and their joints are stationary at this instant; for a fixed body only its joints are checked."""
     for body in bodies:
         if not body.fixed:
             velocity = body.velocity.tolist()
@@ -45,22 +45,22 @@ def at_rest(bodies: Iterable[Body]) -> bool:
 
 
 def settle(world: World, bodies: Sequence[Body], rng: np.random.Generator) -> None:
-    """Let bodies fall, knock over what stands on an edge, and push apart what leans and creeps.
+    """Let bodies fall, tip over bodies on an edge, and push apart bodies that lean or creep.
 
     Args:
         world: The world, which is stepped for several seconds.
-        bodies: What was dropped.
-        rng: Random generator for the directions of the knocks.
+        bodies: The dropped bodies.
+        rng: Random generator of the directions of tipping.
 
     Raises:
         BoundaryError: The bodies still move after `MAX_PUSHES` pushes.
-        InvalidValue: Something is not a world, body or generator, or no body is named.
+        InvalidValue: An argument is not a world, body or generator, or `bodies` is empty.
     """
     as_object(world, STEPPED_WORLD, "world")
     bodies = as_objects(bodies, LOOSE_BODY, "bodies")
     as_record(rng, np.random.Generator, "rng")
     if not bodies:
-        raise InvalidValue("bodies", bodies, "has to name at least one body")
+        raise InvalidValue("bodies", bodies, "has to contain at least one body")
     _wait(world, bodies)
     for _ in range(KNOCKS):
         _knock(world, bodies, rng)
@@ -79,7 +79,7 @@ def settle(world: World, bodies: Sequence[Body], rng: np.random.Generator) -> No
 
 
 def _knock(world: World, bodies: Sequence[Body], rng: np.random.Generator, push: float = 0.0) -> None:
-    """Turn every body about a random horizontal axis, push it away from the others [m/s], and wait."""
+    """Rotate each body about a random horizontal axis, push it away from the others [m/s], and wait."""
     for angle, body in zip(rng.uniform(0.0, 2.0 * np.pi, len(bodies)), bodies, strict=True):
         along = push * _away(body, bodies)
         body.set_velocity([*along, 0.0, KNOCK_SPEED * np.cos(angle), KNOCK_SPEED * np.sin(angle), 0.0])
@@ -93,7 +93,7 @@ def _away(body: Body, bodies: Sequence[Body]) -> FloatArray:
 
 
 def _wait(world: World, bodies: Sequence[Body]) -> None:
-    """Wait until the bodies have not moved for `STILL_TICKS`, a second at most."""
+    """Wait until the bodies have not moved for `STILL_TICKS`, at most 1 s."""
     still = 0
     for _ in range(FALL_TICKS):
         still = still + 1 if _drift(world, bodies, 1) < MAX_DRIFT else 0
@@ -102,7 +102,7 @@ def _wait(world: World, bodies: Sequence[Body]) -> None:
 
 
 def _drift(world: World, bodies: Sequence[Body], ticks: int = WATCH_TICKS) -> float:
-    """Watch bodies, and return how much any has moved or turned a second, the largest change of a number of its pose."""
+    """Return the largest change of a pose component of any body per second, measured over some ticks."""
     before = [body.pose for body in bodies]
     for _ in range(ticks):
         world.step()

@@ -1,7 +1,8 @@
-"""Tasks of stored demonstrations: which class they are made again with, and what a dataset keeps of it.
+"""Tasks of stored demonstrations: the class that replays them, and the task files in a dataset.
 
-Of a task that is not in the library, a dataset keeps the files (`datasets.task_copy`). They came with the dataset, perhaps from a
-stranger, so they are run only when the user says so. What the user names, or has installed, needs no such word.
+A dataset contains copies of the files of tasks that are not in the library (`datasets.task_copy`). They can come from an
+untrusted source, so they are executed only with permission of the user. Files that the user passes, and installed tasks, need
+no permission.
 """
 
 from __future__ import annotations
@@ -28,10 +29,10 @@ from rlbench_pin.values import as_flag, as_names, as_record, as_several
 
 
 def keep_task(root: Path, task: type[Task]) -> None:
-    """Let a dataset keep the files of a task, so that its demonstrations can be made again elsewhere; none for the library's.
+    """Copy the files of a task to a dataset, so that others can replay its demonstrations; not for tasks of the library.
 
     Raises:
-        DatasetConflict: It holds episodes of another task of that name, or of this one before its files changed.
+        DatasetConflict: It contains episodes of another task with this name, or of this task before its files changed.
         StorageError: The disk cannot be written to.
     """
     name = checked_class(task).get_name()
@@ -39,18 +40,20 @@ def keep_task(root: Path, task: type[Task]) -> None:
     if is_of_library(task):
         if kept is not None:
             raise DatasetConflict(
-                f"'{root}' holds episodes of a task '{name}' that is not the library's but that of '{kept.path}'. "
+                f"'{root}' contains episodes of another task '{name}', of '{kept.path}' and not of the library. "
                 "Choose another folder."
             )
         return
     if kept is None and name in library_names() and has_manifest(root, name):
-        raise DatasetConflict(f"'{root}' holds episodes of the library's task '{name}'. Choose another folder, or rename yours.")
+        raise DatasetConflict(
+            f"'{root}' contains episodes of the library task '{name}'. Choose another folder, or rename your task."
+        )
     files = task_files(task)
     keep_files(root, name, task.scene_file().with_suffix(".py").name, {n: file.read_bytes() for n, file in files.items()})
 
 
 def keep_tasks(root: Path, tasks: Iterable[type[Task]]) -> None:
-    """Keep the files of several tasks; see `keep_task`."""
+    """Copy the files of several tasks; see `keep_task`."""
     for task in as_several(tasks, "tasks"):
         keep_task(root, task)
 
@@ -58,19 +61,19 @@ def keep_tasks(root: Path, tasks: Iterable[type[Task]]) -> None:
 def stored_task(root: Path, name: str, own: OwnTasks | None = None, trust_task_files: bool = False) -> type[Task]:
     """Return the class of a task whose demonstrations are stored.
 
-    That is the one the user named a file of; else, where the dataset keeps the files of the task, the installed one with the
-    same files, or the kept one when it is trusted; else the one of that name.
+    A task file of the user takes precedence. If the dataset contains files of the task, the result is the installed task with
+    the same files, or the copy in the dataset if it is trusted. Otherwise it is the task with this name.
 
     Args:
         root: Folder of the dataset.
         name: Task name.
-        own: What the user named, as from `own_tasks`.
-        trust_task_files: Whether code that the dataset keeps may be run.
+        own: Task classes of the user, from `own_tasks`.
+        trust_task_files: Allow the execution of code in the dataset.
 
     Raises:
-        UntrustedTaskFile: The task is code that came with the dataset, and nobody said that it may be run.
+        UntrustedTaskFile: The task is code in the dataset, and its execution is not allowed.
         EpisodeFileError: That code is damaged.
-        UnknownName: No task is called so.
+        UnknownName: There is no task with this name.
     """
     as_flag(trust_task_files, "trust_task_files")
     checked_task_name(name)
@@ -89,14 +92,14 @@ def stored_task(root: Path, name: str, own: OwnTasks | None = None, trust_task_f
 
 
 def chosen_tasks_of(root: Path, words: Iterable[str], trust_task_files: bool = False) -> dict[str, type[Task]]:
-    """Return the tasks that are to be recorded into a dataset: as the user wrote them -> class.
+    """Return the tasks to record into a dataset: name or file of the user -> class.
 
-    Files are the user's own. A name means what the dataset keeps of it, as in `stored_task`, or the installed task.
+    Files belong to the user. A name selects the task in the dataset, as in `stored_task`, or the installed task.
 
     Raises:
         TaskError: Two different tasks have one name.
-        UnknownName: No task is called so.
-        UntrustedTaskFile: A name refers to code that came with the dataset, and the caller has not allowed to run it.
+        UnknownName: There is no task with this name.
+        UntrustedTaskFile: A name refers to code in the dataset, and its execution is not allowed.
     """
     trust_task_files = as_flag(trust_task_files, "trust_task_files")
     chosen: dict[str, type[Task]] = {}
@@ -108,7 +111,7 @@ def chosen_tasks_of(root: Path, words: Iterable[str], trust_task_files: bool = F
             chosen[word] = task
         elif same[0] is not task:
             raise TaskError(
-                f"Two different tasks are called '{task.get_name()}'; the second is '{word}'. Record one of them here."
+                f"Two different tasks have the name '{task.get_name()}'; the second is '{word}'. Record only one of them here."
             )
     return chosen
 

@@ -1,4 +1,4 @@
-"""Base class of tasks: a goal in one world, set up once and started anew for every episode."""
+"""Base class of tasks: a goal in one world, set up once, with a new start in each episode."""
 
 from __future__ import annotations
 
@@ -29,21 +29,21 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class LowDimPart:
-    """Some of the numbers of a state."""
+    """A part of the values of a state."""
 
     name: str
     """`<body>`, or `<body>/<joint>`."""
     kind: Literal["pose", "slider", "hinge"]
-    """Pose of a body (7 numbers, [m] and unit quaternion), or value of a joint that slides [m] or turns [rad]."""
+    """Pose of a body (7 values, [m] and unit quaternion), or value of a prismatic [m] or revolute [rad] joint."""
 
     @property
     def size(self) -> int:
-        """How many numbers it has."""
+        """Number of values."""
         return 7 if self.kind == "pose" else 1
 
 
 def low_dim_layout(spec: SceneSpec) -> tuple[LowDimPart, ...]:
-    """Return what the default state of a scene holds, in order: the bodies by name, then their movable joints by name."""
+    """Return the parts of the default state of a scene, in order: bodies by name, then their movable joints by name."""
     bodies = sorted(body.name for body in spec.body)
     joints = sorted(
         (f"{body.name}/{joint.name}", joint.kind)
@@ -56,9 +56,9 @@ def low_dim_layout(spec: SceneSpec) -> tuple[LowDimPart, ...]:
 
 
 class LowDimState:
-    """Reads the pose of every body of a world and the value of every joint, in the order of their names.
+    """Reads the poses of all bodies of a world and the values of all joints, in the order of their names.
 
-    The layout is fixed by the scene file: a body that was removed gives zeros, one that an episode adds is left out.
+    The scene file defines the layout: a removed body gives zeros, and a body that an episode adds is omitted.
     """
 
     def __init__(self, world: World) -> None:
@@ -78,7 +78,7 @@ class LowDimState:
 
 
 Wording = Literal["training", "held_out", "vague", "specific"]
-"""Kind of sentences, see `InstructionsSpec`."""
+"""Kind of instructions, see `InstructionsSpec`."""
 RotationBounds = tuple[tuple[float, float, float], tuple[float, float, float]]
 """Lowest and highest roll, pitch, yaw [rad]."""
 
@@ -86,31 +86,31 @@ RotationBounds = tuple[tuple[float, float, float], tuple[float, float, float]]
 class Task:
     """Base class of all tasks. Override `init_task` and `init_episode`; the rest is optional.
 
-    What varies from episode to episode is drawn from the generator that `init_episode` is given and from nothing else.
+    All random draws of an episode use the generator that `init_episode` gets, and no other.
 
-    Every attribute is saved and restored with the world, and so must be one of:
+    All attributes are saved and restored with the world, so each must be one of:
 
     * a number, a string, None, a function, a frozen record;
-    * an array, or a list, tuple, dict or set of what is named here: its contents are saved;
-    * what the world hands out (bodies, joints, frames, regions, sensors): the world saves it;
-    * an object with `state()` and `set_state(state)`, such as a condition or a `SpawnBoundary`: these two are used.
+    * an array, or a list, tuple, dict or set of the types in this list: its contents are saved;
+    * an object of the world (body, joint, frame, region, sensor): the world saves it;
+    * an object with `state()` and `set_state(state)`, such as a condition or a `SpawnBoundary`: these methods are used.
 
-    Anything else is refused with a TaskError when an episode begins.
+    Other types raise a TaskError at the start of an episode.
 
     Args:
-        world: The world that was built from the scene file of this task.
+        world: The world of the scene file of this task.
 
     Attributes:
         world: The world: `body`, `joint`, `frame`, `region`, `sensor` by name.
         robot: The arm.
         gripper: The gripper.
-        round: How often the waypoints were played, for tasks that call `register_rounds`.
+        round: Number of completed rounds through the waypoints, for tasks that call `register_rounds`.
     """
 
     solved_by_chance: ClassVar[bool] = False
-    """Whether a randomly moving arm may reach the goal now and then, as with a ball in the air; otherwise that is a fault."""
+    """Whether random motion may sometimes reach the goal, as with a ball in the air; otherwise checks report it as a fault."""
     variations_share_goals: ClassVar[bool] = False
-    """Whether some variations ask for the same, in the same words; otherwise that is a fault."""
+    """Whether some variations have the same instructions; otherwise checks report it as a fault."""
 
     def __init__(self, world: World) -> None:
         self.world, self.robot, self.gripper = world, world.robot, world.gripper
@@ -130,33 +130,33 @@ class Task:
     # What a task file overrides ---------------------------------------------------------------------------------------
 
     def init_task(self) -> None:
-        """Look objects up and register what never changes; called once, when the world was built."""
+        """Look up objects and register constant conditions and hooks; called once, after the world is built."""
         raise NotImplementedError
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Lay out one episode of one variation; called at each try of a reset, in a clean world, before the task is placed.
+        """Set up one episode of one variation; called at each attempt of a reset, in a clean world, before the task is placed.
 
         Args:
             variation: 0 to `variation_count() - 1`.
             rng: The only random generator to draw from.
 
         Returns:
-            Sentences that all ask for the goal.
+            Instructions; each describes the goal.
         """
         raise NotImplementedError
 
     def variation_count(self) -> int:
-        """Return how many variations there are; one unless a task says otherwise. Always the same number."""
+        """Return the number of variations, by default one. The number must be constant."""
         return 1
 
     def step(self) -> None:
-        """Run after every control tick of an action or a demonstration; not while objects settle in a reset."""
+        """Run after each control tick of an action or a demonstration; not while objects settle in a reset."""
 
     def cleanup(self) -> None:
-        """Run after an episode, when the next one begins, before the world is put back."""
+        """Run after an episode, at the start of the next one, before the world is restored."""
 
     def reward(self) -> float | None:
-        """Return the shaped reward of this instant, None when the task has none; asked by steps with `shaped_rewards=True`."""
+        """Return the shaped reward of this instant, None if the task has none; called by steps with `shaped_rewards=True`."""
         return None
 
     def get_low_dim_state(self) -> FloatArray:
@@ -164,33 +164,33 @@ class Task:
         return self._low_dim.read()
 
     def decorate_observation(self, observation: Observation) -> Observation:
-        """Return the observation, perhaps with more in it; called last, for every observation."""
+        """Return the observation, with additions if the task needs them; called last, for each observation."""
         return observation
 
     def is_static_workspace(self) -> bool:
-        """Return whether the task root stays at its nominal place; by default what `[placement]` says. Asked in every reset."""
+        """Return whether the task root stays at its nominal pose; by default the value in `[placement]`. Called in each reset."""
         return self.world.spec.placement.static
 
     def base_rotation_bounds(self) -> RotationBounds:
-        """Return the bounds of the random rotation of the task root [rad]; by default `[placement] yaw`, about z alone."""
+        """Return the bounds of the random rotation of the task root [rad]; by default `[placement] yaw`, only about z."""
         low, high = self.world.spec.placement.yaw
         return (0.0, 0.0, low), (0.0, 0.0, high)
 
     # What a task file calls ---------------------------------------------------------------------------------------------
 
     def register_success_conditions(self, conditions: Sequence[Condition]) -> None:
-        """Success is all of these at the same instant. Replaces what was registered before."""
+        """Set the success conditions, which must all hold at the same instant. Replaces an earlier registration."""
         self._success = tuple(conditions)
 
     def register_fail_conditions(self, conditions: Sequence[Condition]) -> None:
-        """All of these at the same instant end the episode without success. Replaces what was registered before."""
+        """Set the fail conditions; if all hold at one instant, the episode ends in failure. Replaces an earlier registration."""
         self._fail = tuple(conditions)
 
     def register_graspable_objects(self, names: Iterable[str]) -> None:
-        """Allow the gripper to hold these bodies, where both fingers touch them. Replaces what was registered before.
+        """Allow the gripper to hold these bodies when both fingers touch them. Replaces an earlier registration.
 
         Args:
-            names: `body`, or `body/link` for a body that may be held by that link alone.
+            names: `body`, or `body/link` for a body that may be held only by that link.
         """
         wanted = tuple(names)
         parts = [graspable_part(self.world, name) for name in wanted]
@@ -201,21 +201,21 @@ class Task:
         self._graspable = wanted
 
     def register_waypoint_ability_start(self, index: int, hook: WaypointHook) -> None:
-        """Call `hook(waypoint)` before the segment to a waypoint is planned; where waypoints repeat, resets call it as well."""
+        """Call `hook(waypoint)` before the segment to a waypoint is planned; if waypoints repeat, resets call it too."""
         self._start_hooks[self._checked(index)] = hook
         self._waypoints[index].set_hooks(hook, self._end_hooks.get(index))
 
     def register_waypoint_ability_end(self, index: int, hook: WaypointHook) -> None:
-        """Call `hook(waypoint)` after the segment to a waypoint was run and the gripper has acted."""
+        """Call `hook(waypoint)` after the segment to a waypoint and the action of the gripper."""
         self._end_hooks[self._checked(index)] = hook
         self._waypoints[index].set_hooks(self._start_hooks.get(index), hook)
 
     def register_waypoints_should_repeat(self, repeat: Callable[[], bool]) -> None:
-        """Ask `repeat` after the last waypoint whether to play the list again; it may also advance a counter."""
+        """Call `repeat` after the last waypoint; it returns whether to play the list again, and may advance a counter."""
         self._repeat = repeat
 
     def register_rounds(self, count: int) -> None:
-        """Play the waypoints `count` times; `self.round` is 0 in the first round, and one more in each that follows."""
+        """Play the waypoints `count` times; `self.round` is 0 in the first round and increases by 1 in each further round."""
         self.round = 0
         self._rounds = count
         self.register_waypoints_should_repeat(self._next_round)
@@ -225,14 +225,14 @@ class Task:
         return self.round < self._rounds
 
     def register_stop_at_waypoint(self, index: int) -> None:
-        """Leave out waypoint `index` and all later ones."""
+        """Omit waypoint `index` and all later ones."""
         self._stop_at = self._checked(index)
 
     def make_instructions(self, **words: object) -> list[str]:
-        """Return the training sentences of `[instructions]` in the scene file; `get_wording` returns the other kinds.
+        """Return the training instructions of `[instructions]` in the scene file; `get_wording` returns the other kinds.
 
         Args:
-            words: What `{word}` stands for in this variation.
+            words: Replacement of each `{word}` in this variation.
 
         Raises:
             TaskError: A sentence needs another word, or there is no sentence.
@@ -252,19 +252,19 @@ class Task:
 
     @classmethod
     def scene_file(cls) -> Path:
-        """Return the scene file: the neighbour of the task file with the same stem."""
+        """Return the scene file: the file with the same stem in the folder of the task file."""
         return Path(inspect.getfile(cls)).with_suffix(".toml")
 
     def begin_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Lay out one episode in a clean world and return its instructions.
+        """Set up one episode in a clean world and return its instructions.
 
         Raises:
-            TaskError: The variation does not exist, the task does not return a list of different sentences, or it keeps an
-                attribute that cannot be saved.
+            TaskError: The variation does not exist, the task does not return a list of different sentences, or it has an
+            attribute that cannot be saved.
         """
         count = self.variation_count()
         if not 0 <= variation < count:
-            raise TaskError(f"Task '{self.get_name()}' has no variation {variation}; it has 0 to {count - 1}.")
+            raise TaskError(f"Task '{self.get_name()}' has no variation {variation}. Choose 0 to {count - 1}.")
         self._started = True
         self._wording = {}
         for waypoint in self._waypoints:
@@ -276,30 +276,33 @@ class Task:
         return instructions
 
     def place(self, rng: np.random.Generator) -> None:
-        """Put the whole task somewhere on the table; called after `init_episode` unless it is to stay."""
+        """Move the whole task to a random pose on the table; called after `init_episode` unless the workspace is static."""
         place_task(self.world, rng, self.base_rotation_bounds())
 
     def end_episode(self) -> None:
-        """Clean up after an episode, if one was begun."""
+        """Clean up after an episode, if one has started."""
         if self._started:
             self._started = False
             self.cleanup()
 
     def reset_conditions(self) -> None:
-        """Let every condition start from the present instant."""
+        """Reset all conditions at the present instant."""
         for condition in (*self._success, *self._fail):
             condition.reset()
 
     def success(self) -> tuple[bool, bool]:
         """Return whether the goal is reached, and whether the episode is over.
 
-        Every condition is evaluated on every call, so that those which keep count see every instant.
+        Each call evaluates all conditions, so that conditions with a memory see each instant.
 
         Raises:
             TaskError: No success condition is registered.
         """
         if not self._success:
-            raise TaskError(f"Task '{self.get_name()}' registers no success condition; call register_success_conditions.")
+            raise TaskError(
+                f"Task '{self.get_name()}' registers no success condition. "
+                "Call `register_success_conditions` in `init_task` or `init_episode`."
+            )
         failed = [condition.met() for condition in self._fail]
         if failed and all(failed):
             return False, True
@@ -307,11 +310,11 @@ class Task:
         return all(met), all(met)
 
     def get_success_conditions(self) -> tuple[Condition, ...]:
-        """Return what has to be met for success."""
+        """Return the success conditions."""
         return self._success
 
     def get_wording(self, kind: Wording) -> tuple[str, ...]:
-        """Return the sentences of one kind for the present episode; none when the scene file has none of that kind.
+        """Return the instructions of one kind for the present episode; an empty result if the scene file has none of that kind.
 
         Args:
             kind: `training`, `held_out`, `vague` or `specific`.
@@ -328,24 +331,24 @@ class Task:
 
     @property
     def repeats_waypoints(self) -> bool:
-        """Whether the task may ask for its waypoints again."""
+        """Whether the task may repeat its waypoints."""
         return self._repeat is not None
 
     def should_repeat_waypoints(self) -> bool:
-        """Return whether the waypoint list is to be played again; asked once after the last waypoint."""
+        """Return whether to play the waypoint list again; called once after the last waypoint."""
         return self._repeat is not None and bool(self._repeat())
 
     def state(self) -> TaskState:
-        """Return everything that changes during an episode.
+        """Return all state that changes during an episode.
 
         Raises:
-            TaskError: An attribute is of a kind that cannot be saved.
+            TaskError: An attribute has a type that cannot be saved.
         """
         changing = {name: value for name, value in vars(self).items() if name not in _FIXED}
         return TaskState(self.get_name(), remember(self.get_name(), changing))
 
     def set_state(self, state: TaskState | PortableTaskState) -> None:
-        """Go back to a state of this task object, or to one of another process whose episode has begun here, too."""
+        """Restore a state of this task object, or of another process if its episode has been set up here."""
         for name in [name for name in vars(self) if name not in _FIXED and name not in state.attributes]:
             delattr(self, name)
         for name, memory in state.attributes.items():
@@ -359,7 +362,10 @@ class Task:
 
     def _checked(self, index: int) -> int:
         if not 0 <= index < len(self._waypoints):
-            raise TaskError(f"Task '{self.get_name()}' has no waypoint {index}; its scene has {len(self._waypoints)}.")
+            raise TaskError(
+                f"Task '{self.get_name()}' has no waypoint {index}; its scene has {len(self._waypoints)}. "
+                "Add it to the scene file, or choose another index."
+            )
         return index
 
     def _check_instructions(self, instructions: object) -> None:
@@ -381,9 +387,9 @@ def _filled(task: str, sentences: Sequence[str], words: Mapping[str, object]) ->
 
 
 _FIXED = frozenset({"world", "robot", "gripper", "_low_dim"})
-"""Attributes that are the same throughout the life of a task."""
+"""Attributes that do not change during the lifetime of a task."""
 
 
 def snake_case(name: str) -> str:
-    """Turn `ReachTarget` into `reach_target`."""
+    """Convert `ReachTarget` to `reach_target`."""
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()

@@ -1,4 +1,4 @@
-"""Waypoints: the poses that the gripper tip visits in a demonstration, with their extras."""
+"""Waypoints: the poses that the gripper tip visits in a demonstration, with hooks and gripper actions."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ WaypointHook = Callable[["Waypoint"], None]
 
 
 class Waypoint:
-    """One stop of a demonstration.
+    """One waypoint of a demonstration.
 
     Args:
-        index: Number of the waypoint.
-        frame: Where it is; follows its parent.
-        spec: What the scene file says about it.
-        amount_before: Opening fraction that the waypoints before it leave behind.
+        index: Index of the waypoint.
+        frame: Frame of its pose; follows its parent.
+        spec: Its entry in the scene file.
+        amount_before: Opening fraction of the gripper after the previous waypoints.
 
     Attributes:
-        skip: Leave this waypoint out; a start hook may set it. False again in every episode.
+        skip: Omit this waypoint; a start hook may set it. Reset to False in each episode.
         gripper_amount: Opening fraction of the gripper after this waypoint.
     """
 
@@ -43,34 +43,34 @@ class Waypoint:
 
     @property
     def pose(self) -> FloatArray:
-        """Tip pose in the world now, shape (7,); for a curve of points its last one."""
+        """Present tip pose in the world, shape (7,); for a curve of points, the last point."""
         if self.spec.points:
             return compose(self.frame.pose, self.spec.points[-1])
         return np.array(self.frame.pose)
 
     @property
     def path(self) -> Literal["plan", "straight", "curve"]:
-        """How to get there; compliant approaches are straight."""
+        """Kind of path to the waypoint; compliant approaches are straight."""
         return "straight" if self.compliant else self.spec.path
 
     @property
     def compliant(self) -> bool:
-        """Approach slowly, giving way to contact."""
+        """Whether to approach slowly and yield to contact."""
         return self.spec.compliant
 
     @property
     def ignore_collisions(self) -> bool:
-        """Plan without collision checks; curves and compliant approaches are always planned so."""
+        """Whether to plan without collision checks; always true for curves and compliant approaches."""
         return self.spec.ignore_collisions or self.compliant or self.spec.path == "curve"
 
     @property
     def gripper(self) -> Literal["open", "close"] | float | None:
-        """Action of the gripper on arrival; None leaves it as it is."""
+        """Action of the gripper on arrival; None for no action."""
         return self.spec.gripper
 
     @property
     def releases(self) -> bool:
-        """Whether the gripper opens on arrival and so lets go of what it holds."""
+        """Whether the gripper opens on arrival and releases held bodies."""
         if isinstance(self.spec.gripper, float):
             return self._opens
         return self.spec.gripper == "open"
@@ -82,14 +82,14 @@ class Waypoint:
 
     @property
     def symmetry(self) -> int:
-        """The gripper may arrive turned about its z by any multiple of 2 pi / symmetry."""
+        """Rotational symmetry of the grasp: the gripper may be rotated about its z axis by multiples of 2 pi / symmetry."""
         return self.spec.symmetry
 
     def curve_poses(self, previous: FloatArray) -> list[FloatArray]:
         """Return the tip poses (7,) of a curve, in the world.
 
         Args:
-            previous: Tip pose where the curve begins, shape (7,); an arc sweeps it, points replace it.
+            previous: Tip pose at the start of the curve, shape (7,); an arc rotates it, points do not use it.
         """
         if self.spec.arc is None:
             return [compose(self.frame.pose, point) for point in self.spec.points]
@@ -99,15 +99,15 @@ class Waypoint:
         return swept(previous, self.frame.pose, arc.axis, angles, twist=arc.twist)
 
     def set_hooks(self, start: WaypointHook | None, end: WaypointHook | None) -> None:
-        """Register what runs before the segment is planned and after it was run."""
+        """Set the functions that run before the segment is planned and after it has ended."""
         self._start, self._end = start, end
 
     def state(self) -> bool:
-        """Return what changes during an episode: whether the waypoint is left out."""
+        """Return the state that changes during an episode: whether the waypoint is omitted."""
         return self.skip
 
     def set_state(self, state: bool) -> None:
-        """Leave the waypoint out, or not, as `state()` said before."""
+        """Restore a state that `state()` returned."""
         self.skip = state
 
     def run_start_hook(self) -> None:
@@ -122,7 +122,7 @@ class Waypoint:
 
 
 def waypoints_of(world: World) -> list[Waypoint]:
-    """Return the waypoints of a world in the order of their numbers."""
+    """Return the waypoints of a world in the order of their indices."""
     specs = sorted(world.spec.waypoint, key=lambda spec: int(spec.name.removeprefix("waypoint")))
     result: list[Waypoint] = []
     for index, spec in enumerate(specs):

@@ -1,4 +1,4 @@
-"""The appearance of an arm's links: detailed pieces in, few triangles with the normals of the detailed surface out."""
+"""The appearance of arm links: detailed meshes are reduced to few triangles with the normals of the detailed surface."""
 
 from __future__ import annotations
 

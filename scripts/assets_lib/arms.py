@@ -1,4 +1,4 @@
-"""Arms as records, and their way into URDF, SRDF and OBJ files: what all arms have in common."""
+"""Records of arms, and functions for all arms that write URDF, SRDF and OBJ files."""
 
 from __future__ import annotations
 

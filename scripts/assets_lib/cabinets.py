@@ -1,4 +1,4 @@
-"""Boxes as they are made: with bevelled edges, and hollow with openings in the front."""
+"""Boxes with bevelled edges, and hollow boxes with openings in the front."""
 
 from __future__ import annotations
 

@@ -1,8 +1,7 @@
-"""Fewer triangles by collapsing edges, the cheapest first, over many meshes at once.
+"""Mesh reduction by edge collapse, the cheapest edge first, for many meshes at once.
 
 The cost of an edge is the quadric error of Garland and Heckbert (1997): the squared distances of its new point to the planes
-of the faces that went into it, times their areas. Sharp edges and borders add planes upright on them, so that they keep their
-course.
+of the original faces, times their areas. Sharp edges and borders add perpendicular planes, which preserve their shape.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Read the triangles and plain colours of a COLLADA file; nothing else of the format."""
+"""Read the triangles and plain colours of a COLLADA file; other parts of the format are not supported."""
 
 from __future__ import annotations
 

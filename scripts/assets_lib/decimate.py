@@ -1,4 +1,4 @@
-"""Make meshes small: weld, drop what is never seen, and enclose in a hull with few vertices."""
+"""Reduce meshes: weld vertices, remove hidden faces, and compute a hull with few vertices."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The list of all objects: one module of `objects/` per family, found by itself."""
+"""The list of all objects: one module of `objects/` per family, detected automatically."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Writing numbers, OBJ and PNG files so that the same input always gives the same bytes."""
+"""Write numbers, OBJ and PNG files so that the same input gives byte-identical files."""
 
 from __future__ import annotations
 

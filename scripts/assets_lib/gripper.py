@@ -1,7 +1,7 @@
-"""A parallel gripper of ours, with the measures of the Panda's fingers, for arms that come without one.
+"""A parallel gripper with the dimensions of the Panda's fingers, for arms without a gripper.
 
-Two fingers slide on rails, 40 mm each. Their shapes for collisions, masses, limits and friction are those of the Panda, and so
-are the places of fingers and tip on the hand; what is seen is drawn here.
+Two fingers slide on rails, 40 mm each. Their collision shapes, masses, limits and friction are those of the Panda, and so
+are the poses of fingers and tip on the hand link. This module defines the visual shapes.
 """
 
 from __future__ import annotations

@@ -1,12 +1,12 @@
-"""The KUKA LBR iiwa 7 R800, drawn by us after the measures of its data sheet, with our gripper.
+"""The KUKA LBR iiwa 7 R800, modelled from the dimensions in its data sheet, with the gripper of `gripper.py`.
 
 From "LBR iiwa 7 R800, LBR iiwa 14 R820: Specification" (KUKA Roboter GmbH, Spez LBR iiwa), none of whose drawings is used:
 
-* axes 2, 4 and 6 stand 340, 740 and 1140 mm over the foot, the flange 126 mm over axis 6;
+* axes 2, 4 and 6 are 340, 740 and 1140 mm above the foot, the flange is 126 mm above axis 6;
 * ranges +-170, 120, 170, 120, 170, 120, 175 degrees; speeds 98, 98, 100, 130, 140, 180, 180 degrees/s;
 * torques 176, 176, 110, 110, 110, 40, 40 N m; mass 23.9 kg.
 
-The data sheet has no masses of links: the 23.9 kg are spread evenly over the volume that is drawn.
+The data sheet has no masses of links: the 23.9 kg are distributed evenly over the modelled volume.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """The Kinova Jaco (j2s6s200): light meshes and small hulls derived from the files of example-robot-data (BSD), with our gripper.
 
 Kinematics, limits and inertias are those of the source, the maker's `kinova_description`: 36 degrees/s for the first three
-joints, 48 degrees/s for the wrist, and 40, 80, 40, 20, 20, 20 N m. Joints 1, 4 and 6 turn without end. Its own hand, whose
-fingers do not move in the source, is left out: a short adapter carries our gripper in its place.
+joints, 48 degrees/s for the wrist, and 40, 80, 40, 20, 20, 20 N m. Joints 1, 4 and 6 are continuous. Its original gripper, whose
+fingers do not move in the source, is omitted: a short adapter carries the gripper of `gripper.py` instead.
 """
 
 from __future__ import annotations

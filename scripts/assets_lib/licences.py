@@ -1,4 +1,4 @@
-"""Texts of licences whose files the packages that we take meshes from do not carry."""
+"""Texts of licences that are missing in the packages of the source meshes."""
 
 from __future__ import annotations
 

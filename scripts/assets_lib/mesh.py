@@ -1,4 +1,4 @@
-"""Triangle meshes as plain arrays, the primitives they are made of, and their mass properties.
+"""Triangle meshes as plain arrays, primitives, and mass properties.
 
 Lengths in [m], angles in [rad]. Faces are counter-clockwise seen from outside.
 """

@@ -1,4 +1,4 @@
-"""How much of the light from all around reaches the corners of faces, past the other parts of the same link."""
+"""Ambient occlusion: the fraction of ambient light that reaches the corners of faces past other parts of the same link."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Large flat faces cut into cells, so that light that is baked into their corners can change along them. Lengths in [m]."""
+"""Division of large flat faces into cells, so that baked light can vary along them. Lengths in [m]."""
 
 from __future__ import annotations
 

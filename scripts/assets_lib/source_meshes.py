@@ -1,4 +1,4 @@
-"""Where the files of other packages are, and the triangles of their STL and OBJ files; nothing else of these formats."""
+"""Paths of the files of other packages, and triangles of their STL and OBJ files; other parts of the formats are ignored."""
 
 from __future__ import annotations
 

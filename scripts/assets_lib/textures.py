@@ -1,4 +1,4 @@
-"""Small pictures for the room and for domain randomization, drawn by formulas."""
+"""Small images for the room and for domain randomization, computed from formulas."""
 
 from __future__ import annotations
 

@@ -123,10 +123,14 @@ def airo_folder(given: Path | None = None) -> Path:
         for folder in (given, given / "airo_models"):
             if (folder / "arms/ur5e/ur5e.urdf").is_file():
                 return folder
-        raise SourceMissing(f"There is no airo_models/arms/ur5e/ur5e.urdf in {given}; `pip download airo-models --no-deps`.")
+        raise SourceMissing(
+            f"There is no airo_models/arms/ur5e/ur5e.urdf in {given}. Get it: `pip download airo-models --no-deps`."
+        )
     spec = importlib.util.find_spec("airo_models")
     if spec is None or spec.origin is None:
-        raise SourceMissing("It needs the files of airo-models 0.0.12: install that, or unpack its wheel and use --airo FOLDER.")
+        raise SourceMissing(
+            "The files of airo-models 0.0.12 are missing. Install it, or unpack its wheel and pass --airo FOLDER."
+        )
     return Path(spec.origin).parent
 
 

@@ -1,6 +1,6 @@
-"""Objects as records, and their way into URDF and OBJ files.
+"""Records of objects, and functions that write URDF and OBJ files.
 
-A `Model` has links with coloured visual parts and convex collision parts, and joints. Inertias follow from the parts.
+A `Model` has links with coloured visual parts and convex collision parts, and joints. Inertias are computed from the parts.
 """
 
 from __future__ import annotations

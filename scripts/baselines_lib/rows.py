@@ -1,4 +1,4 @@
-"""The rows of docs/baselines.md: policies, their tasks, and the commands of `rlbench-pin` that bring them about."""
+"""The rows of docs/baselines.md: policies, their tasks, and the `rlbench-pin` commands that produce them."""
 
 from __future__ import annotations
 

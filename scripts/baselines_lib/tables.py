@@ -1,4 +1,4 @@
-"""The tables of docs/baselines.md and docs/results/baselines.md, from the results files that are kept."""
+"""The tables of docs/baselines.md and docs/results/baselines.md, from the stored results files."""
 
 from __future__ import annotations
 

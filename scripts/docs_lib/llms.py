@@ -1,4 +1,4 @@
-"""Text for language models: the Markdown of every page beside its HTML, and `llms.txt`, which lists them (llmstxt.org)."""
+"""Text for language models: the Markdown of each page next to its HTML, and `llms.txt`, which lists them (llmstxt.org)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pages that people wrote, copied to the sources of the site, with links that lead there."""
+"""Handwritten pages, copied to the sources of the site, with adapted links."""
 
 from __future__ import annotations
 

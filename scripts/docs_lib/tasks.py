@@ -172,7 +172,7 @@ def begin(task: Task) -> None:
             return
         except BoundaryError:
             continue
-    raise SystemExit(f"{task.get_name()}: {DRAWS} draws in a row found no place.")
+    raise SystemExit(f"{task.get_name()}: {DRAWS} successive draws found no placement.")
 
 
 def rows_of(condition: Condition, before: str) -> Iterable[tuple[str, str, str]]:

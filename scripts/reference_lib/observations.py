@@ -1,4 +1,4 @@
-"""The page about observations, from the fields, their settings, and one observation in which everything is switched on."""
+"""The page about observations, from the fields, their settings, and one observation with all products enabled."""
 
 from __future__ import annotations
 

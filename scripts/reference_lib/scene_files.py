@@ -98,7 +98,7 @@ def _kinds(annotation: Any) -> Iterator[Kind]:
     elif isinstance(annotation, type) and issubclass(annotation, BaseModel):
         yield Kind("table")
     elif annotation is not NoneType:
-        raise TypeError(f"No page says what a {shortened(annotation)} is; give it a Kind.")
+        raise TypeError(f"No page describes the type {shortened(annotation)}. Add a Kind for it.")
 
 
 def _several(inside: tuple[Any, ...]) -> Kind:

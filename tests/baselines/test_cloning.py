@@ -195,7 +195,7 @@ def test_pictures_are_moved_by_some_pixels() -> None:
 
 def test_damaged_models_are_named(root: Path, tmp_path: Path) -> None:
     """No folder, half a file, and a file of another kind."""
-    with pytest.raises(ModelFileError, match="holds no model"):
+    with pytest.raises(ModelFileError, match="contains no model"):
         policy(str(tmp_path / "nothing"))
     assert train_cloning([root], "reach_target", tmp_path / "m", SHORT)
     model = tmp_path / "m" / "reach_target" / MODEL

@@ -228,7 +228,7 @@ def test_wrong_folders_and_damaged_files_are_named(trained: tuple[str, Path], tm
     (place / SETTINGS).write_text(json.dumps({**settings, "seen": settings["seen"] + 1}))
     (place / MODEL).write_bytes((out / TASK / MODEL).read_bytes())
     context = PolicyContext("panda", 7, (), (), 0.05, 100, 0)
-    with pytest.raises(ModelFileError, match="does not fit"):
+    with pytest.raises(ModelFileError, match="does not match the settings"):
         policy(str(tmp_path), algorithm).reset("", context)
     (place / SETTINGS).write_bytes((out / TASK / SETTINGS).read_bytes())
     (place / MODEL).write_bytes((out / TASK / MODEL).read_bytes()[:100])

@@ -74,11 +74,11 @@ def _write_files(language: str, folder: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "says"),
     [
-        ("Touch It", "not a name of a task"),
-        ("touch\n", "not a name of a task"),
+        ("Touch It", "not a valid task name"),
+        ("touch\n", "not a valid task name"),
         ("reach_target", "exists already"),
-        ("import", "Python's own"),
-        ("true", "Python's own"),
+        ("import", "keyword of Python"),
+        ("true", "keyword of Python"),
         ("spawn_boundary", "would hide rlbench_pin.tasks.SpawnBoundary"),
     ],
 )

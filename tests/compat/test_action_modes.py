@@ -248,7 +248,7 @@ def test_helpers_that_programs_call(scene: Any) -> None:
     """Shape, quaternion, and the delta pose along world axes."""
     assert_action_shape(np.zeros(7), (7,))
     assert_action_shape([0.0], (1,))
-    with pytest.raises(InvalidActionError, match=r"\(7,\) is needed"):
+    with pytest.raises(InvalidActionError, match=r"has to be \(7,\)"):
         assert_action_shape(np.zeros(8), (7,))
     assert_unit_quaternion([0, 0, 0, 1])
     with pytest.raises(InvalidActionError, match="norm"):

@@ -193,7 +193,7 @@ def test_errors_of_construction(tmp_path: Path) -> None:
 
 def test_launching_twice(env: Environment) -> None:
     """A second launch is refused; after a shutdown, which may be repeated, it works."""
-    with pytest.raises(RuntimeError, match="launched already"):
+    with pytest.raises(RuntimeError, match="already launched"):
         env.launch()
     env.shutdown()
     env.shutdown()

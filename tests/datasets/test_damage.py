@@ -89,7 +89,7 @@ def test_a_file_that_is_not_listed_does_not_count(root: Path) -> None:
         stored_demos(root, TASK, 5, 0, random_selection=False)
     with pytest.raises(DatasetError, match=r"no variation 7 .*Choose one of \[0\]"):
         stored_demos(root, TASK, 1, 7, random_selection=False)
-    with pytest.raises(DatasetError, match="holds 4 episodes"):
+    with pytest.raises(DatasetError, match="contains 4 episodes"):
         read_stored_descriptions(str(root), TASK, 4)
 
 

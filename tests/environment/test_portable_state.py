@@ -103,7 +103,7 @@ def test_a_state_of_another_task_is_refused() -> None:
         task.reset(seed=1)
         pickled = pickle.dumps(task.get_state())
         other = environment.get_task("reach_target")
-        with pytest.raises(TaskEnvironmentError, match="'push_button', this is 'reach_target'"):
+        with pytest.raises(TaskEnvironmentError, match="'push_button', but this environment runs 'reach_target'"):
             other.set_state(pickle.loads(pickled))
 
 

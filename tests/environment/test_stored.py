@@ -169,7 +169,7 @@ def test_sentences_of_an_episode(stored: Path) -> None:
     env = environment(stored)
     demos = env.get_demos(TASK, -1, -1, random_selection=False)
     assert [tuple(env.get_task_descriptions_with_episode(TASK, i)) for i in range(4)] == [d.instructions for d in demos]
-    with pytest.raises(DatasetError, match="holds 4 episodes"):
+    with pytest.raises(DatasetError, match="contains 4 episodes"):
         env.get_task_descriptions_with_episode(TASK, 4)
 
 

@@ -130,7 +130,7 @@ def test_a_demo_without_a_usable_seed_is_refused(reach: TaskEnvironment) -> None
     """One unpickled without our fields has none; that of another program is the state of a random number generator."""
     demo = Demo.__new__(Demo)
     demo.__dict__["_observations"] = [Observation()]
-    with pytest.raises(TaskEnvironmentError, match="carries no seed"):
+    with pytest.raises(TaskEnvironmentError, match="contains no seed"):
         reach.reset_to_demo(demo)
     demo.__dict__["random_seed"] = ("MT19937", np.zeros(624, dtype=np.uint32), 0, 0, 0.0)
     with pytest.raises(TaskEnvironmentError, match="state of a random number generator instead of a seed"):
@@ -169,7 +169,7 @@ def test_launching_twice_is_refused_and_shutdown_allows_a_new_launch() -> None:
     """`launch`, `shutdown` and the context manager work together."""
     env = environment()
     env.launch()
-    with pytest.raises(RuntimeError, match="launched already"):
+    with pytest.raises(RuntimeError, match="already launched"):
         env.launch()
     env.shutdown()
     env.shutdown()

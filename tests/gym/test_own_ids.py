@@ -36,7 +36,7 @@ def test_one_id_takes_every_task(mine: Path) -> None:
 
 def test_what_is_no_task_is_refused(tmp_path: Path) -> None:
     """With our errors: no task, an unknown one, a file that is not there."""
-    with pytest.raises(TaskEnvironmentError, match="Say which task"):
+    with pytest.raises(TaskEnvironmentError, match="No task was given"):
         gymnasium.make(ANY_TASK)
     with pytest.raises(UnknownName, match="reach_target"):
         gymnasium.make(ANY_TASK, task="reach_targt")
@@ -55,7 +55,7 @@ def test_a_registered_task_has_ids_of_its_own(mine: Path) -> None:
         assert env.reset(seed=1)[1]["text_descriptions"]
         env.close()
         New("touch_it", mine.parent / "other").run()
-        with pytest.raises(TaskEnvironmentError, match="another task already"):
+        with pytest.raises(TaskEnvironmentError, match="already belongs to another task"):
             register_task(mine.parent / "other" / "touch_it.py", "tests")
         scene = mine.with_suffix(".toml")
         scene.write_text(scene.read_text() + '\n[[history]]\nversion = 2\nchange = "The ball is smaller."\n')

@@ -65,7 +65,7 @@ def test_a_screen_that_does_not_answer(monkeypatch: pytest.MonkeyPatch) -> None:
     """A display that is named but not there is a typed error too."""
     pytest.importorskip("pygame")
     monkeypatch.setenv("SDL_VIDEODRIVER", "nonesuch")
-    with pytest.raises(WindowMissing, match="does not answer"):
+    with pytest.raises(WindowMissing, match="does not respond"):
         Window("a title").show(np.zeros((4, 4, 3), dtype=np.uint8))
 
 

@@ -121,7 +121,7 @@ def test_two_tasks_of_one_name_are_refused(mine: Path, tmp_path: Path) -> None:
     """One file twice is one task; two files of one name are none."""
     other = shutil.copytree(mine.parent, tmp_path / "other") / mine.name
     config = RecordConfig(tasks=(str(mine), str(other)), episodes=1, images=IMAGES)
-    with pytest.raises(TaskError, match="Two different tasks are called 'touch_it'"):
+    with pytest.raises(TaskError, match="Two different tasks have the name 'touch_it'"):
         record(config, tmp_path / "out", engine=SerialEngine())
 
 
@@ -138,7 +138,7 @@ def test_an_own_task_and_the_librarys_of_that_name_do_not_mix(tmp_path: Path) ->
     with pytest.raises(UntrustedTaskFile, match="The installed task of that name"):
         record(library, tmp_path / "own", engine=SerialEngine(), resume=True)
     record(library, tmp_path / "library", engine=SerialEngine())
-    with pytest.raises(DatasetConflict, match="the library's task 'reach_target'"):
+    with pytest.raises(DatasetConflict, match="the library task 'reach_target'"):
         record(own, tmp_path / "library", engine=SerialEngine(), resume=True)
 
 

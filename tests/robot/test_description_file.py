@@ -58,7 +58,7 @@ def test_paths_are_relative_to_the_file(arm: Path) -> None:
         ("reach", "", "key 'reach': is missing. The Panda has reach = 1.6"),
         ("reach", "-1.0", "key 'reach': has to be a finite number > 0"),
         ("home", "[0.0, 1.0]", "key 'home': has to have shape"),
-        ("urdf", '"none.urdf"', "key 'urdf': has to be a file; there is none at"),
+        ("urdf", '"none.urdf"', "key 'urdf': has to be an existing file;"),
         ("name", '"panda"', "is an arm of the catalogue"),
         ("name", '"My Arm"', "lower case letters"),
         ("gripper_joints", '["a"]', "a list of 0 or 2 names"),

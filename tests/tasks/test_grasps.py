@@ -58,7 +58,7 @@ def test_only_wanted_bodies_are_gripped_and_nothing_wanted_is_an_error() -> None
     """The easier one is left alone when it is not wanted."""
     wide, narrow = at(-0.08, 0.0, name="wide", box=(0.06, 0.05, 0.04)), at(0.08, 0.0, name="narrow")
     assert easiest_top_grasp([wide], [wide, narrow], TRAY).position[0] == pytest.approx(-0.08)
-    with pytest.raises(BoundaryError, match="no body to grip"):
+    with pytest.raises(BoundaryError, match="no body to grasp"):
         easiest_top_grasp([], [wide], TRAY)
 
 

@@ -228,7 +228,7 @@ WRONG: dict[str, tuple[Callable[[], object], str]] = {
     "a name for an element": (lambda: sample(element="cube"), r"element has to be a body or a frame"),
     "a seed for a generator": (lambda: sample(rng=3), r"rng has to be a Generator.*default_rng"),
     "degrees": (lambda: sample(min_rotation=(0.0, 0.0, -1800.0)), "min_rotation has to hold numbers"),
-    "turned round": (lambda: sample(max_rotation=(0.0, 0.0, -4.0)), "max_rotation has to be nowhere below min_rotation"),
+    "turned round": (lambda: sample(max_rotation=(0.0, 0.0, -4.0)), "max_rotation has to be at least min_rotation"),
     "no distance": (lambda: sample(min_distance=-1.0), "min_distance"),
     "no switch": (lambda: sample(ignore_collisions="yes"), "ignore_collisions"),
     "no function": (lambda: SpawnBoundary([REGION]).scatter([FakeBody()], RNG, accept=True), "accept"),  # type: ignore[arg-type]
@@ -264,7 +264,7 @@ def test_a_wanted_body_is_one_of_the_bodies() -> None:
         def extent_along(self, directions: object) -> np.ndarray:
             return self.bounds()
 
-    with pytest.raises(InvalidValue, match=r"wanted has to be some of the bodies, one. Got \['other'\]"):
+    with pytest.raises(InvalidValue, match=r"wanted has to be a subset of `bodies` \(one\). Got \['other'\]"):
         easiest_top_grasp([Bulky("other")], [Bulky("one")], TRAY)
 
 

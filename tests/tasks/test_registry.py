@@ -196,7 +196,7 @@ def test_two_files_of_one_name_are_told_apart(tmp_path: Path) -> None:
     one, other = write_task(tmp_path / "a"), write_task(tmp_path / "b")
     assert find_task(one) is not find_task(other)
     assert list(own_tasks([one, one])) == ["touch_nothing"]
-    with pytest.raises(TaskError, match="Two task files are called 'touch_nothing'"):
+    with pytest.raises(TaskError, match="Two task files have the name 'touch_nothing'"):
         own_tasks([one, other])
 
 
@@ -297,16 +297,20 @@ def test_a_sound_package_is_listed_and_the_broken_ones_are_reported(site: Path) 
         "bad_import", "gone_away", "no_class", "reach_target", "same_name", "Bad Name", "other", "mislabelled"
     }  # fmt: skip
     assert "'raises 1.2'" in said["bad_import"] and "No module named 'no_such_module'" in said["bad_import"]
-    assert "rlbench_pin itself" in said["reach_target"] and "'claims 1.2'" in said["reach_target"]
+    assert "rlbench_pin has a task of that name" in said["reach_target"] and "'claims 1.2'" in said["reach_target"]
     assert "'twin_one 1.2'" in said["same_name"] and "'twin_two 1.2'" in said["same_name"]
     assert "calls itself 'touch_me'" in said["mislabelled"]
-    assert "module:Class" in said["other"] and "small letters" in said["Bad Name"]
+    assert "module:Class" in said["other"] and "lower-case letters" in said["Bad Name"]
 
 
 @pytest.mark.simulation
 @pytest.mark.parametrize(
     ("name", "says"),
-    [("same_name", "neither is used"), ("bad_import", "cannot be loaded"), ("touch_nothin", "Did you mean 'touch_nothing'")],
+    [
+        ("same_name", "these tasks are ignored"),
+        ("bad_import", "cannot be loaded"),
+        ("touch_nothin", "Did you mean 'touch_nothing'"),
+    ],
 )
 def test_a_name_that_does_not_work_says_why(site: Path, name: str, says: str) -> None:
     """A clash names both origins, a broken module its error, a misspelt name the nearest."""

@@ -210,5 +210,5 @@ def test_a_demonstration_that_misses_its_goal_says_how_far_it_is_off(reach: Task
 def test_another_task_is_refused(reach: TaskEnvironment, demo: Demo) -> None:
     """A demonstration belongs to its task."""
     other = Demo(list(demo), random_seed=3, task_name="open_drawer")
-    with pytest.raises(TaskEnvironmentError, match="shows 'open_drawer'"):
+    with pytest.raises(TaskEnvironmentError, match="is of task 'open_drawer'"):
         recording_of_demo(reach, other)

@@ -18,7 +18,7 @@ from rlbench_pin.gym import LeRobotEnv
 
 GYM_ID = "rlbench_pin/LeRobot-v0"
 JOINTS = 7
-"""Joints of the Panda; states and actions have one number more, the gripper."""
+"""Number of joints of the Panda; states and actions have one more value, for the gripper."""
 
 
 @EnvConfig.register_subclass("rlbench_pin")
@@ -35,18 +35,18 @@ class RlbenchPinEnv(EnvConfig):
     fps: int = 20
     """Actions per second, as in recordings. It informs LeRobot; an action always takes 0.05 s."""
     episode_length: int = 300
-    """Actions after which an episode is cut off."""
+    """Number of actions after which an episode is truncated."""
     cameras: list[str] = field(default_factory=lambda: ["front", "wrist"])
-    """Of left_shoulder, right_shoulder, overhead, wrist and front; those that the policy was trained on."""
+    """Cameras of left_shoulder, right_shoulder, overhead, wrist and front; use those of the training of the policy."""
     observation_height: int = 128
-    """Height of images [px]; that of training."""
+    """Height of images [px]; use that of the training."""
     observation_width: int = 128
-    """Width of images [px]; that of training."""
+    """Width of images [px]; use that of the training."""
     variation: int = -1
-    """Variation of every episode; -1 draws one for each from the seed."""
+    """Variation of all episodes; -1 draws one for each episode from the seed."""
 
     def __post_init__(self) -> None:
-        """Say which observations and actions there are, and what policies call them."""
+        """Set the features of observations and actions, and their names for policies."""
         shape = (self.observation_height, self.observation_width, 3)
         self.features = {
             ACTION: PolicyFeature(type=FeatureType.ACTION, shape=(JOINTS + 1,)),
@@ -83,7 +83,7 @@ def make_environment(
 ) -> LeRobotEnv:
     """Return an environment.
 
-    `gymnasium.make` keeps an argument `max_episode_steps` for itself, so that it is `episode_length` here.
+    `gymnasium.make` consumes an argument `max_episode_steps`, so the argument is `episode_length` here.
     """
     return LeRobotEnv(task, max_episode_steps=episode_length, cameras=cameras, image_size=image_size, variation=variation)
 

@@ -1,1 +1,1 @@
-"""Two tasks of our own: each is a pair of files with one stem."""
+"""Two example tasks; each is a pair of files with the same stem."""

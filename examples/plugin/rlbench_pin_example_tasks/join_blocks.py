@@ -7,14 +7,14 @@ import numpy as np
 from rlbench_pin.tasks import COLORS, Detected, Task, distractor_colors
 
 FARTHEST = 0.03
-"""How far the standing block may be moved away from its place in the scene file [m]."""
+"""Maximum shift of the standing block from its pose in the scene file [m]."""
 
 
 class JoinBlocks(Task):
     """The pushed block must come within 6 mm of the standing one. The colours and the gap vary; no block can be grasped."""
 
     def init_task(self) -> None:
-        """Success is the pushed block in the thin volume before the standing one, which goes with it."""
+        """Success: the pushed block is in the thin volume in front of the standing block, which moves with it."""
         self.pushed, self.standing = self.world.body("pushed"), self.world.body("standing")
         self.register_success_conditions([Detected(self.pushed, self.world.sensor("near_face"))])
 

@@ -12,7 +12,7 @@ PAIRS = (("red", "blue"), ("yellow", "green"), ("white", "orange"), ("purple", "
 
 
 class SortTwoCubes(Task):
-    """Both cubes have to lie on their squares, let go. The colours vary; cubes and squares lie anywhere on a patch."""
+    """Both cubes have to be on their squares, released. The colours vary, and the positions are random in a region."""
 
     def init_task(self) -> None:
         """Either cube may be grasped; each round takes one cube to its square."""
@@ -29,7 +29,7 @@ class SortTwoCubes(Task):
         return len(PAIRS)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Colour everything, then scatter cubes and squares, 12 cm apart at least."""
+        """Set the colours, then scatter cubes and squares at least 12 cm apart."""
         first, second = PAIRS[variation]
         for name, cube, square in zip(PAIRS[variation], self.cubes, self.squares, strict=True):
             cube.set_color(RGB[name])
@@ -43,6 +43,6 @@ class SortTwoCubes(Task):
         ]
 
     def _aim(self, waypoint: Waypoint) -> None:
-        """Let this round's waypoints hang on its cube and its square."""
+        """Attach the waypoints of this round to its cube and its square."""
         self.world.frame("waypoint1").set_parent(f"cube{self.round}")
         self.world.frame("waypoint4").set_parent(f"square{self.round}")

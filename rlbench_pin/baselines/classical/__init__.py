@@ -1,4 +1,4 @@
-"""The classical baseline: geometry from RGB-D, known models, recipes of skills. No learning and no state of the simulator."""
+"""The classical baseline: geometry from RGB-D, known models and recipes of skills, without learning or simulator state."""
 
 from __future__ import annotations
 

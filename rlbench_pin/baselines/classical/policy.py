@@ -14,24 +14,24 @@ from rlbench_pin.observation import Observation
 from rlbench_pin.robot import RobotModel, robot_description
 
 TRIES = 3
-"""Number of tries."""
+"""Number of attempts."""
 PAUSE = 10
-"""Time in which a success has to show [ticks]."""
+"""Time to wait for success after an attempt [ticks]."""
 MAX_TICKS = 800
-"""Length of an episode that it suggests [ticks]: three tries."""
+"""Suggested length of an episode [ticks]: three attempts."""
 IMAGE_SIZE = (256, 256)
-"""Width and height of the images it asks for [px]."""
+"""Width and height of the images [px]."""
 
 
 class ClassicalPolicy:
-    """Acts by geometry alone, on colours and depth of the five cameras.
+    """A policy from geometry only, on colours and depth of the five cameras.
 
-    It uses the model of the arm, the models of the objects, and the sentence. It plans its own motions around
-    what it sees, and its controllers turn them into joint velocities, one action for each tick.
+    It uses the model of the arm, the models of the objects, and the instruction. It plans motions around the
+    detected obstacles, and its controllers convert them to joint velocities, one action per tick.
 
     Attributes:
-        action_mode: Joint velocities for a tick, and the gripper open or shut.
-        max_steps: Length of an episode that it suggests [ticks].
+        action_mode: Joint velocities for a tick, and an open or closed gripper.
+        max_steps: Suggested length of an episode [ticks].
         obs_config: Colours and depth, joint and finger positions.
     """
 
@@ -46,7 +46,7 @@ class ClassicalPolicy:
         self._moves: Moves | None = None
 
     def reset(self, instruction: str, context: PolicyContext) -> None:
-        """Begin an episode."""
+        """Start an episode."""
         key = context.robot, context.control_period
         if key not in self._drivers:
             self._drivers[key] = Driver(RobotModel(robot_description(context.robot)), context.control_period)
@@ -56,7 +56,7 @@ class ClassicalPolicy:
     def act(self, observation: Observation) -> np.ndarray:
         """Return the next action (8,): joint velocities [rad/s], then 1 for an open gripper and 0 for a closed one."""
         if self._moves is None:
-            assert self._driver is not None, "reset comes first"
+            assert self._driver is not None, "call `reset` before `act`"
             self._moves = _episode(Gripper(self._driver, observation, self._rng), self._instruction)
             tick = next(self._moves)
         else:
@@ -65,7 +65,7 @@ class ClassicalPolicy:
 
 
 def _episode(gripper: Gripper, asked: Instruction) -> Moves:
-    """Follow the recipe; without success go home and try again, `TRIES` times in all, then stay."""
+    """Follow the recipe; without success move home and retry, `TRIES` times in total, then hold the position."""
     for _ in range(TRIES):
         try:
             yield from find_recipe(asked)(gripper, asked)
@@ -79,7 +79,7 @@ def _episode(gripper: Gripper, asked: Instruction) -> Moves:
 
 
 def observation_config() -> ObservationConfig:
-    """Return the observations of the policy: only what a real robot can measure."""
+    """Return the observation settings of the policy: only data that a real robot can measure."""
     config = ObservationConfig(joint_poses=False)
     config.set_all(False)
     for name in CAMERAS:

@@ -1,4 +1,4 @@
-"""Recipes of the classical baseline: what to do about an instruction, in skills and known models."""
+"""Recipes of the classical baseline: sequences of skills for instructions, with known models."""
 
 from __future__ import annotations
 
@@ -46,28 +46,28 @@ from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray
 
 @dataclass(frozen=True)
 class Instruction:
-    """One sentence, taken apart."""
+    """The words of one instruction."""
 
     words: tuple[str, ...]
-    """In lower case, in their order."""
+    """Words in lower case, in order."""
 
     @classmethod
     def read(cls, sentence: str) -> Instruction:
-        """Take a sentence apart."""
+        """Split a sentence into words."""
         return cls(tuple(re.findall(r"[a-z0-9]+", sentence.lower())))
 
     @property
     def colors(self) -> tuple[str, ...]:
-        """The colour words, in their order, each once."""
+        """The colour words, in order, each once."""
         return tuple(dict.fromkeys(word for word in self.words if word in PALETTE))
 
     def has(self, phrase: str) -> bool:
-        """Say whether a word, or several that follow each other, occurs; `a|b` means either."""
+        """Return whether a word or phrase occurs; `a|b` means either."""
         text = f" {' '.join(self.words)} "
         return any(f" {choice} " in text for choice in phrase.split("|"))
 
     def one_of(self, words: tuple[str, ...]) -> str | None:
-        """Return the first of some words that occurs; None when none does."""
+        """Return the first of some words that occurs; None if none occurs."""
         return next((word for word in self.words if word in words), None)
 
 
@@ -80,7 +80,7 @@ def objects(gripper: Gripper) -> list[Cloud]:
 
 
 def everything(gripper: Gripper) -> Cloud:
-    """Return all that is not table and not arm."""
+    """Return all points that do not belong to the table or the arm."""
     cloud = gripper.look().objects
     if len(cloud) == 0:
         raise NothingFound("No object is seen.")
@@ -90,7 +90,7 @@ def everything(gripper: Gripper) -> Cloud:
 def colored(candidates: Sequence[Cloud], name: str) -> Cloud:
     """Return the object whose colour is nearest to a word."""
     if not candidates:
-        raise NothingFound(f"No object is seen that could be {name}.")
+        raise NothingFound(f"No object with the colour {name} is seen.")
     return min(candidates, key=lambda cloud: float(distances(lit_color(cloud.colors), name)))
 
 
@@ -114,7 +114,7 @@ def at(flat: FloatArray, up: float) -> FloatArray:
 
 LEVELS = ("bottom", "middle", "top")
 CLEAR = 0.03
-"""How far before a part the fingers start [m]."""
+"""Distance before a part at which the fingers start [m]."""
 
 
 @dataclass(frozen=True)
@@ -158,7 +158,7 @@ TOILET = Lid("toilet/toilet", "seat_hinge", "seat", (1.5, 1.8), 0.016, 0.183)
 
 
 def push_drawer(gripper: Gripper, asked: Instruction) -> Moves:
-    """Push the drawer that is out back into the chest."""
+    """Push the open drawer into the chest."""
     level = asked.one_of(LEVELS) or "middle"
     joint = f"drawer_{level}"
     chest = locate(KnownModel.named("chest/chest_with_stops"), everything(gripper), [{joint: s} for s in (0.05, 0.1, 0.15)])
@@ -172,7 +172,7 @@ def push_drawer(gripper: Gripper, asked: Instruction) -> Moves:
 
 
 def pull_drawer(gripper: Gripper, asked: Instruction) -> Moves:
-    """Grip the handle of a drawer, pull it far out, let go."""
+    """Grasp the handle of a drawer, pull it far out, release it."""
     level = asked.one_of(LEVELS) or "middle"
     joint = f"drawer_{level}"
     chest = locate(KnownModel.named("chest/chest"), everything(gripper), [{joint: s} for s in (0.0, 0.05, 0.1)])
@@ -186,7 +186,7 @@ def pull_drawer(gripper: Gripper, asked: Instruction) -> Moves:
 
 
 def push_door(gripper: Gripper, door: Door) -> Moves:
-    """Push an open door about its hinge until it is nearly shut."""
+    """Push an open door about its hinge until it is nearly closed."""
     found = locate(KnownModel.named(door.model), everything(gripper), [{door.joint: s} for s in door.states])
     axis, points = world_axis(found, door.joint), found.link_points(door.link)
     angle = found.joints[door.joint]
@@ -505,17 +505,17 @@ Play = Callable[[Gripper, Instruction], Moves]
 
 @dataclass(frozen=True)
 class Recipe:
-    """Words and what to do about them."""
+    """Words of instructions and the skills for them."""
 
     objects: str
-    """One of these words, or phrases, occurs: `a|b`."""
+    """Words or phrases of which one must occur: `a|b`."""
     asks: str
-    """And one of these; empty asks for nothing more."""
+    """Further words of which one must occur; empty for none."""
     play: Play
-    """What to do."""
+    """The skill to execute."""
 
     def fits(self, asked: Instruction) -> bool:
-        """Say whether an instruction asks for this."""
+        """Return whether an instruction matches this recipe."""
         return asked.has(self.objects) and (not self.asks or asked.has(self.asks))
 
 
@@ -564,16 +564,16 @@ TASKS = (
     "unplug_charger", "close_drawer", "open_drawer", "close_microwave", "open_microwave", "close_fridge", "open_fridge",
     "close_grill", "open_grill", "close_laptop_lid", "toilet_seat_down",
 )  # fmt: skip
-"""The tasks that the recipes are for, for evaluations; the policy itself does not read them."""
+"""The tasks of the recipes, for evaluations; the policy does not use them."""
 
 
 def find_recipe(asked: Instruction) -> Play:
-    """Return what to do about an instruction.
+    """Return the skill for an instruction.
 
     Raises:
-        NothingFound: No recipe is known for it.
+        NothingFound: There is no recipe for it.
     """
     for recipe in RECIPES:
         if recipe.fits(asked):
             return recipe.play
-    raise NothingFound(f"No recipe is known for '{' '.join(asked.words)}'.")
+    raise NothingFound(f"There is no recipe for '{' '.join(asked.words)}'.")

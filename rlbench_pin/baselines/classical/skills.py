@@ -157,7 +157,7 @@ PLANNING = PlannerConfig(
 
 
 class Driver:
-    """Planner in a world of boxes, trajectory follower and Cartesian controller of one arm.
+    """Planner in a world of boxes, trajectory follower and Cartesian controller for one arm.
 
     Args:
         arm: The arm.
@@ -173,7 +173,7 @@ class Driver:
         self._world: WorldSnapshot | None = None
 
     def update(self, objects: Cloud, q: FloatArray, fingers: FloatArray) -> None:
-        """Take what is seen for the world, with the arm at `q` (n,) [rad] and its fingers at `fingers` (2,) [m]."""
+        """Use the detected obstacles as the world, with the arm at `q` (n,) [rad] and its fingers at `fingers` (2,) [m]."""
         self._world = WorldSnapshot.from_point_cloud(objects.points, q, fingers, boxes={"table": TABLE})
         self._planner.update(self._world)
 
@@ -235,7 +235,7 @@ PLANS = 4
 
 @dataclass(frozen=True, eq=False)
 class Tick:
-    """One action: how fast the joints turn, and what the fingers do then."""
+    """One action: joint velocities, and the state of the fingers."""
 
     velocity: FloatArray
     """Joint velocities (n,) [rad/s]."""
@@ -258,7 +258,7 @@ class Way:
 
 
 class Gripper:
-    """The gripper and its arm as a skill uses them: the last observation, and the motions possible from there."""
+    """The gripper and its arm for skills: the last observation, and motions from there."""
 
     def __init__(self, driver: Driver, observation: Observation, rng: np.random.Generator) -> None:
         """Begin with what is seen at the start of an episode."""
@@ -361,7 +361,7 @@ class Gripper:
             if is_free:
                 break
         if best is None:
-            raise NothingFound("The arm reaches nothing of what it should.")
+            raise NothingFound("The arm reaches none of the target placements.")
         return best
 
     def _follows(self, way: Sequence[pin.SE3]) -> tuple[int, bool, float, FloatArray | None]:

@@ -1,4 +1,4 @@
-"""Behaviour cloning: joint commands in chunks, learned from recorded demonstrations, from state or from pictures."""
+"""Behaviour cloning: chunks of joint commands, learned from recorded demonstrations, from state or from images."""
 
 from __future__ import annotations
 

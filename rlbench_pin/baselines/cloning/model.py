@@ -19,27 +19,27 @@ from rlbench_pin.observation import Demo, Observation
 from rlbench_pin.spatial import FloatArray
 
 CHUNK = 20
-"""Ticks ahead that commands are predicted for."""
+"""Number of ticks of a predicted chunk."""
 SECONDS = 0.05
-"""A tick [s]."""
+"""Control tick [s]."""
 IMAGE_SIZE = 64
-"""Width and height of the images that a network sees [px]."""
+"""Width and height of the input images of a network [px]."""
 
 
 @dataclass(frozen=True)
 class Examples:
-    """All ticks of some demonstrations of one task, one after the other."""
+    """All ticks of some demonstrations of one task, in order."""
 
     joints: FloatArray
     """Joint positions at each tick, (n, 7) [rad]."""
     opening: FloatArray
     """Whether the gripper is open, (n, 1)."""
     task_state: FloatArray
-    """State of the task, (n, m); m = 0 where the network learns from images."""
+    """State of the task, (n, m); m = 0 for learning from images."""
     time: FloatArray
     """Time since the start, (n, 1) [s]."""
     episode: np.ndarray
-    """Number of its demonstration, (n,)."""
+    """Index of its demonstration, (n,)."""
     sentences: tuple[FloatArray, ...]
     """Encoded instructions of each demonstration, (k, size)."""
     targets: FloatArray
@@ -49,9 +49,9 @@ class Examples:
     images: np.ndarray
     """uint8 (n, cameras, IMAGE_SIZE, IMAGE_SIZE, 3); no cameras where the network learns from the task state."""
     instructions: tuple[str, ...]
-    """Every sentence that occurs."""
+    """All instructions of the demonstrations."""
     joint_names: tuple[str, ...] = ()
-    """Joints of the arm that made the demonstrations; empty where they do not say."""
+    """Joint names of the arm of the demonstrations; empty if unknown."""
 
 
 def read_examples(root: Path, task: str, demos: int = -1, cameras: Sequence[str] = ()) -> Examples:
@@ -60,11 +60,11 @@ def read_examples(root: Path, task: str, demos: int = -1, cameras: Sequence[str]
     Args:
         root: Folder of a dataset.
         task: Name of the task.
-        demos: How many; -1 is all.
-        cameras: Cameras whose colours are read in place of the task state.
+        demos: Number of demonstrations; -1 reads all.
+        cameras: Cameras whose colours are read instead of the task state.
 
     Raises:
-        DatasetError: Too few are stored, or they lack what is needed.
+        DatasetError: Too few demonstrations are stored, or they lack a field.
     """
     fields = ["joint_positions", "gripper_open", *([f"{c}_rgb" for c in cameras] or ["task_low_dim_state"])]
     rng = np.random.default_rng(0)
@@ -79,7 +79,7 @@ def make_examples(demos: Sequence[Demo], cameras: Sequence[str] = ()) -> Example
     """
     parts = [_columns(demo, index, cameras) for index, demo in enumerate(demos)]
     if not parts:
-        raise DatasetError("There are no demonstrations to learn from. `rlbench-pin record` makes some.")
+        raise DatasetError("There are no demonstrations to learn from. Record some with `rlbench-pin record`.")
     stacked = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     instructions = [tuple(str(s) for s in demo[0].misc.get("descriptions", ())) or ("",) for demo in demos]
     sentences = tuple(np.stack([encode_sentence(s) for s in each]) for each in instructions)
@@ -88,15 +88,15 @@ def make_examples(demos: Sequence[Demo], cameras: Sequence[str] = ()) -> Example
 
 
 def joint_names_of(demos: Sequence[Demo]) -> tuple[str, ...]:
-    """Return the names of the arm joints of demonstrations; empty where they do not say.
+    """Return the names of the arm joints of demonstrations; empty if unknown.
 
     Raises:
-        DatasetError: They are of several arms.
+        DatasetError: The demonstrations have different arms.
     """
     found = {tuple(demo.joint_names): demo.robot for demo in demos if demo.joint_names}
     if len(found) > 1:
         arms = ", ".join(sorted(found.values()))
-        raise DatasetError(f"The demonstrations are of several arms: {arms}. Train one model for each arm.")
+        raise DatasetError(f"The demonstrations have different arms: {arms}. Train one model for each arm.")
     return next(iter(found), ())
 
 
@@ -121,9 +121,11 @@ def _columns(demo: Demo, index: int, cameras: Sequence[str]) -> dict[str, np.nda
     frames = list(demo)[:-1]
     commands = [o.misc.get("joint_position_action") for o in list(demo)[1:]]
     if not frames or any(c is None for c in commands):
-        raise DatasetError("A demonstration lacks `joint_position_action`, so there is nothing to imitate. Record it live.")
+        raise DatasetError(
+            "A demonstration lacks `joint_position_action`, which is the training target. Record it with `rlbench-pin record`."
+        )
     if not cameras and any(o.task_low_dim_state is None for o in frames):
-        raise DatasetError("A demonstration lacks `task_low_dim_state`. Record it, or name cameras to learn from.")
+        raise DatasetError("A demonstration lacks `task_low_dim_state`. Record it, or select cameras to learn from.")
     ahead = np.minimum(np.arange(len(frames))[:, None] + np.arange(CHUNK), len(commands) - 1)
     chunks = np.asarray(commands)[ahead]
     state = [np.zeros(0) if cameras else np.asarray(o.task_low_dim_state) for o in frames]
@@ -146,13 +148,13 @@ _WORD = re.compile(r"[a-z0-9]+")
 
 
 def encode_sentence(sentence: str, size: int = SENTENCE_SIZE) -> FloatArray:
-    """Return a unit vector, shape (size,), that says which words a sentence has; zero for one without words.
+    """Return a unit vector, shape (size,), that encodes the words of a sentence; zero for a sentence without words.
 
-    Feature hashing (Weinberger et al. 2009): the hash of a word gives its place and its sign, so that there is no vocabulary, and
-    sentences never seen before have vectors, too. Pairs of neighbouring words count half.
+    Feature hashing (Weinberger et al. 2009): the hash of a word gives its index and its sign. So no vocabulary is needed, and
+    new sentences can be encoded too. Pairs of neighbouring words have half the weight.
 
     Args:
-        sentence: Any text; case and punctuation do not matter.
+        sentence: Any text; case and punctuation are ignored.
         size: Length of the vector.
     """
     words = _WORD.findall(sentence.lower())
@@ -176,24 +178,24 @@ _FEATURES = 32
 
 @dataclass(frozen=True)
 class ChunkSizes:
-    """What goes into the network and what comes out."""
+    """Input and output sizes of the network."""
 
     joints: int = 7
-    """Joints of the arm."""
+    """Number of joints of the arm."""
     task_state: int = 0
-    """Numbers that describe the objects."""
+    """Length of the task state."""
     sentence: int = 96
     """Numbers of an encoded sentence."""
     cameras: tuple[str, ...] = field(default=())
-    """Cameras whose images it sees."""
+    """Number of cameras."""
     chunk: int = 20
-    """Ticks that it predicts."""
+    """Number of predicted ticks."""
 
 
 class ChunkNetwork(nn.Module):
-    """A residual perceptron over normalised numbers, and for images a small convolution that says where features are.
+    """A residual perceptron over normalised values, and for images a small convolution that locates features.
 
-    Buffers `mean` and `spread` normalise what goes in, `reach` what comes out; they are stored with the weights.
+    The buffers `mean` and `spread` normalise the input, `reach` scales the output; they are stored with the weights.
     """
 
     mean: Tensor
@@ -214,7 +216,7 @@ class ChunkNetwork(nn.Module):
         self.last = nn.Linear(WIDTH, sizes.chunk * (sizes.joints + 1))
 
     def forward(self, numbers: Tensor, sentence: Tensor, images: Tensor) -> tuple[Tensor, Tensor]:
-        """Return joint commands relative to the joints now, (b, chunk, joints) [rad], and how likely the gripper is open.
+        """Return joint commands relative to the present joints, (b, chunk, joints) [rad], and logits for an open gripper.
 
         Args:
             numbers: Joints, opening, time and task state, (b, n).

@@ -1,4 +1,4 @@
-"""The policy of behaviour cloning: a chunk of commands at each tick, and the mean of what chunks say about now."""
+"""The policy of behaviour cloning: it predicts a chunk of commands at each tick, and averages the chunks for the present tick."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from rlbench_pin.observation import Observation
 from rlbench_pin.spatial import FloatArray
 
 FADE = 0.1
-"""Rate [1/tick] at which the weight of older chunks decays; 0 weights all chunks alike."""
+"""Rate [1/tick] at which the weight of older chunks decays; 0 weights all chunks equally."""
 
 
 class CloningPolicy:
-    """Joint commands learned from demonstrations; which of its networks acts is chosen by the instruction.
+    """Joint commands learned from demonstrations; the instruction selects the network of a task.
 
     Args:
-        folder: What `rlbench-pin train cloning` wrote.
-        device: Where torch computes.
+        folder: Output folder of `rlbench-pin train cloning`.
+        device: Device of torch.
     """
 
     def __init__(self, folder: str | Path, device: str = "cpu") -> None:
-        """Read what is in the folder; networks are loaded when their task comes up."""
+        """Read the settings in the folder; networks are loaded at their first use."""
         self._folder, self._device = Path(folder), device
         trained = trained_tasks(self._folder, KIND)
         self._instructions = {task: list(s["instructions"]) for task, s in trained.items()}
@@ -40,7 +40,7 @@ class CloningPolicy:
         self._sentence, self._tick, self._task = encode_sentence(""), 0, next(iter(self._instructions))
 
     def reset(self, instruction: str, context: PolicyContext) -> None:
-        """Choose the network whose demonstrations have the instruction nearest to this one."""
+        """Select the network whose demonstrations have the instruction most similar to this one."""
         owners = [(task, sentence) for task, sentences in self._instructions.items() for sentence in sentences]
         self._task = owners[nearest_sentence(instruction, [sentence for _, sentence in owners])][0]
         if self._task not in self._networks:
@@ -48,7 +48,7 @@ class CloningPolicy:
         self._sentence, self._tick, self._chunks = encode_sentence(instruction), 0, []
 
     def act(self, observation: Observation) -> np.ndarray:
-        """Predict a chunk and return the weighted mean of what the last chunks say about this tick, shape (8,)."""
+        """Predict a chunk and return the weighted mean of the last chunks for this tick, shape (8,)."""
         network, longest = self._networks[self._task]
         joints, gripper = self._predict(network, longest, observation)
         self._chunks = [(joints, gripper), *self._chunks][: len(gripper)]
@@ -60,7 +60,7 @@ class CloningPolicy:
         return np.append(arm, float(grip > 0.5))
 
     def _predict(self, network: ChunkNetwork, longest: float, observation: Observation) -> tuple[FloatArray, FloatArray]:
-        """Return commands (chunk, joints) [rad] and how likely the gripper is open (chunk,)."""
+        """Return commands (chunk, joints) [rad] and the probability of an open gripper (chunk,)."""
         sizes = network.sizes
         joints = np.asarray(observation.joint_positions, dtype=float)
         state = np.asarray(observation.task_low_dim_state, dtype=float) if not sizes.cameras else np.zeros(0)
@@ -78,7 +78,7 @@ def policy(folder: str, device: str = "cpu") -> CloningPolicy:
 
 
 def _observation(cameras: tuple[str, ...]) -> ObservationConfig:
-    """Return what is observed: joints, gripper, task state, and for images the colours of some cameras."""
+    """Return the observation settings: joints, gripper, task state, and for images the colours of some cameras."""
     if not cameras:
         return low_dim_config()
     return image_config((2 * IMAGE_SIZE, 2 * IMAGE_SIZE), cameras, depth=False, mask=False)

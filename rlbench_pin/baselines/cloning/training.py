@@ -26,15 +26,15 @@ FORMAT = 1
 
 
 class ModelFileError(RlbenchPinError):
-    """A trained model is missing, damaged, or of another kind; names the file and what makes one."""
+    """A trained model is missing, damaged, or of another kind; the message has the file and the command that trains one."""
 
     def __init__(self, path: Path, why: str) -> None:
         self.path = path
-        super().__init__(f"'{path}' {why}. `rlbench-pin train` makes a folder with models.")
+        super().__init__(f"'{path}' {why}. `rlbench-pin train` writes a folder with models.")
 
 
 def write_tensors(path: Path, tensors: Mapping[str, torch.Tensor], **notes: str) -> None:
-    """Write tensors and a few texts as one file, whole or not at all."""
+    """Write tensors and some texts atomically to one file."""
     plain = {name: tensor.detach().to("cpu").contiguous() for name, tensor in tensors.items()}
     write_whole(path, save(plain, metadata=notes))
 
@@ -56,13 +56,13 @@ def read_tensors(path: Path) -> tuple[dict[str, torch.Tensor], dict[str, str]]:
 
 
 def write_settings(path: Path, kind: str, settings: Mapping[str, Any]) -> None:
-    """Write what a model is and how it was made, as JSON."""
+    """Write the settings of a model and its training as JSON."""
     content = {"format": FORMAT, "kind": kind, **settings}
     write_whole(path, (json.dumps(content, indent=1, sort_keys=True) + "\n").encode())
 
 
 def read_settings(path: Path, kind: str) -> dict[str, Any]:
-    """Return what `write_settings` wrote.
+    """Return the settings that `write_settings` wrote.
 
     Raises:
         ModelFileError: The file is missing, damaged, or about another kind of model.
@@ -88,7 +88,7 @@ def fill_network(network: torch.nn.Module, path: Path) -> None:
     try:
         network.load_state_dict(tensors)
     except RuntimeError as error:
-        raise ModelFileError(path, "does not fit the settings beside it") from error
+        raise ModelFileError(path, "does not match the settings in its folder") from error
 
 
 def trained_tasks(folder: Path, kind: str) -> dict[str, dict[str, Any]]:
@@ -99,51 +99,51 @@ def trained_tasks(folder: Path, kind: str) -> dict[str, dict[str, Any]]:
     """
     found = {p.parent.name: read_settings(p, kind) for p in sorted(Path(folder).glob(f"*/{SETTINGS}"))}
     if not found:
-        raise ModelFileError(Path(folder), f"holds no model of kind '{kind}'")
+        raise ModelFileError(Path(folder), f"contains no model of kind '{kind}'")
     return found
 
 
 def trained_joints(folder: Path, trained: Mapping[str, Mapping[str, Any]]) -> tuple[str, ...]:
-    """Return the arm joints that the models of a folder were trained for; empty where none says so.
+    """Return the names of the arm joints that the models of a folder were trained for; empty if unknown.
 
     Args:
         folder: The folder.
-        trained: The settings of its models by task, as of `trained_tasks`.
+        trained: The settings of its models by task, from `trained_tasks`.
 
     Raises:
         ModelFileError: They were trained for different arms.
     """
     found = {tuple(settings["joint_names"]) for settings in trained.values() if settings.get("joint_names")}
     if len(found) > 1:
-        raise ModelFileError(folder, f"holds models for different arms: {sorted(found)}")
+        raise ModelFileError(folder, f"contains models for different arms: {sorted(found)}")
     return next(iter(found), ())
 
 
 Losses = dict[str, torch.Tensor]
-"""Name -> loss; `total` is what is minimised."""
+"""Name -> loss; `total` is the minimised loss."""
 ModuleT = TypeVar("ModuleT", bound=torch.nn.Module)
 CURVE_EVERY = 20
-"""Steps between points of the curves."""
+"""Number of steps between points of the curves."""
 
 
 @dataclass(frozen=True)
 class TrainConfig:
-    """How long and how a network is trained."""
+    """Settings of the training of a network."""
 
     steps: int = 3000
     """Batches."""
     batch: int = 128
-    """Examples in a batch."""
+    """Number of examples in a batch."""
     rate: float = 1e-3
     """Learning rate after the first hundred steps; it falls to 0 along half a cosine."""
     decay: float = 1e-4
     """Weight decay of AdamW."""
     seed: int = 0
-    """Of first weights, batches and augmentation."""
+    """Seed of initial weights, batches and augmentation."""
     device: str = "cpu"
-    """Where torch computes: `cpu`, `cuda`, `cuda:1` ... On the CPU the same seed gives the same bytes."""
+    """Device of torch: `cpu`, `cuda`, `cuda:1` ... On the CPU, the same seed gives byte-identical weights."""
     checkpoint_every: int = 250
-    """Steps between checkpoints."""
+    """Number of steps between checkpoints."""
 
 
 class Learner(Protocol):
@@ -159,12 +159,12 @@ class Learner(Protocol):
         ...
 
     def settings(self) -> dict[str, Any]:
-        """Return what the policy has to know beside the weights, for JSON."""
+        """Return the settings that the policy needs in addition to the weights, for JSON."""
         ...
 
 
 def seeded(make: Callable[[], ModuleT], seed: int) -> ModuleT:
-    """Return a network whose first weights follow from a seed; torch's own generator is as before."""
+    """Return a network whose initial weights depend on a seed; the global generator of torch does not change."""
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(seed)
         return make()
@@ -184,20 +184,20 @@ def train(
     on_step: Callable[[int, float], None] = lambda step, loss: None,
     stop: threading.Event | None = None,
 ) -> bool:
-    """Train a network, write it to `model.safetensors`, and return whether it came to its end.
+    """Train a network, write it to `model.safetensors`, and return whether the training is complete.
 
     An interrupted training continues from its last checkpoint and gives byte-identical weights.
 
     Args:
-        network: On the device of the settings; a checkpoint's weights replace its own.
-        losses: Draws a batch, from nothing but the generator that it is given, and returns its losses.
-        config: How long, how fast.
-        folder: Where everything is written.
-        on_step: Called with how many steps are done, and the loss.
-        stop: Ends the training at a checkpoint.
+        network: Network on the device of the settings; the weights of a checkpoint replace its weights.
+        losses: Function that draws a batch with the given generator only, and returns its losses.
+        config: Settings of the training.
+        folder: Output folder.
+        on_step: Function that is called with the number of completed steps, and the loss.
+        stop: Event that ends the training at a checkpoint.
 
     Raises:
-        ModelFileError: The checkpoint is damaged, or of other settings.
+        ModelFileError: The checkpoint is damaged, or has other settings.
     """
     optimizer = torch.optim.AdamW(network.parameters(), lr=config.rate, weight_decay=config.decay)
     done = _restore(network, optimizer, config, folder)
@@ -232,16 +232,16 @@ def train_task(
 
     Args:
         kind: The kind of the model.
-        make_learner: Makes the learner from the dataset in a folder.
+        make_learner: Function that creates the learner from the dataset in a folder.
         roots: Folders of datasets; the first that contains the task is read.
-        task: Its name.
-        folder: Where the folder of its model is made.
-        config: How long, how fast.
-        on_step: Called with how many steps are done, and the loss.
-        stop: When set, the training ends at a checkpoint.
+        task: Name of the task.
+        folder: Folder in which the folder of the model is created.
+        config: Settings of the training.
+        on_step: Function that is called with the number of completed steps, and the loss.
+        stop: Event that ends the training at a checkpoint.
 
     Returns:
-        Whether it is finished.
+        Whether the training is complete.
     """
     place = Path(folder) / task
     if (place / MODEL).exists() and (place / SETTINGS).exists():
@@ -292,7 +292,7 @@ def _restore(network: torch.nn.Module, optimizer: torch.optim.Optimizer, config:
         return 0
     tensors, notes = read_tensors(path)
     if notes.get("config") != _identity(config):
-        raise ModelFileError(path, f"was begun with {notes.get('config')}, not {_identity(config)}; delete it to begin again")
+        raise ModelFileError(path, f"was started with {notes.get('config')}, not {_identity(config)}; delete it to restart")
     network.load_state_dict({n.removeprefix("network/"): t for n, t in tensors.items() if n.startswith("network/")})
     state: dict[int, dict[str, torch.Tensor]] = {}
     for name, tensor in tensors.items():
@@ -398,16 +398,16 @@ def train_cloning(
 
     Args:
         roots: Folders of datasets; the first that contains the task is read.
-        task: Its name.
-        folder: Where the folder of its model is made.
-        config: How long, how fast.
-        demos: Demonstrations to learn from; -1 is all.
-        cameras: Cameras to learn from in place of the task state.
-        on_step: Called with how many steps are done, and the loss.
-        stop: When set, the training ends at a checkpoint.
+        task: Name of the task.
+        folder: Folder in which the folder of the model is created.
+        config: Settings of the training.
+        demos: Number of demonstrations to learn from; -1 uses all.
+        cameras: Cameras to learn from instead of the task state.
+        on_step: Function that is called with the number of completed steps, and the loss.
+        stop: Event that ends the training at a checkpoint.
 
     Returns:
-        Whether it is finished.
+        Whether the training is complete.
     """
 
     def make_learner(root: Path) -> ChunkLearner:
@@ -417,7 +417,7 @@ def train_cloning(
 
 
 def load_cloning(folder: Path, device: str = "cpu") -> tuple[ChunkNetwork, float]:
-    """Return the network in a folder, and the longest time that it has seen [s].
+    """Return the network in a folder, and the longest time in its training data [s].
 
     Raises:
         ModelFileError: A file is missing or damaged.

@@ -1,4 +1,4 @@
-"""Key-frame cloning: the next tip pose from a point cloud, by votes of its points, learned from recorded demonstrations."""
+"""Key-frame cloning: the next tip pose from votes of the points of a cloud, learned from recorded demonstrations."""
 
 from __future__ import annotations
 

@@ -152,7 +152,9 @@ def make_cloud(observation: Observation, arm: RobotModel, cameras: Sequence[str]
     own = arm_surface(arm, np.asarray(observation.joint_positions), np.asarray(observation.gripper_joint_positions))
     rows = rows[cKDTree(own).query(points[rows], distance_upper_bound=OWN)[0] > OWN]
     if len(rows) == 0:
-        raise DatasetError("No camera sees anything above the table but the arm, so there is no cloud.")
+        raise DatasetError(
+            "No camera sees a point above the table except the arm, so there is no cloud. Check the cameras and their depth."
+        )
     is_table = points[rows, 2] < TABLE_HEIGHT + FLAT
     objects, table = rows[~is_table], np.random.default_rng(0).permutation(rows[is_table])
     return Cloud(points, colors).where(np.concatenate([objects, table[: max(100, int(len(objects) * TABLE_SHARE))]]))
@@ -302,17 +304,17 @@ def read_key_frames(
 ) -> list[Example]:
     """Read the first demonstrations of a task, spread over its variations, replay them and observe their key frames.
 
-    Images need not be stored: the demonstrations start from their state and repeat their actions, and the cameras are
-    drawn at the start and at each key frame. A dataset without images takes a hundredth of the space and a fifth of the time.
+    Images need not be stored: the demonstrations start from their state and repeat their actions, and the images are
+    rendered at the start and at each key frame. A dataset without images needs a hundredth of the space and a fifth of the time.
 
     Args:
         root: Folder of a dataset.
         task: Name of the task.
-        demos: How many; -1 is all.
-        on_demo: Called with how many are done, and how many there are.
+        demos: Number of demonstrations; -1 reads all.
+        on_demo: Function that is called with the number of completed demonstrations, and their total number.
 
     Raises:
-        DatasetError: Too few are stored, or they lack what is needed.
+        DatasetError: Too few demonstrations are stored, or they lack a field.
     """
     stored = stored_demos(root, task, demos, -1, rng=np.random.default_rng(0))
     config, arm = cloud_config(), RobotModel(robot_description(ROBOT))
@@ -329,7 +331,9 @@ def _observations(task: TaskEnvironment, demo: Demo, switch: Callable[[bool], No
     """Yield what the cameras see at the start and at every key frame but the last, which is followed by none."""
     wanted = key_frames(demo)[:-1]
     if any("joint_position_action" not in o.misc for o in demo[1:]):
-        raise DatasetError("A demonstration lacks `joint_position_action`, so it cannot be played again. Record it live.")
+        raise DatasetError(
+            "A demonstration lacks `joint_position_action`, so it cannot be replayed. Record it with `rlbench-pin record`."
+        )
     switch(False)
     task.reset_to_demo(demo)
     for index in range(len(demo)):

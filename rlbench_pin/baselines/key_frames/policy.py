@@ -1,4 +1,4 @@
-"""The policy of key-frame cloning: a cloud in, the tip pose that most votes agree on out; another when that is refused."""
+"""The policy of key-frame cloning: it returns the tip pose with most votes for a cloud, or the next one after a failure."""
 
 from __future__ import annotations
 
@@ -30,32 +30,32 @@ from rlbench_pin.robot import RobotModel, robot_description
 from rlbench_pin.spatial import FloatArray
 
 CANDIDATES = 256
-"""Votes of most weight among which the densest are looked for."""
+"""Number of votes with the largest weights that are clustered."""
 CLUSTERS = 3
-"""Clusters of votes that are tried, the densest first."""
+"""Maximum number of clusters of votes to try, the densest first."""
 APART = 3.0
 """Clusters differ by more than this, counted in the scales of the densities."""
 TRIES = 6
-"""Poses that may be refused at a key frame before the next one is tried."""
+"""Maximum number of failed poses at a key frame before the next key frame."""
 NUDGE = 0.006
-"""How far a pose is moved for each refusal after all clusters were refused, and for each time that all key frames are gone
-through again: standard deviation along each axis [m]."""
+"""Random shift of a pose for each failure after all clusters have failed, and for each repetition of all key frames: standard
+deviation along each axis [m]."""
 HOME = -1
-"""Number of the step back to where the arm began."""
+"""Index of the step back to the start pose of the arm."""
 
 
 class KeyFramePolicy:
-    """Next tip pose from a point cloud; which of its networks act is chosen by the instruction.
+    """Next tip pose from a point cloud; the instruction selects the networks of a task.
 
-    When all key frames are behind and the episode goes on, the arm goes back to where it began and all begins again.
+    If the episode continues after the last key frame, the arm returns to its start pose and repeats the key frames.
 
     Args:
-        folder: What `rlbench-pin train key-frames` wrote.
-        device: Where torch computes.
+        folder: Output folder of `rlbench-pin train key-frames`.
+        device: Device of torch.
     """
 
     def __init__(self, folder: str | Path, device: str = "cpu") -> None:
-        """Read what is in the folder; networks are loaded when their task comes up."""
+        """Read the settings in the folder; networks are loaded at their first use."""
         self._folder, self._device = Path(folder), torch.device(device)
         trained = trained_tasks(self._folder, KIND)
         self._known = [(sentence, task, length) for task, s in trained.items() for sentence, length in s["key_frames"].items()]
@@ -65,7 +65,7 @@ class KeyFramePolicy:
         self._arm: RobotModel | None = None
 
     def reset(self, instruction: str, context: PolicyContext) -> None:
-        """Choose the networks whose demonstrations have the instruction nearest to this one."""
+        """Select the networks whose demonstrations have the instruction most similar to this one."""
         _, self._task, self._length = self._known[nearest_sentence(instruction, [sentence for sentence, _, _ in self._known])]
         if self._task not in self._networks:
             self._networks[self._task] = load_key_frames(self._folder / self._task, str(self._device))
@@ -77,7 +77,7 @@ class KeyFramePolicy:
         self._home: FloatArray | None = None
 
     def act(self, observation: Observation) -> np.ndarray:
-        """Return tip pose, opening and whether collisions are ignored, shape (9,)."""
+        """Return the tip pose, the opening, and 1 to ignore collisions, shape (9,)."""
         self._count(observation)
         if self._step == HOME:
             assert self._home is not None, "the first action is never the way back"
@@ -101,7 +101,7 @@ class KeyFramePolicy:
 
     def _next(self, observation: Observation) -> tuple[FloatArray, FloatArray]:
         """Return the next tip pose (7,), then whether the gripper is open and collisions are ignored (2,)."""
-        assert self._arm is not None, "reset comes first"
+        assert self._arm is not None, "call `reset` before `act`"
         cloud = make_cloud(observation, self._arm)
         tip, opening = np.asarray(observation.gripper_pose, dtype=float), float(observation.gripper_open or 0.0)
         conditioning = Conditioning(self._instruction, tip, opening, self._step)

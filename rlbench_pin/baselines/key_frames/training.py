@@ -199,7 +199,7 @@ class KeyFrameLearner:
             DatasetError: There are none.
         """
         if not examples:
-            raise DatasetError("There are no demonstrations to learn from. `rlbench-pin record` makes some.")
+            raise DatasetError("There are no demonstrations to learn from. Record some with `rlbench-pin record`.")
         self._examples, self._device = examples, torch.device(device)
         self.network = seeded(make_networks, seed).to(self._device)
 
@@ -263,16 +263,16 @@ def train_key_frames(
 
     Args:
         roots: Folders of datasets; the first that contains the task is read.
-        task: Its name.
-        folder: Where the folder of its model is made.
-        config: How long, how fast.
-        demos: Demonstrations to learn from; -1 is all.
-        on_demo: Called while demonstrations are played again, with how many are done, and how many there are.
-        on_step: Called with how many steps are done, and the loss.
-        stop: When set, the training ends at a checkpoint.
+        task: Name of the task.
+        folder: Folder in which the folder of the model is created.
+        config: Settings of the training.
+        demos: Number of demonstrations to learn from; -1 uses all.
+        on_demo: Function that is called during the replay with the number of completed demonstrations, and their total number.
+        on_step: Function that is called with the number of completed steps, and the loss.
+        stop: Event that ends the training at a checkpoint.
 
     Returns:
-        Whether it is finished.
+        Whether the training is complete.
     """
 
     def make_learner(root: Path) -> KeyFrameLearner:

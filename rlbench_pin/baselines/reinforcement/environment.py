@@ -16,15 +16,15 @@ from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_flag, as_seed, as_whole
 
 MIN_CHECKPOINT_STEPS = 8
-"""Decisions of a segment in one environment at least: SAC learns after so many."""
+"""Minimum number of decisions of a segment in one environment: SAC learns after this number."""
 Algorithm = Literal["ppo", "sac"]
 ALGORITHMS = ("ppo", "sac")
 EPISODE_STEPS: Mapping[str, int] = {"reach_target": 30}
-"""Decisions of a training episode for tasks that need fewer than others."""
+"""Decisions of a training episode for tasks that need fewer decisions."""
 LONG_EPISODE = 50
 """Decisions of a training episode for all other tasks: 7.5 s."""
 CHECKPOINT_STEPS = 2048
-"""Decisions between two checkpoints. Each segment begins with new episodes and generators of its own."""
+"""Number of decisions between two checkpoints. Each segment starts with new episodes and its own generators."""
 
 
 @dataclass(frozen=True)
@@ -41,27 +41,27 @@ class ReinforcementConfig:
     task: str
     """Name of the task."""
     steps: int = 20_000
-    """Decisions of training, rounded up to whole segments."""
+    """Number of training decisions, rounded up to whole segments."""
     shaped: bool = False
-    """Pay the task's own reward at each step, and 1 for success; otherwise 1 for success alone."""
+    """Use the shaped reward of the task at each step, and 1 for success; otherwise only 1 for success."""
     demonstrations: int = 0
-    """Demonstrations of the planner: half of each batch of SAC, the first policy of PPO."""
+    """Number of demonstrations of the planner: half of each batch of SAC, the initial policy of PPO."""
     imitation_steps: int = 3000
-    """Batches from which the first policy learns to imitate demonstrations."""
+    """Number of batches for imitation of the demonstrations by the initial policy."""
     seed: int = 0
-    """Of first weights, episodes, exploration and batches."""
+    """Seed of initial weights, episodes, exploration and batches."""
     workers: int = 1
-    """Environments at once, each in a process of its own when there are several. Another number is another training."""
+    """Number of environments, each in its own process if there are several. It changes the result of a training."""
     device: str = "cpu"
-    """Where torch computes: `cpu`, `cuda`, `cuda:1`."""
+    """Device of torch: `cpu`, `cuda`, `cuda:1`."""
     episode_steps: int | None = None
-    """Decisions of a training episode at most; None is 30 for `reach_target` and 50 for others."""
+    """Maximum number of decisions of a training episode; None is 30 for `reach_target` and 50 for others."""
     checkpoint_steps: int = CHECKPOINT_STEPS
-    """Decisions between two checkpoints; PPO learns once in each segment. Rounded down to a multiple of the environments."""
+    """Number of decisions between two checkpoints, rounded down to a multiple of the workers; PPO learns once per segment."""
     validate_every: int = 2
-    """Segments between two validations of the most likely action."""
+    """Number of segments between two validations of the most likely action."""
     validation_episodes: int = 20
-    """Episodes of each validation; their seeds are fixed and do not occur in training."""
+    """Number of episodes of each validation; their seeds are fixed and do not occur in training."""
 
     def __post_init__(self) -> None:
         """Check every number."""
@@ -81,7 +81,7 @@ class ReinforcementConfig:
 
     @property
     def longest(self) -> int:
-        """Decisions of a training episode at most."""
+        """Maximum number of decisions of a training episode."""
         assert self.episode_steps is not None
         return self.episode_steps
 
@@ -92,7 +92,7 @@ class ReinforcementConfig:
 
     @property
     def segments(self) -> int:
-        """How many segments there are."""
+        """Number of segments."""
         return -(-self.steps // self.segment)
 
     def identity(self) -> dict[str, Any]:
@@ -167,17 +167,18 @@ TRIES = 10
 
 
 class LearningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
-    """One task for Stable-Baselines3, of any variation. A step is a decision of `TICKS` control ticks; `info` holds `is_success`.
+    """One task for Stable-Baselines3, with all variations. A step is one decision of `TICKS` control ticks.
 
-    Success pays 1. With `shaped` every decision pays `SHAPED` of the task's own reward, too. Success and failure end an episode.
+    `info` contains `is_success`. Success gives a reward of 1. With `shaped`, each decision also gives `SHAPED` times the shaped
+    reward of the task. Success and failure end an episode.
 
     Args:
         task: Name of the task.
-        shaped: Whether the task's own reward is paid.
-        longest: Decisions of an episode at most.
+        shaped: Use the shaped reward of the task.
+        longest: Maximum number of decisions of an episode.
 
     Raises:
-        TaskEnvironmentError: The task has no reward of its own, and `shaped` is asked for.
+        TaskEnvironmentError: `shaped` is True, and the task has no shaped reward.
     """
 
     def __init__(self, task: str, shaped: bool, longest: int) -> None:
@@ -188,7 +189,7 @@ class LearningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
             self.task.set_variation(0)
             _, seen = self.task.reset(seed=0)
             if shaped and self.task.task.reward() is None:
-                raise TaskEnvironmentError(f"'{task}' has no shaped reward. Leave out `--shaped`, or use --demonstrations.")
+                raise TaskEnvironmentError(f"'{task}' has no shaped reward. Omit `--shaped`, or use `--demonstrations`.")
         except BaseException:
             self.close()
             raise

@@ -1,4 +1,4 @@
-"""The policy that a training leaves behind: tensors and JSON, loaded into a policy of Stable-Baselines3."""
+"""The trained policy: tensors and JSON, loaded into a policy of Stable-Baselines3."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class TrainedActor:
             self._policy.load_state_dict({n.removeprefix("policy/"): t for n, t in tensors.items() if n.startswith("policy/")})
             self._mean, variance = tensors["seen/mean"].numpy(), tensors["seen/var"].numpy()
         except (RuntimeError, KeyError) as error:
-            raise ModelFileError(path, "does not fit the settings beside it") from error
+            raise ModelFileError(path, "does not match the settings in its folder") from error
         self._policy.to(torch.device(device)).set_training_mode(False)
         self._deviation = np.sqrt(variance + EPSILON)
 
@@ -64,27 +64,29 @@ class TrainedActor:
         """Return the most likely action, between -1 and 1, shape (joints + 1,)."""
         seen = features(observation)
         if seen.shape != self._mean.shape:
-            raise NoPolicy(f"It was trained on {self._mean.size} numbers and sees {seen.size}: another task, or another arm.")
+            raise NoPolicy(
+                f"The model has {self._mean.size} inputs, the observation {seen.size} numbers. Use the same task and arm."
+            )
         scaled = np.clip((seen - self._mean) / self._deviation, -CLIP, CLIP).astype(np.float32)
         return np.asarray(self._policy.predict(scaled, deterministic=True)[0])
 
 
 class ReinforcementPolicy:
-    """Joint differences learned by trial; which of its networks acts follows from the name of the task, or the instruction.
+    """Joint differences from reinforcement learning; the name of the task, or the instruction, selects the network.
 
     Args:
-        folder: What `rlbench-pin train ppo` or `sac` wrote.
+        folder: Output folder of `rlbench-pin train ppo` or `sac`.
         algorithm: `ppo` or `sac`.
-        device: Where torch computes.
+        device: Device of torch.
 
     Raises:
         NoPolicy: There is no such algorithm.
-        ModelFileError: The folder holds no such model.
+        ModelFileError: The folder contains no such model.
     """
 
     def __init__(self, folder: str | Path, algorithm: str, device: str = "cpu") -> None:
         if algorithm not in ALGORITHMS:
-            raise NoPolicy(f"There is no algorithm '{algorithm}' here; use ppo or sac.")
+            raise NoPolicy(f"There is no algorithm '{algorithm}'. Use ppo or sac.")
         self.action_mode, self.obs_config = JointPositionActionMode(), low_dim_config()
         self._settings = _models(Path(folder), algorithm)
         self.joint_names = trained_joints(Path(folder), self._settings)

@@ -320,9 +320,9 @@ class TrainingProgress:
     """Progress of a training."""
 
     steps: int
-    """Decisions so far."""
+    """Number of decisions so far."""
     total: int
-    """Decisions in all."""
+    """Total number of decisions."""
     point: CurvePoint | None
     """The last segment; None before it ends."""
     note: str = ""
@@ -341,16 +341,16 @@ def train_reinforcement(
     """Train a task into a folder of its name, and return whether it came to its end.
 
     An interrupted training continues from its last checkpoint; on the CPU it ends with the same weights as an uninterrupted one.
-    With more steps than before, it is prolonged.
+    With more steps than before, it continues after its end.
 
     Args:
-        config: What is trained.
-        out: Folder of the models; the task's is in it.
-        on_progress: Called after every step, and after each segment.
-        stop: Ends the training within a step; the segment is begun again when it goes on.
+        config: Settings of the training.
+        out: Folder of the models, with one folder per task.
+        on_progress: Function that is called after each step and after each segment.
+        stop: Event that ends the training within a step; the interrupted segment is repeated after a restart.
 
     Raises:
-        ModelFileError: The checkpoint is damaged, or of other settings.
+        ModelFileError: The checkpoint is damaged, or has other settings.
         DemoError: Too few demonstrations succeed.
         TaskEnvironmentError: The task has no shaped reward.
     """

@@ -88,7 +88,7 @@ def _store(text: str, suffix: str) -> Path:
     folder = Path(tempfile.gettempdir()) / f"rlbench_pin_shapes_{os.getuid()}"
     folder.mkdir(mode=0o700, exist_ok=True)
     if folder.is_symlink() or folder.stat().st_uid != os.getuid():
-        raise RlbenchPinError(f"'{folder}' belongs to another user. Set TMPDIR to a folder of your own.")
+        raise RlbenchPinError(f"'{folder}' belongs to another user. Set TMPDIR to your own folder.")
     file = folder / (hashlib.sha256(text.encode()).hexdigest()[:32] + suffix)
     if not file.is_file():
         handle, temporary = tempfile.mkstemp(dir=folder)
@@ -126,9 +126,9 @@ def primitive(kind: str, size: Sequence[float], mass: float) -> Path:
     """
     lengths = [float(s) for s in size]
     if len(lengths) != 3 or not all(0.0 < s < float("inf") for s in lengths):
-        raise InvalidShape(f"A {kind.lower()} has three positive lengths [m], not {lengths}.")
+        raise InvalidShape(f"The lengths of a {kind.lower()} have to be three positive numbers [m], not {lengths}.")
     if not 0.0 < mass < float("inf"):
-        raise InvalidShape(f"A mass is positive and finite, not {mass} kg. Use static=True for a body that does not move.")
+        raise InvalidShape(f"A mass has to be positive and finite, not {mass} kg. Use static=True for a body that does not move.")
     x, y, z = length = (lengths[0], lengths[1], lengths[2])
     round_about_z = abs(x - y) < 1e-9
     if kind == "CUBOID":
@@ -157,9 +157,11 @@ def mesh(corners: FloatArray, triangles: NDArray[np.int64]) -> tuple[Path, Float
     if len(corners) < 4 or len(triangles) < 1 or not np.isfinite(corners).all():
         raise InvalidShape(f"A mesh needs at least 4 finite corners and a triangle, not {len(corners)} and {len(triangles)}.")
     if triangles.min() < 0 or triangles.max() >= len(corners):
-        raise InvalidShape(f"The triangles name corners {triangles.min()} to {triangles.max()}; there are {len(corners)}.")
+        raise InvalidShape(
+            f"The triangles refer to corners {triangles.min()} to {triangles.max()}, but there are only {len(corners)} corners."
+        )
     if np.linalg.matrix_rank(corners - corners[0], tol=1e-7) < 3:
-        raise InvalidShape("All corners of the mesh lie in one plane; a body needs a volume. Use a thin cuboid.")
+        raise InvalidShape("All corners of the mesh are in one plane, but a body needs a volume. Use a thin cuboid.")
     middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
     return mesh_file(Mesh(corners - middle, triangles), _MESH_MASS), middle
 
@@ -225,7 +227,7 @@ def discard(table: ObjectTable, element: Element) -> None:
     """
     if element.kind not in ("placed", "body") or (element.kind == "body" and element.name not in table.world.spawned):
         raise RlbenchPinError(
-            f"'{table.name(element)}' belongs to the scene file. Move it out of sight, or leave it out of the scene file."
+            f"'{table.name(element)}' belongs to the scene file. Move it away, or remove it from the scene file."
         )
     for child in table.children(element):
         if child.kind not in ("link", "joint"):

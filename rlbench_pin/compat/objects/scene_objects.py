@@ -145,7 +145,7 @@ class JointObject(SceneObject):
 
     def set_pose(self, pose: FloatArray, zero_velocity: bool) -> None:
         raise UnsupportedCall(
-            f"set_pose of joint '{self.joint.name}'", "its place is part of the model.", "Use `set_joint_position`."
+            f"set_pose of joint '{self.joint.name}'", "its pose is part of the model.", "Use `set_joint_position`."
         )
 
 
@@ -424,7 +424,7 @@ class CameraObject(SceneObject):
             raise UnsupportedCall(
                 f"changing angle or planes of camera '{self.name}'",
                 "they are the same for all observations.",
-                "Make a camera of your own with `VisionSensor.create`.",
+                "Create another camera with `VisionSensor.create`.",
             )
         config = self._cameras.settings_of(self.name)
         config.image_size = camera.size

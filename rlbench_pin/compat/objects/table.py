@@ -326,7 +326,7 @@ class ObjectTable:
         """Raise an error if an object cannot be the parent of another."""
         call = f"set_parent of '{element.name}'"
         if element.kind not in ("body", "frame", "placed"):
-            raise UnsupportedCall(call, "it is a fixed part of the scene.", "Attach other objects to it, or make a Dummy.")
+            raise UnsupportedCall(call, "it is a fixed part of the scene.", "Attach other objects to it, or create a Dummy.")
         if parent is None:
             return
         chain = [parent, *self.ancestors(parent)]

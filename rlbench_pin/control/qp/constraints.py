@@ -1,6 +1,6 @@
 """Velocity bounds that keep joint position, velocity and acceleration limits at all times, not only in the next tick.
 
-A joint at position q, velocity v chooses its next velocity u, then at most the braking a dt per tick until it stands.
+A joint at position q with velocity v takes its next velocity u, then brakes by at most a dt per tick until it stops.
 With velocities held over a tick (`hold="velocity"`), stopping from u takes n = floor(u / (a dt)) more moving ticks and
 
     q + dt (u + (u - a dt) + (u - 2 a dt) + ...)  <=  upper                                  (1)
@@ -11,16 +11,16 @@ increasing and piecewise linear. With the room m = (upper - q) / (a dt^2) the la
     g(m) = (m + n (n + 1) / 2) / (n + 1),    n = floor((sqrt(1 + 8 m) - 1) / 2)              (2)
 
 With velocities that change linearly over the tick (`hold="acceleration"`), the trapezoidal sum of (1) telescopes to the same f
-with the room taken less dt v / 2. Motors of limited torque do something between; with `hold="any"` the worst of both is taken,
-a first tick of dt max(u, (u + v) / 2) and trapezoids after it, and the room is taken less dt max(u, v) / 2. The lower limit
-is the mirror image. The next velocity lies in
+with the room reduced by dt v / 2. Motors of limited torque are in between. `hold="any"` takes the worst of both:
+a first tick of dt max(u, (u + v) / 2) and trapezoids after it, with the room reduced by dt max(u, v) / 2. The lower limit
+is symmetric. The next velocity is in
 
     [max(-v_max, -g_lower, v - a dt), min(v_max, g_upper, v + a dt)].                        (3)
 
 From a state inside the limits that can still stop, braking at a dt satisfies (3) and leads to such a state again, so the
 interval is never empty (Del Prete, "Joint position and velocity bounds in discrete-time under acceleration/torque
-limits", RA-L 2018, has the continuous counterpart). From a state that cannot stop in time, or is outside already, the
-acceleration limit wins: the interval shrinks to the hardest braking, then to the hardest return.
+limits", RA-L 2018, has the continuous counterpart). From a state that cannot stop in time, or is already outside, the
+acceleration limit takes precedence: the interval shrinks to the hardest braking, then to the hardest return.
 """
 
 from __future__ import annotations
@@ -38,15 +38,15 @@ from rlbench_pin.values import as_choice, as_flag, as_number, as_record
 
 HELD_QUANTITIES = ("velocity", "acceleration", "any")
 HeldQuantity = Literal["velocity", "acceleration", "any"]
-"""Quantity that motors keep constant over a control tick: they reach the next velocity
-at its start, at its end, or at any time in it."""
+"""Quantity that motors keep constant over a control tick: they reach the next velocity at its start, at its end, or at any
+time in it."""
 SpeedT = TypeVar("SpeedT", float, FloatArray)
 
 
 def largest_step(room: float, unit: float) -> float:
     """Return the largest displacement of one tick after which braking stops within `room`, equation (2) times `unit` = a dt^2.
 
-    Room and displacement in [m] or [rad]; with a negative room, that is, from beyond the limit, it is the whole way back.
+    Room and displacement are in [m] or [rad]. With a negative room (beyond the limit), it is the full return to the limit.
     """
     if room <= unit:
         return room
@@ -55,7 +55,7 @@ def largest_step(room: float, unit: float) -> float:
 
 
 def stopping_room(speed: SpeedT) -> SpeedT:
-    """Return f(speed), the inverse of `largest_step` in its units: what it takes to stop from `speed`, a number or an array."""
+    """Return f(speed), the inverse of `largest_step` in its units: the room to stop from `speed`, a number or an array."""
     ticks = speed // 1.0
     return (ticks + 1.0) * (speed - 0.5 * ticks)
 
@@ -71,12 +71,12 @@ class JointBounds:
         Args:
             limits: Position, velocity and acceleration limits of n joints.
             dt: Control tick [s].
-            hold: What stays constant over a tick.
+            hold: Quantity that stays constant over a tick.
             margin: Distance kept from the position limits [rad].
-            sudden: The next velocity may be any from which the joints can stop in time, however far from the one now.
+            sudden: Allow any next velocity from which the joints can stop in time, without a limit of its change.
 
         Raises:
-            InvalidValue: The tick is not > 0, the margin negative or wider than half of a joint's range (also a ValueError).
+            InvalidValue: The tick is not > 0, or the margin is negative or above half the range of a joint (also a ValueError).
         """
         dt = as_number(dt, "the control tick dt [s]", above=0.0)
         as_record(limits, JointLimits, "limits")
@@ -102,7 +102,7 @@ class JointBounds:
     def displacements(self, q: ArrayLike, v: ArrayLike) -> tuple[list[float], list[float]]:
         """Return dt times `interval`: n lowest and n highest displacements of the next tick, [rad].
 
-        Plain numbers and comparisons: for n = 7 they take a third of the time that arrays take.
+        Plain numbers and comparisons take a third of the time of arrays for n = 7.
         """
         dt = self.dt
         lowest, highest = [], []
@@ -139,10 +139,10 @@ class JointBounds:
         return np.sign(v) * np.maximum(np.abs(v) - self.step, 0.0)
 
     def travel(self, v: FloatArray, command: FloatArray) -> FloatArray:
-        """Return how far each joint (n,) travels at most in the tick of `command` and the braking after it, [rad].
+        """Return the maximum travel of each joint (n,) in the tick of `command` and the braking after it, [rad].
 
-        It is dt (a dt) f(|command|) by (1); with `hold="acceleration"` the joint starts from `v` and dt |v| / 2 comes on top,
-        with `hold="any"` half of the faster one.
+        It is dt (a dt) f(|command|) by (1). With `hold="acceleration"` the joint starts from `v`, which adds dt |v| / 2; with
+        `hold="any"` half of the faster velocity is added.
         """
         return np.array(self.travels(v, command))
 

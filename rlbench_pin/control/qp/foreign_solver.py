@@ -18,7 +18,7 @@ class ForeignSolver:
     """Solves quadratic programs through `qpsolvers.solve_qp`."""
 
     def __init__(self, name: str) -> None:
-        """Choose a solver by the name `qpsolvers` gives it."""
+        """Select a solver by its name in `qpsolvers`."""
         if name not in qpsolvers.available_solvers:
             raise UnknownName("QP solver", name, qpsolvers.available_solvers)
         self.name = name

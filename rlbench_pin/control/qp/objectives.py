@@ -1,7 +1,7 @@
 """Objectives of a Cartesian controller for one tick: translation and rotation of the tip, and posture of the arm.
 
-The tip is to move along the straight line to its goal, and turn about one axis, as fast as it may and still stop there. With the
-error e (position [m], or rotation vector [rad]), speeds are capped at
+The tip moves along the straight line to its goal, and rotates about one axis, as fast as possible so that it can stop there. With
+the error e (position [m], or rotation vector [rad]), speeds are limited to
 
     s = min(v_max, A dt g(|e| / (A dt^2)))
 
@@ -9,12 +9,12 @@ where g (see `constraints`) is the largest speed per tick from which braking at 
 by the smaller of the two factors, so the path stays straight as long as joint limits allow the speed. Near the goal g is
 the identity and one tick covers all of e.
 
-The posture objective pulls what the tip leaves free towards a configuration q_p. In
+The posture objective moves the null space towards a configuration q_p. In
 
     (w - w_0 g) ||d||^2 + w_0 g ||d - (q_p - q)||^2,       g = gain dt,
 
-the null space moves by d = g (q_p - q) when w = w_0, however small w_0 is. Near singularities w rises above w_0: the sum
-damps, and the pull, whose weight stays, cannot hold the tip back from its goal.
+the null space moves by d = g (q_p - q) if w = w_0, for any w_0 > 0. Near singularities w rises above w_0: the sum
+adds damping, and the posture term, whose weight is constant, cannot keep the tip from its goal.
 """
 
 from __future__ import annotations
@@ -32,21 +32,21 @@ from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import NOT_NEGATIVE, POSITIVE, check_settings, ruled
 
 SMALL_STEP = 0.01
-"""Steps of the tip shorter than this [m] or [rad] are damped less near singularities."""
+"""Step of the tip [m] or [rad] below which damping near singularities decreases."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class TipObjective:
-    """How the tip approaches its goal."""
+    """Motion of the tip towards its goal."""
 
     linear_speed: float = 1.0
     """Largest speed [m/s]."""
     angular_speed: float = 3.0
-    """Largest speed of turning [rad/s]."""
+    """Largest angular speed [rad/s]."""
     linear_acceleration: float = 2.0
-    """Braking towards the goal [m/s^2]."""
+    """Deceleration towards the goal [m/s^2]."""
     angular_acceleration: float = 6.0
-    """Braking towards the goal [rad/s^2]."""
+    """Angular deceleration towards the goal [rad/s^2]."""
     position_weight: float = 1.0
     """Weight of 1 m of error."""
     rotation_weight: float = 0.3
@@ -62,7 +62,7 @@ class PostureObjective:
     """Motion of the arm in the null space of the tip."""
 
     gain: float = 1.0
-    """Share of the way to the preferred configuration covered per second [1/s]."""
+    """Fraction of the distance to the preferred configuration that is covered per second [1/s]."""
     weight: float = 1e-5
     """Damping far from singularities, relative to the weights of the tip."""
     singular_weight: float = 1e-2
@@ -75,7 +75,7 @@ class PostureObjective:
         check_settings(self, ruled((NOT_NEGATIVE, "gain singular_weight"), (POSITIVE, "weight singular_below")))
 
     def damping(self, manipulability: float, step: float) -> float:
-        """Return w: `weight`, and more where manipulability is lacking (Nakamura), in proportion to what is asked (Sugihara).
+        """Return w: `weight`, and more at low manipulability (Nakamura), in proportion to the step (Sugihara).
 
         Args:
             manipulability: sqrt(det(J J^T)).
@@ -86,7 +86,7 @@ class PostureObjective:
 
 
 class TipApproach:
-    """Placements of the tip after each tick on its way to a goal."""
+    """Computes the placement of the tip after each tick of its motion to a goal."""
 
     def __init__(self, tip: TipObjective, dt: float) -> None:
         """Prepare for ticks of `dt` [s]."""
@@ -94,11 +94,11 @@ class TipApproach:
         self._angular = _Pace.of(tip.angular_speed * dt, tip.angular_acceleration * dt * dt)
 
     def next(self, now: pin.SE3, goal: Sequence[float]) -> tuple[pin.SE3, float]:
-        """Return T_world_tip one tick after `now` on the way to the pose `goal` (7,), whose quaternion has length 1, and the
-        larger of distance [m] and angle [rad] from `now` to it.
+        """Return T_world_tip one tick after `now` towards the pose `goal` (7,) with a unit quaternion, and the larger of
+        distance [m] and angle [rad] of this step.
 
-        Quaternions a, b of the same half of the sphere are a chord |b - a| = 2 sin(h / 2) apart when a turn by 2 h is
-        between them, and a share s of it ends at (sin((1 - s) h) a + sin(s h) b) / sin(h).
+        Quaternions a, b of the same half of the sphere have the chord |b - a| = 2 sin(h / 2) if a rotation by 2 h is
+        between them. A fraction s of this rotation ends at (sin((1 - s) h) a + sin(s h) b) / sin(h).
         """
         x, y, z, ax, ay, az, aw = pin.SE3ToXYZQUAT(now).tolist()
         to_x, to_y, to_z, bx, by, bz, bw = goal
@@ -121,21 +121,21 @@ class TipApproach:
 
 @dataclass(frozen=True, slots=True)
 class _Pace:
-    """How much of an error one tick may cover, all in [m] or [rad]."""
+    """Fraction of an error that one tick may cover; all values in [m] or [rad]."""
 
     fastest: float
     """Largest step."""
     unit: float
     """A dt^2."""
     far: float
-    """Error beyond which the largest step still allows to stop in time."""
+    """Error above which the largest step allows stopping in time."""
 
     @classmethod
     def of(cls, fastest: float, unit: float) -> _Pace:
         return cls(fastest, unit, unit * float(stopping_room(np.array([fastest / unit]))[0]))
 
     def share(self, error: float) -> float:
-        """Return the share of `error` to cover in one tick."""
+        """Return the fraction of `error` to cover in one tick."""
         if error >= self.far:
             return self.fastest / error
         if error <= self.unit:
@@ -144,7 +144,7 @@ class _Pace:
 
 
 def moved(placement: pin.SE3, shift: FloatArray, turn: FloatArray) -> tuple[pin.SE3, float]:
-    """Return T_world_tip shifted by (3,) [m] and turned by the rotation vector (3,) [rad], both along world axes, and the larger
+    """Return T_world_tip shifted by (3,) [m] and rotated by the rotation vector (3,) [rad], both along world axes, and the larger
     of distance and angle.
     """
     step = max(math.sqrt(shift @ shift), math.sqrt(turn @ turn))
@@ -154,7 +154,7 @@ def moved(placement: pin.SE3, shift: FloatArray, turn: FloatArray) -> tuple[pin.
 class Manipulability:
     """sqrt(det(J J^T)) of Jacobians (6, n), the product of their singular values: 0 when rank is lost.
 
-    It does not matter at which point and along which axes the twist is expressed: such a change has determinant 1.
+    The point and the axes of the twist do not matter: such a change has determinant 1.
     With J^T = Q R, where Q has orthonormal columns and R is upper triangular, it is the product of the diagonal of R.
     """
 

@@ -20,7 +20,7 @@ from rlbench_pin.values import LARGEST_COUNT, as_array, as_finite, as_number, as
 
 _FLOAT = np.dtype(float)
 LARGEST = 1e100
-"""The square of a larger unknown is infinite, or nearly so."""
+"""Upper bound of unknowns; the squares of larger ones are infinite, or nearly so."""
 _BOUNDS = ("lower", "upper", "x_lower", "x_upper")
 
 
@@ -44,7 +44,7 @@ class QuadraticProgram:
     """Largest values of the unknowns (n,)."""
 
     def __post_init__(self) -> None:
-        """Raise InvalidValue unless the shapes fit together, cost and rows are finite, and no bound is NaN."""
+        """Raise InvalidValue unless the shapes match, cost and rows are finite, and no bound is NaN."""
         n, m = np.shape(as_array(self.q, "q")), np.shape(as_array(self.lower, "lower"))
         for name in ("q", "x_lower", "x_upper"):
             self._keep(name, n[:1])
@@ -54,7 +54,7 @@ class QuadraticProgram:
         self._keep("A", (*m[:1], *n[:1]))
 
     def _keep(self, name: str, shape: tuple[int, ...]) -> None:
-        """Check one array; the square of its length tells quickly whether something in it is NaN or infinite."""
+        """Check one array; the square of its norm is a fast test for NaN and infinity."""
         value, may_be_infinite = getattr(self, name), name in _BOUNDS
         if type(value) is np.ndarray and value.dtype is _FLOAT and value.shape == shape:
             square = float(np.vdot(value, value))
@@ -72,7 +72,7 @@ class QuadraticProgram:
         return float(0.5 * x @ self.P @ x + self.q @ x)
 
     def violation(self, x: FloatArray) -> float:
-        """Return by how much `x` breaks the worst constraint; 0 when it keeps all."""
+        """Return the largest violation of a constraint by `x`; 0 if there is none."""
         x = as_vector(x, len(self.q), "x", most=LARGEST)
         rows = self.A @ x
         parts = (self.lower - rows, rows - self.upper, self.x_lower - x, x - self.x_upper)
@@ -80,7 +80,7 @@ class QuadraticProgram:
 
 
 class QPSolver(Protocol):
-    """Solves one quadratic program at a time. A solution depends on the problem alone, never on the problems before."""
+    """Solves one quadratic program at a time. A solution depends only on the problem, not on earlier problems."""
 
     def solve(self, problem: QuadraticProgram) -> FloatArray:
         """Return the minimiser (n,).
@@ -97,25 +97,25 @@ def empty_rows(n: int) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 
 INFINITE = 1e30
-"""OSQP takes this for no bound."""
+"""Value that OSQP treats as no bound."""
 FIXED = {"verbose": False, "adaptive_rho": False, "scaling": 0, "polishing": False, "time_limit": 1e10, "check_termination": 10}
-"""Settings of every problem in this package: what makes OSQP repeat itself."""
+"""Settings of all problems in this package, for reproducible results of OSQP."""
 
 
 class OsqpSolver:
-    """Solves strictly convex problems of up to `rows` rows, the same answer to the same problem in any process.
+    """Solves strictly convex problems of up to `rows` rows, with the same solution of a problem in any process.
 
-    The work space is built for the first problem and kept.
+    The workspace is built for the first problem and reused.
 
-    OSQP splits the problem (ADMM): each iteration solves one linear system and clips, with a step size rho. How many
-    iterations that takes depends on scaling. So unknowns are measured in typical magnitudes D, the cost in its trace c, rows
-    in their length s:
+    OSQP splits the problem (ADMM): each iteration solves one linear system and clips, with a step size rho. The number of
+    iterations depends on scaling. So unknowns are scaled by typical magnitudes D, the cost by its trace c, rows
+    by their length s:
 
         x = D y,    P' = D P D / c,    q' = D q / c,    c = trace(D P D),    a_i' = D a_i / s_i,    s_i = |D a_i|
 
-    Rho stays fixed, so that neither timing nor history enters; every solve starts from zero; there is no time limit. Of the
-    directions that the cost hardly sees, those whose curvature is far below rho converge slowly: a smaller rho suits them, a
-    larger one suits active constraints. Stellato et al., "OSQP: an operator splitting solver for quadratic programs", 2020.
+    Rho is fixed, so that neither timing nor history has an effect; each solve starts from zero; there is no time limit.
+    Directions whose curvature is far below rho converge slowly: a smaller rho is better for them, a
+    larger one for active constraints. Stellato et al., "OSQP: an operator splitting solver for quadratic programs", 2020.
     """
 
     def __init__(
@@ -127,14 +127,14 @@ class OsqpSolver:
         tolerance: float = 1e-9,
         iterations: int = 20_000,
     ) -> None:
-        """Choose size, scaling and accuracy.
+        """Set size, scaling and accuracy.
 
         Args:
             scale: Typical magnitude of the unknowns, one number or shape (n,).
-            rows: Most rows that a problem will have.
+            rows: Maximum number of rows of a problem.
             rho: Step size of the scaled problem, fixed.
-            tolerance: Residual of the scaled problem that counts as solved.
-            iterations: When to give up.
+            tolerance: Residual of the scaled problem below which it is solved.
+            iterations: Maximum number of iterations.
         """
         self.scale = as_finite(as_array(scale, "scale"), "scale")
         if self.scale.ndim > 1 or not self.scale.size or self.scale.min() <= 0.0:
@@ -151,7 +151,7 @@ class OsqpSolver:
             "max_iter": iterations,
         }
         self.iterations = 0
-        """Iterations that the last solve took."""
+        """Number of iterations of the last solve."""
         self._size = 0
 
     def solve(self, problem: QuadraticProgram) -> FloatArray:
@@ -163,7 +163,7 @@ class OsqpSolver:
         as_record(problem, QuadraticProgram, "problem")
         n, m = len(problem.q), len(problem.lower)
         if m > self.rows:
-            raise InvalidValue("problem.lower", problem.lower, f"has {m} rows; this solver takes up to {self.rows} rows")
+            raise InvalidValue("problem.lower", problem.lower, f"has {m} rows; this solver accepts up to {self.rows} rows")
         if n != self._size:
             self._setup(n)
         D, low, high = self._D, self._low, self._high
@@ -185,7 +185,7 @@ class OsqpSolver:
         return np.asarray(result.x)
 
     def _setup(self, n: int) -> None:
-        """Build the work space for n unknowns, all dense."""
+        """Build the dense workspace for n unknowns."""
         self._size, self._D = n, np.broadcast_to(self.scale, n).copy()
         self._rows = np.concatenate([np.eye(n), np.zeros((self.rows, n))])
         columns, rows = np.tril_indices(n)  # the upper triangle, column by column

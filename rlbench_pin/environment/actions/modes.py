@@ -24,7 +24,7 @@ TWIST_UNITS = ("m/s", "m/s", "m/s", "rad/s", "rad/s", "rad/s")
 
 @dataclass(frozen=True, eq=False)
 class ActionSpec:
-    """The numbers of one action, in order."""
+    """The values of one action, in order."""
 
     names: tuple[str, ...]
     units: tuple[str, ...]
@@ -33,15 +33,13 @@ class ActionSpec:
     high: FloatArray
     """Highest values, shape (n,), read-only."""
     frame: str
-    """Axes that Cartesian numbers are expressed in, or `joint`."""
+    """Frame of Cartesian values, or `joint`."""
     ticks: int | None
-    """Control ticks that one action takes; None when that depends on the motion."""
+    """Number of control ticks of one action; None if it depends on the motion."""
 
     def __post_init__(self) -> None:
         if not len(self.names) == len(self.units) == len(self.low) == len(self.high):
-            raise ValueError(
-                f"{len(self.names)} names, {len(self.units)} units and {len(self.low)} bounds do not belong together"
-            )
+            raise ValueError(f"{len(self.names)} names, {len(self.units)} units and {len(self.low)} bounds must be equally many")
         for name in ("low", "high"):
             bound = np.array(getattr(self, name), dtype=float)
             bound.setflags(write=False)
@@ -49,11 +47,11 @@ class ActionSpec:
 
     @property
     def size(self) -> int:
-        """How many numbers an action has."""
+        """Number of values of an action."""
         return len(self.names)
 
     def joined(self, other: ActionSpec) -> ActionSpec:
-        """Return the description of this action followed by another."""
+        """Return the specification of this action followed by another."""
         ticks = None if self.ticks is None or other.ticks is None else self.ticks + other.ticks
         return ActionSpec(
             (*self.names, *other.names),
@@ -66,29 +64,31 @@ class ActionSpec:
 
 
 class Mode:
-    """Base class of all modes: what the numbers of an action mean (`spec`), and what they do.
+    """Base class of all modes, which define the values of an action (`spec`) and execute it.
 
     `action` checks one action and runs `pre_step`, `steps` and `post_step`. A mode whose action takes one control tick overrides
     `pre_step` and `post_step`, and sets `ticks` to 1. Then other modes can share the tick: all pre-steps, one `runtime.step()`,
-    all post-steps. A mode that takes as many ticks as its motion needs overrides `steps`.
+    all post-steps. A mode whose number of ticks depends on the motion overrides `steps`.
 
-    A mode contains settings only, which may be replaced at any time: one object may serve several environments. Data of one
-    environment belongs into `runtime.kept`.
+    A mode contains only settings, which may be changed at any time, so several environments can share one mode. Data of one
+    environment belongs in `runtime.kept`.
 
     Attributes:
-        ticks: Control ticks that one action takes; None when that depends on the motion.
+        ticks: Number of control ticks of one action; None if it depends on the motion.
     """
 
     ticks: int | None = None
 
     @property
     def optional_values(self) -> int:
-        """How many numbers may follow those of the specification, all or none."""
+        """Number of optional values after those of the specification; an action has all of them or none."""
         return 0
 
     def spec(self, runtime: Runtime) -> ActionSpec:
-        """Return names, units, bounds and frame of the numbers."""
-        raise NotImplementedError(f"{type(self).__name__} needs a method `spec(runtime)` where its bounds are asked for.")
+        """Return names, units, bounds and frame of the values."""
+        raise NotImplementedError(
+            f"{type(self).__name__} has no method `spec(runtime)`, which its shape and bounds need. Add this method."
+        )
 
     def shape(self, runtime: Runtime) -> tuple[int]:
         """Return the shape of an action, without optional values."""
@@ -100,21 +100,21 @@ class Mode:
         return spec.low.copy(), spec.high.copy()
 
     def check(self, runtime: Runtime, values: FloatArray) -> FloatArray:
-        """Return finite `values` (n,), or others to take their place, or raise InvalidActionError to refuse them."""
+        """Return the finite `values` (n,) or replacements for them, or raise InvalidActionError to reject them."""
         return values
 
     def pre_step(self, runtime: Runtime, values: FloatArray) -> None:
-        """Do what comes before the tick of an action (n,), such as commanding the motors, without stepping. Here nothing."""
+        """Prepare the tick of an action (n,), such as the motor commands, without a simulation step. Default: nothing."""
 
     def steps(self, runtime: Runtime, values: FloatArray) -> None:
-        """Run the ticks of an action (n,). Here one."""
+        """Run the ticks of an action (n,). Default: one tick."""
         runtime.step()
 
     def post_step(self, runtime: Runtime, values: FloatArray) -> None:
-        """Do what comes after the tick of an action (n,), such as holding still, without stepping. Here nothing."""
+        """Finish the tick of an action (n,), such as by stopping the arm, without a simulation step. Default: nothing."""
 
     def run(self, runtime: Runtime, values: FloatArray) -> None:
-        """Run one action (n,) that is checked, to its end."""
+        """Run one checked action (n,) to its end."""
         self.pre_step(runtime, values)
         self.steps(runtime, values)
         self.post_step(runtime, values)
@@ -123,40 +123,40 @@ class Mode:
         """Check one action, then run it to its end, or until the episode is over.
 
         Raises:
-            InvalidActionError: The action is refused; nothing has moved.
+            InvalidActionError: The action is invalid; nothing has moved.
         """
         values = as_action(action, self.shape(runtime)[0], type(self).__name__, self.optional_values)
         self.run(runtime, self.check(runtime, values))
 
 
 class ArmActionMode(Mode):
-    """Turns numbers into arm motion."""
+    """Base class of modes that convert the values of an action to arm motion."""
 
     def refused_opening(self, runtime: Runtime, fingers: FloatArray) -> RefusedOpening | None:
-        """Return why the fingers may not open to `fingers` (2,) [m]; None when they may, as always here."""
+        """Return the reason why the fingers must not open to `fingers` (2,) [m]; None if they may. Default: None."""
         return None
 
     def protected(self, runtime: Runtime) -> AbstractContextManager[None]:
-        """Return a block in which the arm is kept safe while the gripper moves; here it does nothing."""
+        """Return a context in which the arm stays safe while the gripper moves. Default: no effect."""
         return nullcontext()
 
 
 class GripperActionMode(Mode):
-    """Turns numbers into finger motion."""
+    """Base class of modes that convert the values of an action to finger motion."""
 
     def opening(self, runtime: Runtime, values: FloatArray) -> FloatArray | None:
-        """Return the finger positions (2,) [m] that an action (n,) opens to; None when it opens nothing, as always here."""
+        """Return the finger positions (2,) [m] after an opening action (n,); None if it does not open. Default: None."""
         return None
 
 
 class ActionMode(Mode):
-    """An arm mode and a gripper mode; subclasses say how they share one action, by `steps` or by `pre_step` and `post_step`.
+    """An arm mode and a gripper mode. Subclasses define their order in `steps`, or in `pre_step` and `post_step`.
 
-    Numbers that the arm mode takes beyond its specification come last in the action.
+    Optional values of the arm mode are the last values of the action.
 
     Args:
-        arm_action_mode: Mode of the first numbers.
-        gripper_action_mode: Mode of the numbers after them.
+        arm_action_mode: Mode of the first values.
+        gripper_action_mode: Mode of the values after them.
     """
 
     def __init__(self, arm_action_mode: ArmActionMode, gripper_action_mode: GripperActionMode) -> None:
@@ -167,11 +167,11 @@ class ActionMode(Mode):
 
     @property
     def optional_values(self) -> int:
-        """Those of the arm mode."""
+        """Number of optional values of the arm mode."""
         return self.arm_action_mode.optional_values
 
     def spec(self, runtime: Runtime) -> ActionSpec:
-        """The numbers of the arm, then those of the gripper."""
+        """Return the values of the arm, then those of the gripper."""
         return self.arm_action_mode.spec(runtime).joined(self.gripper_action_mode.spec(runtime))
 
     def shape(self, runtime: Runtime) -> tuple[int]:
@@ -179,23 +179,23 @@ class ActionMode(Mode):
         return (self.arm_action_mode.shape(runtime)[0] + self.gripper_action_mode.shape(runtime)[0],)
 
     def check(self, runtime: Runtime, values: FloatArray) -> FloatArray:
-        """Return the numbers as both modes want them, or raise InvalidActionError when one of them refuses its numbers."""
+        """Return the values after the checks of both modes, or raise InvalidActionError if one of them rejects its values."""
         arm, gripper = self.split(runtime, values)
         arm, gripper = self.arm_action_mode.check(runtime, arm), self.gripper_action_mode.check(runtime, gripper)
         size = self.arm_action_mode.shape(runtime)[0]
         return np.concatenate([arm[:size], gripper, arm[size:]])
 
     def split(self, runtime: Runtime, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the numbers of the arm, optional ones last, and those of the gripper."""
+        """Return the values of the arm, optional ones last, and those of the gripper."""
         arm = self.arm_action_mode.shape(runtime)[0]
         both = arm + self.gripper_action_mode.shape(runtime)[0]
         return np.concatenate([values[:arm], values[both:]]), values[arm:both]
 
 
 class MoveArmThenGripper(ActionMode):
-    """The arm action runs to its end, then the gripper action. What ends the episode ends the action.
+    """Run the arm action to its end, then the gripper action. The end of the episode ends the action.
 
-    With `EndEffectorPoseViaPlanning` a ninth number may follow the gripper's: 1 plans without collision checks, 0 with them.
+    With `EndEffectorPoseViaPlanning` an optional ninth value follows: 1 plans without collision checks, 0 with them.
     """
 
     def steps(self, runtime: Runtime, values: FloatArray) -> None:
@@ -223,7 +223,7 @@ def checked_mode(mode: object, what: str, kind: type[KindOfMode], hint: str) -> 
     """Return a mode of one kind.
 
     Raises:
-        InvalidArgument: It is a class, a mode of another kind, or no mode; `hint` shows the right call.
+        InvalidArgument: It is a class, a mode of another kind, or no mode; `hint` shows a correct call.
     """
     if isinstance(mode, kind):
         return mode
@@ -235,7 +235,7 @@ def checked_mode(mode: object, what: str, kind: type[KindOfMode], hint: str) -> 
 
 
 def example_call(mode: object, kind: type[Mode]) -> str:
-    """Return a call that makes a mode of one kind: of the class that was given, where that is of the kind."""
+    """Return an example call that constructs a mode of one kind, of the given class if possible."""
     given = mode if isinstance(mode, type) else type(mode)
     if not issubclass(given, kind):
         given = JointVelocity if kind is ArmActionMode else Discrete
@@ -243,7 +243,7 @@ def example_call(mode: object, kind: type[Mode]) -> str:
 
 
 def as_action(action: object, size: int, what: str, more: int = 0) -> FloatArray:
-    """Return `action` as a finite float64 vector of `size` numbers, or with `more` after them, or raise InvalidActionError."""
+    """Return `action` as a finite float64 vector of `size` or `size + more` values, or raise InvalidActionError."""
     try:
         array = as_array(action, what)
     except InvalidValue as error:
@@ -253,7 +253,7 @@ def as_action(action: object, size: int, what: str, more: int = 0) -> FloatArray
         raise InvalidActionError(f"{what} takes an array of shape {shapes}, not {array.shape}.", "wrong shape")
     if not all(map(math.isfinite, array.tolist())):
         bad = ", ".join(str(i) for i in np.flatnonzero(~np.isfinite(array)))
-        raise InvalidActionError(f"{what} got NaN or infinity at index {bad}. Check the policy's output.", "not finite")
+        raise InvalidActionError(f"{what} contains NaN or infinity at index {bad}. Check the output of the policy.", "not finite")
     return array.copy()
 
 
@@ -261,7 +261,7 @@ def as_action(action: object, size: int, what: str, more: int = 0) -> FloatArray
 
 
 class RelativeFrame(IntEnum):
-    """Frame that a Cartesian action is expressed in."""
+    """Frame of a Cartesian action."""
 
     WORLD = 0
     EE = 1
@@ -272,7 +272,7 @@ _FRAME_WORDS = {"world": RelativeFrame.WORLD, "end effector": RelativeFrame.EE}
 
 
 def as_frame(frame: FrameChoice | int | str) -> RelativeFrame:
-    """Accept the enum or its words."""
+    """Return the frame for an enum value or its name."""
     if isinstance(frame, str):
         if frame not in _FRAME_WORDS:
             raise InvalidActionError(f"No relative frame is called '{frame}'. Use 'world' or 'end effector'.")
@@ -284,7 +284,7 @@ def as_frame(frame: FrameChoice | int | str) -> RelativeFrame:
 
 
 def assert_unit_quaternion(quaternion: FloatArray) -> None:
-    """Raise InvalidActionError when a quaternion (4,) is not of length 1."""
+    """Raise InvalidActionError if the norm of a quaternion (4,) is not 1."""
     norm = float(np.linalg.norm(quaternion))
     if not np.isclose(norm, 1.0):
         raise InvalidActionError(
@@ -311,8 +311,8 @@ class GripperMode(GripperActionMode):
     """Base class of the gripper modes of this package.
 
     Args:
-        attach_grasped_objects: Fix graspable bodies between the fingers to the gripper; None leaves it to the environment.
-        detach_before_open: Release before the fingers open; otherwise after.
+        attach_grasped_objects: Fix graspable bodies between the fingers to the gripper; None uses the environment's setting.
+        detach_before_open: Release bodies before the fingers open; otherwise afterwards.
     """
 
     def __init__(self, attach_grasped_objects: bool | None = None, detach_before_open: bool = True) -> None:
@@ -327,19 +327,19 @@ class GripperMode(GripperActionMode):
 
 
 def attaches_grasped(mode: object, default: bool) -> bool:
-    """Whether bodies are fixed to the gripper: what the gripper mode of an action mode says, otherwise `default`."""
+    """Return whether bodies are fixed to the gripper: the setting of the gripper mode, or `default` if it has none."""
     setting: bool | None = getattr(getattr(mode, "gripper_action_mode", None), "attach_grasped_objects", None)
     return default if setting is None else setting
 
 
 class Discrete(GripperMode):
-    """One number: above 0.5 opens the gripper, otherwise closes it. Does nothing when the gripper is already as asked.
+    """One value: above 0.5 opens the gripper, otherwise closes it. No effect if the gripper is already in this state.
 
-    A number below 0 or above 1 is refused.
+    A value below 0 or above 1 raises InvalidActionError.
     """
 
     def spec(self, runtime: Runtime) -> ActionSpec:
-        """From 0, closed, to 1, open."""
+        """Return one value from 0 (closed) to 1 (open)."""
         return ActionSpec(("gripper",), ("1",), np.zeros(1), np.ones(1), "joint", None)
 
     def shape(self, runtime: Runtime) -> tuple[int]:
@@ -347,21 +347,22 @@ class Discrete(GripperMode):
         return (1,)
 
     def check(self, runtime: Runtime, values: FloatArray) -> FloatArray:
-        """Return the number, or raise InvalidActionError when it does not lie between 0 and 1."""
+        """Return the value, or raise InvalidActionError if it is not between 0 and 1."""
         if not 0.0 <= values[0] <= 1.0:
             raise InvalidActionError(
-                f"The gripper action is {values[0]}; it must lie between 0 (closed) and 1 (open).", "gripper out of range"
+                f"The gripper action is {values[0]}; it must be between 0 (closed) and 1 (open). Clip the output of the policy.",
+                "gripper out of range",
             )
         return values
 
     def opening(self, runtime: Runtime, values: FloatArray) -> FloatArray | None:
-        """Return the fully open fingers when the action opens the gripper."""
+        """Return the positions of fully open fingers if the action opens the gripper."""
         if values[0] > 0.5 and not runtime.gripper.is_open:
             return np.full(2, runtime.description.gripper_open)
         return None
 
     def steps(self, runtime: Runtime, values: FloatArray) -> None:
-        """Open or close when that changes something."""
+        """Open or close the gripper if that changes its state."""
         wants_open = bool(values[0] > 0.5)
         if wants_open == runtime.gripper.is_open:
             return
@@ -383,18 +384,18 @@ class FingerMove:
     target: float | None = None
     """Commanded position of the fingers [m]."""
     opens: bool = False
-    """Whether that is farther open than they were."""
+    """Whether this opens the fingers."""
 
 
 class GripperJointPosition(GripperMode):
-    """One number: the position of both fingers [m], or its change, for one tick; then the fingers hold.
+    """One value: the position of both fingers [m], or its change, for one tick; then the fingers hold their position.
 
-    Positions beyond the range of a finger mean its end.
+    Positions are clipped to the range of a finger.
 
     Args:
-        attach_grasped_objects: Fix graspable bodies between the fingers once they can close no further.
-        detach_before_open: Release before the fingers open; otherwise after.
-        absolute_mode: A position; otherwise a difference to the measured one.
+        attach_grasped_objects: Fix graspable bodies between the fingers when they cannot close further.
+        detach_before_open: Release bodies before the fingers open; otherwise afterwards.
+        absolute_mode: The value is a position; otherwise a difference to the measured position.
     """
 
     ticks = 1
@@ -410,23 +411,23 @@ class GripperJointPosition(GripperMode):
         return (1,)
 
     def spec(self, runtime: Runtime) -> ActionSpec:
-        """From 0, shut, to the range of a finger; differences span it both ways."""
+        """Return one value from 0 (closed) to the range of a finger; differences are between minus and plus this range."""
         high = np.array([runtime.description.gripper_open])
         return ActionSpec(("finger",), ("m",), np.zeros(1) if self.absolute_mode else -high, high, "joint", 1)
 
     def target(self, runtime: Runtime, values: FloatArray) -> tuple[float, bool]:
-        """Return the position of both fingers that an action asks for [m], and whether it is farther open than they are."""
+        """Return the target position of both fingers [m], and whether it opens the fingers."""
         here = runtime.robot.fingers.mean()
         target = float(np.clip(values[0] if self.absolute_mode else here + values[0], 0.0, runtime.description.gripper_open))
         return target, bool(target > here + 1e-4)
 
     def opening(self, runtime: Runtime, values: FloatArray) -> FloatArray | None:
-        """Return the commanded positions when they are farther open."""
+        """Return the commanded positions if they open the fingers."""
         target, opens = self.target(runtime, values)
         return np.full(2, target) if opens else None
 
     def pre_step(self, runtime: Runtime, values: FloatArray) -> None:
-        """Command the finger motors, without stepping; opening lets go."""
+        """Command the finger motors without a simulation step; an opening command releases bodies."""
         target, opens = self.target(runtime, values)
         if opens and self.detach_before_open:
             runtime.gripper.release()
@@ -436,21 +437,21 @@ class GripperJointPosition(GripperMode):
         move.target, move.opens = target, opens
 
     def steps(self, runtime: Runtime, values: FloatArray) -> None:
-        """One tick, in which the arm holds still."""
+        """Run one tick in which the arm holds its position."""
         if runtime.robot.mode == "torque":
             runtime.hold()
         runtime.step()
 
     def post_step(self, runtime: Runtime, values: FloatArray) -> None:
-        """Attach what stopped the fingers, or let go; then hold.
+        """Attach the bodies that stopped the fingers, or release bodies; then hold the finger position.
 
         Raises:
-            InvalidActionError: No `pre_step` came before.
+            InvalidActionError: `pre_step` was not called before.
         """
         move = runtime.kept(self, FingerMove)
         target, move.target = move.target, None
         if target is None:
-            raise InvalidActionError("`post_step` of the fingers was called without `pre_step`. Call that first.")
+            raise InvalidActionError("`post_step` of the fingers was called without `pre_step`. Call `pre_step` first.")
         stalled = runtime.robot.fingers.mean() > target + 1e-3 and not runtime.gripper.moving
         hold_or_release(runtime, release=move.opens, attach=self.attaches(runtime) and stalled)
         runtime.gripper.hold()
@@ -461,10 +462,10 @@ DELTA_LIMIT = 0.1
 
 
 class JointMode(ArmActionMode):
-    """Base class of modes with one number per arm joint; subclasses override `bounds`.
+    """Base class of modes with one value per arm joint; subclasses override `bounds`.
 
     Args:
-        absolute_mode: The numbers are values; otherwise differences to what is measured.
+        absolute_mode: The values are absolute; otherwise they are differences to the measured values.
     """
 
     unit = ""
@@ -485,15 +486,15 @@ class JointMode(ArmActionMode):
 
 
 class JointVelocity(JointMode):
-    """Joint velocities [rad/s], or changes of the measured ones, for one tick; then the arm stops.
+    """Joint velocities [rad/s], or changes of the measured velocities, for one tick; then the arm stops.
 
-    Velocities beyond the limits are capped.
+    Velocities are clipped to the limits.
     """
 
     unit = "rad/s"
 
     def bounds(self, runtime: Runtime) -> tuple[FloatArray, FloatArray]:
-        """Velocity limits of the joints."""
+        """Return the velocity limits of the joints."""
         limit = runtime.model.limits.velocity
         return -limit, limit
 
@@ -507,15 +508,15 @@ class JointVelocity(JointMode):
 
 
 class JointPosition(JointMode):
-    """Joint positions [rad], or changes of the measured ones: one tick towards them, then hold.
+    """Joint positions [rad], or changes of the measured positions: the arm moves towards them for one tick, then holds.
 
-    Positions beyond a joint limit mean the limit; the arm goes as far as the velocity limits allow in the tick.
+    Positions are clipped to the joint limits. The velocity limits bound the motion of one tick.
     """
 
     unit = "rad"
 
     def bounds(self, runtime: Runtime) -> tuple[FloatArray, FloatArray]:
-        """Joint limits; for differences what the velocity limits allow in one tick."""
+        """Return the joint limits; for differences, the largest change in one tick at the velocity limits."""
         limits = runtime.model.limits
         if self.absolute_mode:
             return limits.lower, limits.upper
@@ -527,22 +528,22 @@ class JointPosition(JointMode):
         runtime.robot.set_position_targets(values if self.absolute_mode else runtime.robot.joint_positions + values)
 
     def post_step(self, runtime: Runtime, values: FloatArray) -> None:
-        """Hold what is measured."""
+        """Hold the measured positions."""
         runtime.hold()
 
 
 class JointTorque(JointMode):
-    """Joint torques [N m] for one tick, gravity included, or changes of the motors' last torques; then the arm stops.
+    """Joint torques [N m] for one tick, including gravity, or changes of the last motor torques; then the arm stops.
 
-    Torques beyond the limits are capped. Joint positions and speeds are not limited: torques can drive a joint through its stop.
-    Avoid both in the policy, or use another mode within `SafeArm`.
+    Torques are clipped to the limits. Joint positions and velocities are not limited: torques can drive a joint past its stop.
+    Limit them in the policy, or use another mode within `SafeArm`.
     Consecutive torque actions do not stop the arm. It brakes in ticks without a torque action, such as while the gripper moves.
     """
 
     unit = "N m"
 
     def bounds(self, runtime: Runtime) -> tuple[FloatArray, FloatArray]:
-        """Effort limits of the joints."""
+        """Return the effort limits of the joints."""
         limit = runtime.model.limits.effort
         return -limit, limit
 
@@ -551,18 +552,18 @@ class JointTorque(JointMode):
         runtime.robot.set_torques(values if self.absolute_mode else runtime.robot.joint_torques + values)
 
     def post_step(self, runtime: Runtime, values: FloatArray) -> None:
-        """Command zero velocity, so that no torque acts on unwatched; the next action finds the arm as fast as it is."""
+        """Command zero velocity, so that no torque continues to act; the measured velocity does not change."""
         runtime.robot.set_velocity_targets(np.zeros(runtime.model.size))
 
 
 class EndEffectorVelocity(ArmActionMode):
-    """Tip velocity `[linear, angular]` (6,) for one tick, or a change of the present one; then the arm stops.
+    """Tip velocity `[linear, angular]` (6,) for one tick, or a change of the present tip velocity; then the arm stops.
 
-    Joint limits come first: where the velocity cannot be had without breaking one, the arm follows as well as it can.
+    Joint limits take precedence: if the velocity would violate one, the arm tracks it as closely as the limits allow.
 
     Args:
-        absolute_mode: A velocity; otherwise a difference to the present tip velocity.
-        frame: Axes of the velocity: of the world, or of the tip.
+        absolute_mode: The values are a velocity; otherwise a difference to the present tip velocity.
+        frame: Frame of the velocity: the world or the tip.
     """
 
     ticks = 1
@@ -575,7 +576,7 @@ class EndEffectorVelocity(ArmActionMode):
         return (6,)
 
     def spec(self, runtime: Runtime) -> ActionSpec:
-        """Linear, then angular velocity."""
+        """Return the linear, then the angular velocity."""
         high = np.repeat([runtime.description.linear_speed, runtime.description.angular_speed], 3)
         return ActionSpec(TWIST_NAMES, TWIST_UNITS, -high, high, "end effector" if self.frame is RelativeFrame.EE else "world", 1)
 
@@ -603,18 +604,18 @@ class JointPositionActionMode(ActionMode):
         super().__init__(JointPosition(absolute_mode=False), GripperJointPosition())
 
     def spec(self, runtime: Runtime) -> ActionSpec:
-        """As both modes say, with joint differences of at most 0.1 rad, in one tick."""
+        """Return the values of both modes, with joint differences of at most 0.1 rad, for one tick."""
         spec = super().spec(runtime)
         low, high = spec.low.copy(), spec.high.copy()
         low[:-1], high[:-1] = -DELTA_LIMIT, DELTA_LIMIT
         return ActionSpec(spec.names, spec.units, low, high, spec.frame, 1)
 
     def pre_step(self, runtime: Runtime, values: FloatArray) -> None:
-        """Command both."""
+        """Command the arm and the gripper."""
         self.arm_action_mode.pre_step(runtime, values[:-1])
         self.gripper_action_mode.pre_step(runtime, values[-1:])
 
     def post_step(self, runtime: Runtime, values: FloatArray) -> None:
-        """Hold both."""
+        """Hold the arm and the gripper."""
         self.arm_action_mode.post_step(runtime, values[:-1])
         self.gripper_action_mode.post_step(runtime, values[-1:])

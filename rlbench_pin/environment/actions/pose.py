@@ -1,4 +1,4 @@
-"""Arm actions that name a tip pose: by planning, by inverse kinematics, or with some joints pinned."""
+"""Arm modes with a tip pose as target: by planning, by inverse kinematics, or with some joints pinned."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ from rlbench_pin.values import as_flag, as_number, as_whole, items_of
 IK_DONE = 0.01
 """Joint error at which an IK action ends [rad]."""
 IK_STALLED = 0.001
-"""Motion of a tick below which it ends as well [rad]."""
+"""Joint motion in one tick below which an IK action ends too [rad]."""
 IK_TICKS, PINNED_IK_TICKS = 200, 50
-"""Ticks after which an action ends in any case, without and with pinned joints; more for slow arms, see `RobotModel.slowness`."""
+"""Maximum number of ticks of an action, without and with pinned joints; more for slow arms, see `RobotModel.slowness`."""
 
 
 class PoseMode(ArmActionMode):
-    """Base class of modes whose numbers begin with a tip pose (7,).
+    """Base class of modes whose first values are a tip pose (7,).
 
     Args:
-        absolute_mode: World pose; otherwise a delta to the present tip pose.
-        frame: Frame of the delta; the end-effector frame makes the pose relative for any `absolute_mode`.
-        collision_checking: Avoid collisions where a motion is planned; inverse kinematics does not check them.
+        absolute_mode: The pose is in the world; otherwise it is a delta to the present tip pose.
+        frame: Frame of the delta; with the end-effector frame the pose is a delta for any `absolute_mode`.
+        collision_checking: Avoid collisions in planned motions; inverse kinematics does not check them.
     """
 
     def __init__(
@@ -55,7 +55,7 @@ class PoseMode(ArmActionMode):
         return not self.absolute_mode or self.frame is RelativeFrame.EE
 
     def spec(self, runtime: Runtime) -> ActionSpec:
-        """Position and quaternion; positions span the workspace."""
+        """Return the position and the quaternion; the bounds of the position are the workspace."""
         extent = TIP_WORKSPACE[1] - TIP_WORKSPACE[0]
         low, high = (-extent, extent) if self.is_relative else (TIP_WORKSPACE[0], TIP_WORKSPACE[1])
         frame = "end effector" if self.frame is RelativeFrame.EE else "world"
@@ -63,7 +63,7 @@ class PoseMode(ArmActionMode):
         return ActionSpec(POSE_NAMES, POSE_UNITS, np.concatenate([low, -ones]), np.concatenate([high, ones]), frame, None)
 
     def target(self, runtime: Runtime, pose: FloatArray) -> FloatArray:
-        """Return the world pose (7,) that the numbers ask for, or raise InvalidActionError."""
+        """Return the target world pose (7,) of an action, or raise InvalidActionError."""
         assert_unit_quaternion(pose[3:])
         return calculate_delta_pose(runtime.robot.tip_pose(), pose, self.frame) if self.is_relative else pose
 
@@ -71,16 +71,16 @@ class PoseMode(ArmActionMode):
 class EndEffectorPoseViaPlanning(PoseMode):
     """Plan a timed, smooth motion to the pose and run it to its end, or until the episode is over.
 
-    A position outside the workspace box, or a pose that no motion is found to, is refused.
+    A position outside the workspace box, or a pose without a plan, raises InvalidActionError.
 
-    An eighth number may follow the pose: above 0.5 collisions are ignored, otherwise they are avoided; without it the setting
-    counts.
+    An optional eighth value follows the pose: above 0.5 it ignores collisions, otherwise it avoids them. Without it,
+    `collision_checking` applies.
 
     Args:
-        absolute_mode: World pose; otherwise a delta to the present tip pose.
-        frame: Frame of the delta; the end-effector frame makes the pose relative for any `absolute_mode`.
+        absolute_mode: The pose is in the world; otherwise it is a delta to the present tip pose.
+        frame: Frame of the delta; with the end-effector frame the pose is a delta for any `absolute_mode`.
         collision_checking: Avoid collisions.
-        retry_without_checks: When no motion without collisions is found, plan one that ignores them, instead of refusing.
+        retry_without_checks: If no motion without collisions is found, plan one that ignores them, instead of an error.
     """
 
     def __init__(
@@ -96,19 +96,19 @@ class EndEffectorPoseViaPlanning(PoseMode):
 
     @property
     def optional_values(self) -> int:
-        """One: whether collisions are ignored."""
+        """One optional value: whether collisions are ignored."""
         return 1
 
     def action(self, runtime: Runtime, action: object, ignore_collisions: bool | None = None) -> None:
         """Check one action, then plan and run it.
 
         Args:
-            runtime: What moves.
-            action: A pose (7,), perhaps with the eighth number.
-            ignore_collisions: Counts instead of the eighth number and the setting, when given.
+            runtime: Runtime of the arm.
+            action: A pose (7,), optionally with the eighth value.
+            ignore_collisions: Overrides the eighth value and the setting; None does not.
 
         Raises:
-            InvalidActionError: The action is refused; nothing has moved.
+            InvalidActionError: The action is invalid; nothing has moved.
         """
         if ignore_collisions is not None:
             values = as_action(action, 7, type(self).__name__, self.optional_values)
@@ -116,10 +116,10 @@ class EndEffectorPoseViaPlanning(PoseMode):
         super().action(runtime, action)
 
     def check(self, runtime: Runtime, values: FloatArray) -> FloatArray:
-        """Return the numbers, or raise InvalidActionError when the eighth does not lie between 0 and 1."""
+        """Return the values, or raise InvalidActionError if the eighth is not between 0 and 1."""
         if len(values) > 7 and not 0.0 <= values[7] <= 1.0:
             raise InvalidActionError(
-                f"The number that says whether collisions are ignored is {values[7]}; it must be 0 or 1 (ignored)."
+                f"The optional last value of the pose is {values[7]}; it must be 0 (avoid collisions) or 1 (ignore collisions)."
             )
         return values
 
@@ -146,9 +146,10 @@ class EndEffectorPoseViaPlanning(PoseMode):
 
 
 class EndEffectorPoseViaIK(PoseMode):
-    """Solve inverse kinematics near the present posture and drive the joints there, until they arrive or stall.
+    """Solve inverse kinematics near the present posture and move the joints there, until they arrive or stall.
 
-    At most 200 ticks, more for slow arms. A pose that no joint positions near the present ones reach is refused.
+    An action takes at most 200 ticks, more for slow arms. A pose without a solution near the present joint positions raises
+    InvalidActionError.
     """
 
     def steps(self, runtime: Runtime, values: FloatArray) -> None:
@@ -165,15 +166,15 @@ class EndEffectorPoseViaIK(PoseMode):
 
 
 class ERJointViaIK(PoseMode):
-    """A tip pose and the angles of some joints ("elbow" control): those are pinned, the others are solved for.
+    """A tip pose and the angles of some joints ("elbow" control): these joints are pinned, the others are solved for.
 
-    At most 50 ticks, more for slow arms. Angles beyond a joint limit mean the limit; a pose that cannot be reached with them is
-    refused.
+    An action takes at most 50 ticks, more for slow arms. Angles are clipped to the joint limits. A pose that these angles cannot
+    reach raises InvalidActionError.
 
     Args:
         absolute_mode: World pose and absolute angles; otherwise deltas.
         frame: Frame of the pose.
-        collision_checking: Accepted for symmetry; the motion is not checked.
+        collision_checking: Has no effect; the motion is not checked.
         commanded_joints: Indices of the pinned joints.
         eps: Joint error at which the action ends [rad].
         delta_angle: The angle is a delta; needs relative mode and one joint, the first or the last.
@@ -193,17 +194,21 @@ class ERJointViaIK(PoseMode):
         self.commanded_joints = tuple(as_whole(joint, "a commanded joint", least=0, most=99) for joint in joints)
         self.eps, self.delta_angle = as_number(eps, "eps", above=0.0), as_flag(delta_angle, "delta_angle")
         if len(set(joints)) != len(joints) or (not joints and not isinstance(commanded_joints, list | tuple)):
-            raise InvalidActionError(f"commanded_joints are indices of joints, each once, not {shown(commanded_joints)}.")
+            raise InvalidActionError(
+                f"commanded_joints has to be a list of different joint indices, not {shown(commanded_joints)}."
+            )
         if delta_angle and absolute_mode:
-            raise InvalidActionError("delta_angle=True needs absolute_mode=False.")
+            raise InvalidActionError(
+                "delta_angle=True needs absolute_mode=False. Pass absolute_mode=False, or delta_angle=False."
+            )
 
     def spec(self, runtime: Runtime) -> ActionSpec:
-        """The pose, then the pinned angles."""
+        """Return the pose, then the pinned angles."""
         joints, last = list(self.commanded_joints), runtime.model.size - 1
         if self.delta_angle and joints not in ([0], [last]):
-            raise NotImplementedError(f"delta_angle is offered for one commanded joint, 0 or {last}.")
+            raise NotImplementedError(f"delta_angle supports only one commanded joint, 0 or {last}, not {joints}.")
         if max(joints, default=0) > last:
-            raise InvalidActionError(f"The arm has joints 0 to {last}, so joint {max(joints)} cannot be commanded.")
+            raise InvalidActionError(f"The arm has joints 0 to {last}, not {max(joints)}. Change commanded_joints.")
         limits = runtime.model.limits
         names = tuple(runtime.description.arm_joints[j] for j in joints)
         low, high = limits.lower[joints], limits.upper[joints]
@@ -230,13 +235,13 @@ class ERJointViaIK(PoseMode):
 
 
 def drive_until_there(runtime: Runtime, goal: FloatArray, tolerance: float, ticks: int) -> None:
-    """Drive the joints to `goal` (n,) [rad] until they are within `tolerance`, stall, or the time or the episode is over.
+    """Move the joints to `goal` (n,) [rad] until they are within `tolerance` or stall, or the ticks or the episode end.
 
     Args:
-        runtime: What moves.
+        runtime: Runtime of the arm.
         goal: Joint positions.
         tolerance: Error at which the motion ends [rad].
-        ticks: Control ticks that the Panda may take; slower arms may take more, see `RobotModel.slowness`.
+        ticks: Maximum number of control ticks for the Panda; slower arms take more, see `RobotModel.slowness`.
     """
     before = runtime.robot.joint_positions
     for _ in range(math.ceil(ticks * runtime.model.slowness)):

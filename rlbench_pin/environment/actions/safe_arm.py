@@ -1,4 +1,4 @@
-"""A safety filter in front of any arm action mode."""
+"""`SafeArm`: a safety filter for any arm action mode."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_record
 
 LIMIT_MARGIN = 0.02
-"""Distance kept from joint limits, for what motors overshoot [rad]."""
+"""Distance kept from joint limits, for the overshoot of the motors [rad]."""
 SHARE = 0.95
-"""Share of the velocity limits that is used, for what motors miss."""
+"""Used fraction of the velocity limits, for the tracking error of the motors."""
 ACCELERATION_SHARE = 0.9
-"""Share of the acceleration limits that is used.
+"""Used fraction of the acceleration limits.
 
-The simulator finds the motors' torques by sweeps over the joints, and stops before the last percents: light joints that heavy
+The simulator computes motor torques iteratively over the joints, and stops before full convergence. Light joints that heavy
 ones drag along, such as the third, end a tick up to 7 % of a dt beyond the commanded velocity.
 """
 UNSEEN = 2e-5
-"""Motions of bodies and fingers below this do not update the world of the filter [m], or in parts of a quaternion."""
+"""Motions of bodies and fingers below this value do not update the world of the filter [m, quaternion components]."""
 
 OPENING_STEP = 0.005
-"""Largest finger motion between two places at which the distances of an opening are measured [m]."""
+"""Largest finger motion between two distance measurements of an opening [m]."""
 CLOSER = 1e-4
-"""How much nearer an opening may bring fingers that are below their minimum distance already [m]."""
+"""Largest further decrease by an opening of a distance that is already below its minimum [m]."""
 
 
 @dataclass
@@ -43,18 +43,18 @@ class RuntimeFilter:
 
     filter: SafetyFilter
     seen: WorldSnapshot | None = None
-    """The world as the filter has it."""
+    """The world state in the filter."""
     opened: DistanceModel | None = None
-    """Distances with the fingers elsewhere; made for the first opening."""
+    """Distance model with other finger positions; created at the first opening."""
 
     def update_world(self, snapshot: WorldSnapshot) -> None:
-        """Give the filter the world, when something but the arm has moved since it was given."""
+        """Update the world of the filter if a body other than the arm has moved since the last update."""
         if self.seen is None or not _same_surroundings(snapshot, self.seen):
             self.filter.distances.update(snapshot)
             self.seen = snapshot
 
     def refused_opening(self, snapshot: WorldSnapshot, velocity: FloatArray, fingers: FloatArray) -> RefusedOpening | None:
-        """Return why the fingers may not open to `fingers` (2,) [m] while the arm brakes from `velocity` (n,) [rad/s]."""
+        """Return why the fingers must not open to `fingers` (2,) [m] while the arm brakes from `velocity` (n,) [rad/s]."""
         model, config, bounds = self.filter.model, self.filter.config, self.filter.bounds
         if self.opened is None:
             self.opened = DistanceModel(model)
@@ -77,19 +77,20 @@ class RuntimeFilter:
 
 
 class SafeArm(ArmActionMode):
-    """Run another arm mode; each of its control ticks passes the safety filter first.
+    """Run another arm mode with a safety filter on each of its control ticks.
 
-    The filter checks the joint velocity commanded for the next tick, and replaces it if it would violate a joint limit or a
-    distance. Grasped bodies are part of the arm, and fingers count as open as commanded. A gripper action that would open the
-    fingers nearer to an object than the margin is refused; `TaskEnvironment.refused_opening` has the reason.
+    The filter checks the commanded joint velocity of the next tick, and replaces it if it would violate a joint limit or a
+    minimum distance. Grasped bodies are part of the arm, and the fingers are at their commanded positions. A gripper action
+    that would open the fingers nearer to an object than the margin has no effect; `TaskEnvironment.refused_opening` has the
+    reason.
 
     Args:
-        mode: The mode to make safe.
-        config: Margins and gains; the control tick is the world's, and motors reach velocities when their torque lets them.
+        mode: The arm mode to filter.
+        config: Margins and gains; its control tick is replaced by that of the world, and motor torque limits apply.
 
     Attributes:
-        counts: How often and why the filter intervened, in all environments that this object serves.
-        last: The filter's last command, in whichever of them; None before the first.
+        counts: Number of interventions of the filter by cause, in all environments that use this object.
+        last: Last command of the filter in any of these environments; None before the first.
     """
 
     def __init__(self, mode: ArmActionMode, config: SafetyConfig | None = None) -> None:
@@ -99,19 +100,19 @@ class SafeArm(ArmActionMode):
         self.last: SafeCommand | None = None
 
     def filter_of(self, runtime: Runtime) -> RuntimeFilter:
-        """Return the filter of this arm and tick, with the world as it is now."""
+        """Return the filter of this arm and control tick, updated with the present world."""
         runtime_filter = runtime.kept(self, lambda: self.make_filter(runtime))
         snapshot = runtime.world.snapshot()
         runtime_filter.update_world(replace(snapshot, fingers=np.maximum(snapshot.fingers, runtime.gripper.control.target)))
         return runtime_filter
 
     def refused_opening(self, runtime: Runtime, fingers: FloatArray) -> RefusedOpening | None:
-        """Return why the fingers may not open to `fingers` (2,) [m]; None when there is room."""
+        """Return the reason why the fingers must not open to `fingers` (2,) [m]; None if they may."""
         runtime_filter: RuntimeFilter = runtime.kept(self, lambda: self.make_filter(runtime))
         return runtime_filter.refused_opening(runtime.world.snapshot(), runtime.robot.joint_velocities, fingers)
 
     def make_filter(self, runtime: Runtime) -> RuntimeFilter:
-        """Make the filter of one runtime."""
+        """Create the filter of one runtime."""
         limits, arm = runtime.model.limits, runtime.description
         shares = np.where(np.arange(len(limits.acceleration)) < arm.loaded_joints, arm.loaded_share, ACCELERATION_SHARE)
         reduced = replace(limits, velocity=SHARE * limits.velocity, acceleration=shares * limits.acceleration)
@@ -120,12 +121,12 @@ class SafeArm(ArmActionMode):
 
     @property
     def ticks(self) -> int | None:  # type: ignore[override]
-        """Control ticks that an action of the inner mode takes."""
+        """Number of control ticks of an action of the inner mode."""
         return self.mode.ticks
 
     @property
     def optional_values(self) -> int:
-        """How many numbers may follow in an action of the inner mode."""
+        """Number of optional values of the inner mode."""
         return self.mode.optional_values
 
     def spec(self, runtime: Runtime) -> ActionSpec:
@@ -141,18 +142,18 @@ class SafeArm(ArmActionMode):
         return self.mode.bounds(runtime)
 
     def check(self, runtime: Runtime, values: FloatArray) -> FloatArray:
-        """Return the numbers as the inner mode wants them, or raise InvalidActionError when it refuses them."""
+        """Return the values after the check of the inner mode, or raise InvalidActionError if it rejects them."""
         return self.mode.check(runtime, values)
 
     def pre_step(self, runtime: Runtime, values: FloatArray) -> None:
-        """Command the motors as the inner mode does; filter the command where it takes one tick, which others may share."""
+        """Command the motors with the inner mode; filter the command if an action takes one tick."""
         runtime_filter = self.filter_of(runtime)
         self.mode.pre_step(runtime, values)
         if self.mode.ticks == 1:
             self.filter_command(runtime, runtime_filter)
 
     def steps(self, runtime: Runtime, values: FloatArray) -> None:
-        """Run the ticks of the inner action; those of a motion are filtered one by one."""
+        """Run the ticks of the inner action, and filter each tick of a motion."""
         runtime_filter: RuntimeFilter = runtime.kept(self, lambda: self.make_filter(runtime))
         filtered = self.mode.ticks == 1  # by `pre_step`, for the first tick
 
@@ -167,7 +168,7 @@ class SafeArm(ArmActionMode):
 
     @contextmanager
     def protected(self, runtime: Runtime) -> Iterator[None]:
-        """Filter the motor command that the arm has, in each tick of a block in which the gripper moves."""
+        """Filter the present motor command of the arm in each tick of a block in which the gripper moves."""
         replaced: ArmControl | None = None
 
         def before_tick() -> None:
@@ -181,11 +182,11 @@ class SafeArm(ArmActionMode):
             yield
 
     def post_step(self, runtime: Runtime, values: FloatArray) -> None:
-        """Do what the inner mode does after its ticks."""
+        """Call `post_step` of the inner mode."""
         self.mode.post_step(runtime, values)
 
     def filter_command(self, runtime: Runtime, runtime_filter: RuntimeFilter) -> SafeCommand:
-        """Replace the command of the motors for the coming tick by a safe one where needed, and return that."""
+        """Replace the motor command of the next tick by a safe one if necessary, and return it."""
         robot = runtime.robot
         q, v = robot.joint_positions, robot.joint_velocities
         self.last = runtime_filter.filter.filter(q, v, wanted_velocity(runtime, q, v))
@@ -195,14 +196,14 @@ class SafeArm(ArmActionMode):
 
 
 def unwrapped(mode: ArmActionMode) -> ArmActionMode:
-    """Return the arm mode itself, without the safety filters in front of it."""
+    """Return the arm mode without its safety filters."""
     while isinstance(mode, SafeArm):
         mode = mode.mode
     return mode
 
 
 def _same_surroundings(a: WorldSnapshot, b: WorldSnapshot) -> bool:
-    """Whether two snapshots differ at most in the arm's joints, and elsewhere by less than what counts."""
+    """Return whether two snapshots differ only in the arm joints, apart from motions below the threshold."""
     if a.attached or b.attached or len(a.bodies) != len(b.bodies) or not _same(a.fingers, b.fingers):
         return False
     return all(x.layout == y.layout and _same(x.link_poses, y.link_poses) for x, y in zip(a.bodies, b.bodies, strict=True))
@@ -213,7 +214,7 @@ def _same(a: FloatArray, b: FloatArray) -> bool:
 
 
 def wanted_velocity(runtime: Runtime, q: FloatArray, v: FloatArray) -> FloatArray:
-    """Return the joint velocity (n,) [rad/s] that the present motor command brings about in the coming tick."""
+    """Return the joint velocity (n,) [rad/s] that results from the present motor command in the next tick."""
     control, dt = runtime.robot.control, runtime.world.control_dt
     if control.mode == "velocity":
         return control.target

@@ -1,4 +1,4 @@
-"""The factors of generalisation: their names, levels and numbers, and which tasks each can change."""
+"""The factors of generalisation: names, levels, values, and the tasks to which each applies."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ Group = Literal["appearance", "sensors", "scene", "physics", "arm", "language"]
 Level = int | Literal["colosseum"]
 """1, 2 or 3, or the ranges of COLOSSEUM."""
 Numbers = Mapping[str, float | tuple[float, float]]
-"""Numbers of one level: a range that is drawn from, or a value."""
+"""Values of one level: a range to draw from, or a value."""
 COLOSSEUM: Literal["colosseum"] = "colosseum"
 JOINED, LEVEL = "+", ":"
 ALL = "all"
-"""All factors, on a command line."""
+"""Name for all factors on a command line."""
 COMBINED = "combined"
-"""The factor that stands for many others at once."""
+"""The factor that combines many others."""
 _REASONS = {
     "manipulated": "its scene marks no object as manipulated",
     "receiving": "its scene marks no object as receiving",
@@ -34,29 +34,29 @@ _REASONS = {
     "variations": "it has one variation",
     **{kind: f"its scene has no {kind.replace('_', '-')} instructions" for kind in InstructionsSpec.model_fields},
 }
-"""Need of a factor -> why a task without it cannot take the factor."""
+"""Need of a factor -> reason why the factor does not apply to a task without it."""
 
 
 @dataclass(frozen=True)
 class Factor:
-    """One factor: something that changes from training to test while the task stays the same."""
+    """One factor: a change of the environment between training and test that keeps the task."""
 
     name: str
     group: Group
-    """Part of an episode that it changes."""
+    """Part of an episode that the factor changes."""
     changes: str
     """Description, as sentences."""
     levels: tuple[Numbers, ...]
-    """Numbers of level 1, 2, ...; level 0 is no change."""
+    """Values of level 1, 2, ...; level 0 is no change."""
     colosseum: Numbers | None = None
-    """Numbers with the ranges of COLOSSEUM (arXiv 2402.08191); None where it has no such factor."""
+    """Values of COLOSSEUM (arXiv 2402.08191); None if it has no such factor."""
     needs: str = ""
-    """Need of a task, such as `receiving` objects."""
+    """Elements that a task must have, such as `receiving` objects."""
     by_task: Mapping[str, Numbers] = field(default_factory=dict)
-    """Numbers with the ranges of COLOSSEUM for tasks that have others there, by name of the task."""
+    """Values of COLOSSEUM for the tasks where they differ, by name of the task."""
 
     def numbers(self, level: Level) -> Numbers:
-        """Return the numbers of a level.
+        """Return the values of a level.
 
         Raises:
             InvalidArgument: The factor has no such level.
@@ -70,7 +70,7 @@ class Factor:
         return self.levels[level - 1]
 
     def numbers_for(self, level: Level, task: Task) -> Numbers:
-        """Return the numbers of a level for one task, which may have ranges of its own.
+        """Return the values of a level for one task, which may have its own ranges.
 
         Raises:
             InvalidArgument: The factor has no such level.
@@ -85,12 +85,12 @@ class Factor:
 
     @property
     def level_names(self) -> tuple[str, ...]:
-        """Levels as they are written behind the name."""
+        """Names of the levels, as written after the name of the factor."""
         numbered = tuple(str(level) for level in range(1, len(self.levels) + 1))
         return numbered if self.colosseum is None else (*numbered, COLOSSEUM)
 
     def why_not(self, task: Task) -> str:
-        """Return why this factor cannot change a task; empty when it can."""
+        """Return the reason why this factor does not apply to a task; empty if it applies."""
         for excluded in task.world.spec.excluded_factor:
             if excluded.name == self.name and excluded.within is None:
                 return excluded.reason
@@ -105,7 +105,7 @@ def _limited(value: float | tuple[float, float], low: float, high: float) -> flo
 
 
 def _has(task: Task, need: str) -> bool:
-    """Whether a task has what a factor needs."""
+    """Return whether a task has the elements that a factor needs."""
     scene = task.world.spec
     if need in ("manipulated", "receiving"):
         return any(body.role == need for body in scene.body)
@@ -139,21 +139,21 @@ def _numbers(level: Mapping[str, float | list[float]]) -> Numbers:
 
 @dataclass(frozen=True)
 class FactorSetting:
-    """Factors that change together, each at its level; none at all is the setting of level 0."""
+    """Factors that apply together, each at its level; without factors it is the setting of level 0."""
 
     levels: tuple[tuple[str, Level], ...] = ()
     """Name and level of each, in the order of the catalogue."""
 
     @classmethod
     def of(cls, given: FactorsLike) -> FactorSetting:
-        """Return the setting that is meant by a text such as `light_color:2+friction:1`, a sequence of such texts, or a mapping.
+        """Return the setting for a text such as `light_color:2+friction:1`, a sequence of such texts, or a mapping.
 
         Args:
             given: `NAME:LEVEL` joined by `+`, a sequence of these, or name -> level. Level 0 and `""` are no change.
 
         Raises:
-            UnknownName: There is no such factor; names the nearest.
-            InvalidArgument: A factor has no such level, or is named twice.
+            UnknownName: There is no such factor; the message proposes the most similar one.
+            InvalidArgument: A factor has no such level, or occurs twice.
         """
         if isinstance(given, FactorSetting):
             return given
@@ -176,14 +176,14 @@ class FactorSetting:
         return cls(tuple((name, chosen[name]) for name in catalogue if chosen.get(name, 0) != 0))
 
     def __str__(self) -> str:
-        """Write it as it is read: `friction:1+light_color:2`; empty where nothing changes."""
+        """Return the text that `of` accepts, such as `friction:1+light_color:2`; empty without factors."""
         return JOINED.join(f"{name}{LEVEL}{level}" for name, level in self.levels)
 
     def __bool__(self) -> bool:
         return bool(self.levels)
 
     def for_task(self, task: Task) -> FactorSetting:
-        """Return the setting with the factors that `combined` stands for in a task."""
+        """Return the setting with `combined` replaced by the factors that it combines in a task."""
         chosen = dict(self.levels)
         level = chosen.pop(COMBINED, 0)
         if level:
@@ -194,20 +194,20 @@ class FactorSetting:
         return FactorSetting.of(chosen)
 
     def why_not(self, task: Task) -> str:
-        """Return why a task cannot take one of the factors, with its name; empty when it can take all."""
+        """Return the first factor that does not apply to a task, with the reason; empty if all apply."""
         reasons = ((name, factor_catalogue()[name].why_not(task)) for name, _ in self.levels)
         return next((f"'{name}': {reason}" for name, reason in reasons if reason), "")
 
 
 def expand_settings(words: Sequence[str], level: Level | str | None = None) -> tuple[str, ...]:
-    """Return the settings that words of a command line mean, each once.
+    """Return the settings for words of a command line, each once.
 
-    `light_color:2` and `light_color:2+friction:1` are settings already. A factor without a level means each of its levels, and
-    `all` means every factor, alone.
+    `light_color:2` and `light_color:2+friction:1` are settings. A factor without a level stands for each of its levels, and
+    `all` stands for each factor separately.
 
     Args:
         words: The words.
-        level: Level of what has none, such as 2 or `colosseum`; a factor with fewer levels takes its highest. None means each.
+        level: Level for factors without one, such as 2 or `colosseum`, at most their highest. None stands for each level.
 
     Raises:
         UnknownName: There is no such factor.
@@ -234,7 +234,7 @@ def _levels_of(name: str, wanted: Level | None, all_factors: bool) -> list[str]:
 
 
 FactorsLike = str | Sequence[str] | Mapping[str, Level] | FactorSetting
-"""Forms in which factors can be passed."""
+"""Accepted forms of factors."""
 _EXAMPLE = "For example `light_color:2`, or `{'light_color': 2, 'friction': 1}`."
 
 

@@ -1,4 +1,4 @@
-"""Distractor objects: everyday objects that stand on the table, away from the task and its motions."""
+"""Distractor objects: everyday objects on the table, away from the task and its motions."""
 
 from __future__ import annotations
 
@@ -16,26 +16,26 @@ OBJECTS = (
     "mug", "soup", "spam", "tuna", "coffee", "mustard", "sugar", "tomato", "sponge", "rubber_duck", "chicken",
     "drink_bottle", "coaster", "toilet_roll", "shoe_left", "drinking_glass",
 )  # fmt: skip
-"""Objects of the catalogue that are used, where a task does not use them itself."""
+"""Objects of the catalogue to choose from, except those that the task uses."""
 AREA = np.array([[-0.05, -0.55], [0.75, 0.55]])
-"""Lowest and highest x, y of their places [m]."""
+"""Lowest and highest x, y of their positions [m]."""
 MARGIN = 0.05
-"""Least gap to the task's footprint, its objects and its waypoints [m]."""
+"""Minimum gap to the footprint, the objects and the waypoints of the task [m]."""
 ARM_RADIUS = 0.25
 """Radius of the circle about the base of the arm that stays free [m]."""
 TRIES = 60
-"""Places that are tried for one object."""
+"""Maximum number of positions to try for one object."""
 
 
 def add_distractors(runtime: Runtime, count: int, seed: int) -> tuple[str, ...]:
-    """Put objects on the table, and return their names: fewer where there is no room for more.
+    """Put objects on the table, and return their names: fewer than `count` if there is not enough space.
 
-    The first ones are the same whatever the count.
+    The first objects do not depend on `count`.
 
     Args:
         runtime: The running task, at the start of an episode.
-        count: How many.
-        seed: Seed of objects and places.
+        count: Number of objects.
+        seed: Seed of objects and positions.
     """
     world, rng = runtime.world, np.random.default_rng(seed)
     used = {resolve_asset(world.spec, body.asset).stem for body in (*world.spec.body, *world.spawned.values())}

@@ -25,14 +25,14 @@ from rlbench_pin.tasks.placement import footprint
 from rlbench_pin.tasks.task import Wording
 
 REPEATS = (4.0, 8.0)
-"""How often patterns on objects repeat along a metre."""
+"""Repetitions of patterns on objects per metre."""
 LARGEST_SEED = 2**31
 OTHER = "instruction_other"
-"""The factor whose sentences are drawn by `other_instructions`."""
+"""The factor whose instructions are drawn by `other_instructions`."""
 FIRST = ("arm_base", "object_model", "object_size", "receiver_size")
-"""The factors that act before the episode is laid out."""
+"""The factors that apply before the objects of the episode are placed."""
 SIZE_STEP = 0.02
-"""Sizes are multiples of it, so that the shapes of few sizes are kept in memory."""
+"""Step of scale factors: sizes are multiples of it, to limit the number of shapes in memory."""
 
 
 @dataclass(frozen=True)
@@ -49,12 +49,12 @@ class Draw:
     """Numbers of the level."""
 
     def number(self, name: str) -> float:
-        """Draw a number of the level; one that is no range is returned as it is."""
+        """Draw a value from a range of the level; return a single value unchanged."""
         value = self.numbers[name]
         return float(self.rng.uniform(*value)) if isinstance(value, tuple) else float(value)
 
     def either_side(self, name: str) -> float:
-        """Draw a number of the level, and its sign."""
+        """Draw a value of the level, and its sign."""
         sign = 1.0 if self.rng.random() < 0.5 else -1.0
         return sign * self.number(name)
 
@@ -77,14 +77,14 @@ DrawFunction = Callable[[Draw, Sample], Sample]
 
 
 def draw_factors(runtime: Runtime, settings: ObservationConfig, setting: FactorSetting, seed: int, attempt: int) -> Sample:
-    """Draw everything that a setting changes in one episode. Each factor has a generator of its own.
+    """Draw all changes of a setting in one episode. Each factor has its own generator.
 
     Args:
         runtime: The running task, at the start of the episode.
         settings: Lights and cameras without factors.
-        setting: The factors and their levels, without `combined`; `instruction_other` is left to `other_instructions`.
+        setting: The factors and their levels, without `combined`; `other_instructions` draws `instruction_other`.
         seed: Seed of the episode.
-        attempt: Which try of the seed.
+        attempt: Number of the attempt at the seed, from 0.
     """
     sample, catalogue = Sample(), factor_catalogue()
     for name, level in setting.levels:
@@ -96,7 +96,7 @@ def draw_factors(runtime: Runtime, settings: ObservationConfig, setting: FactorS
 
 
 def factor_rng(name: str, seed: int, attempt: int) -> np.random.Generator:
-    """Return the generator of a factor in one episode, apart from all others."""
+    """Return the generator of a factor in one episode, independent of all others."""
     return np.random.default_rng(np.random.SeedSequence((seed, attempt), spawn_key=tuple(name.encode())))
 
 
@@ -268,12 +268,12 @@ def _object_model(draw: Draw, sample: Sample) -> Sample:
 
 
 def _unchanged(draw: Draw, sample: Sample) -> Sample:
-    """Return the sample: these factors act before the episode is laid out."""
+    """Return the sample unchanged: these factors apply before the objects of the episode are placed."""
     return sample
 
 
 def _on_the_left(world: World) -> bool:
-    """Whether the middle of the task's footprint is on the left of the arm, at y >= 0."""
+    """Return whether the middle of the task's footprint is on the left of the arm, at y >= 0."""
     middle = np.append(np.mean(footprint(world), axis=0), 0.0)
     return bool(pose_to_se3(world.root.pose).act(middle)[1] >= 0.0)
 
@@ -282,7 +282,7 @@ PLACES: Mapping[str, Accept] = {
     "placement_left": _on_the_left,
     "placement_right": lambda world: not _on_the_left(world),
 }
-"""Factor -> whether a place of the task will do."""
+"""Factor -> predicate that accepts or rejects the pose of the task."""
 
 
 def _scaled(place: int) -> DrawFunction:
@@ -336,23 +336,26 @@ def _worded(kind: Wording) -> DrawFunction:
 
 
 def other_instructions(runtime: Runtime, variation: int, seed: int, attempt: int) -> tuple[str, ...]:
-    """Return the sentences of another variation, drawn for an episode. The task is laid out anew afterwards.
+    """Return the instructions of another variation, drawn for an episode. The caller must place the objects again afterwards.
 
     Args:
         runtime: The running task.
         variation: Variation of the episode.
         seed: Seed of the episode.
-        attempt: Which try of the seed.
+        attempt: Number of the attempt at the seed, from 0.
 
     Raises:
-        TaskEnvironmentError: All other variations share a sentence with this one.
+        TaskEnvironmentError: All other variations share an instruction with this one.
     """
     rng = factor_rng(OTHER, seed, attempt)
     own = set(_sentences_of(runtime, variation, seed))
     for other in rng.permutation(runtime.task.variation_count()).tolist():
         if other != variation and not own & set(sentences := _sentences_of(runtime, other, seed)):
             return tuple(sentences)
-    raise TaskEnvironmentError(f"No variation of '{runtime.task.get_name()}' asks for something else in other words.")
+    raise TaskEnvironmentError(
+        f"All variations of '{runtime.task.get_name()}' share an instruction with variation {variation}, so '{OTHER}' has no "
+        "other instruction for it. Choose another variation, or omit this factor."
+    )
 
 
 def _sentences_of(runtime: Runtime, variation: int, seed: int) -> list[str]:
@@ -361,7 +364,7 @@ def _sentences_of(runtime: Runtime, variation: int, seed: int) -> list[str]:
             return lay_out(runtime, variation, EpisodeRandom.from_seed(seed, attempt), static=True)
         except BoundaryError:
             continue
-    raise BoundaryError(f"variation {variation} found no place in {MAX_RESET_ATTEMPTS} attempts")
+    raise BoundaryError(f"variation {variation} has no valid placement in {MAX_RESET_ATTEMPTS} attempts")
 
 
 def _no_instruction(draw: Draw, sample: Sample) -> Sample:
@@ -407,4 +410,4 @@ FUNCTIONS: Mapping[str, DrawFunction] = {
     "instruction_vague": _worded("vague"),
     "instruction_none": _no_instruction,
 }
-"""Factor -> what draws its changes."""
+"""Factor -> function that draws its changes."""

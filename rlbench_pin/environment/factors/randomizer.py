@@ -1,4 +1,4 @@
-"""Factors of a runtime: what they change in each episode."""
+"""Changes of each episode of a runtime by its factors."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from rlbench_pin.errors import InvalidArgument
 from rlbench_pin.spatial import FloatArray
 
 SHRINK = 0.7
-"""By how much the offsets of the start configuration shrink where the arm would touch something."""
+"""Factor of the offsets of the start configuration after each attempt in which the arm touches a body."""
 TRIES = 20
-"""How often they shrink."""
+"""Maximum number of such reductions."""
 
 
 class FactorRandomizer(WorldChanges):
-    """Changes each episode of one world as its factors say.
+    """Applies factors to each episode of one world.
 
     Args:
-        runtime: Holds the world.
+        runtime: Runtime of the world.
         config: Settings of its cameras and lights.
         setting: The factors and their levels.
 
     Raises:
-        FactorNotApplicable: The task cannot take one of the factors.
+        FactorNotApplicable: One of the factors does not apply to the task.
     """
 
     def __init__(self, runtime: Runtime, config: ObservationConfig, setting: FactorSetting) -> None:
@@ -43,9 +43,9 @@ class FactorRandomizer(WorldChanges):
         self.accept = next((accept for name, accept in PLACES.items() if name in chosen), None)
 
     def prepare_episode(self, variation: int, seed: int, attempt: int) -> None:
-        """Bring the world back to how it was built, with the bodies and the place of the arm of this episode.
+        """Restore the original world, with the bodies and the base pose of the arm for this episode.
 
-        The words of another variation are found here, too, where they are wanted.
+        If `instruction_other` is set, also draw the instructions of another variation.
         """
         self.remove()
         first = FactorSetting(tuple((name, level) for name, level in self._factors.levels if name in FIRST))
@@ -68,7 +68,7 @@ class FactorRandomizer(WorldChanges):
             self._runtime.instruct(instructions)
 
     def _start_at(self, offsets: FloatArray) -> None:
-        """Put the arm at rest away from home; nearer where it would touch something or leave its joint limits."""
+        """Put the arm at rest away from home; reduce the offset if it touches a body or violates a joint limit."""
         runtime, home = self._runtime, np.array(self._runtime.description.home)
         runtime.refresh_planner()
         for _ in range(TRIES):
@@ -80,9 +80,9 @@ class FactorRandomizer(WorldChanges):
 
 
 class FactorNotApplicable(InvalidArgument):
-    """A task cannot take a factor."""
+    """A factor does not apply to a task."""
 
     def __init__(self, task: str, setting: str, reason: str) -> None:
         super().__init__(
-            "factors", setting, f"cannot change '{task}': {reason}", "`rlbench-pin factors` lists what each changes."
+            "factors", setting, f"cannot change '{task}': {reason}", "`rlbench-pin factors` lists the changes of each factor."
         )

@@ -1,4 +1,4 @@
-"""Observations: settings, cameras, noise, and how a world becomes an observation."""
+"""Observations: settings, cameras, noise, and the observer of a world."""
 
 from rlbench_pin.environment.observations.config import (
     CameraConfig,

@@ -36,10 +36,10 @@ from rlbench_pin.values import (
 
 @runtime_checkable
 class NoiseModel(Protocol):
-    """Changes a measured array; must not modify its argument."""
+    """Adds noise to a measured array, without changing its argument."""
 
     def apply(self, value: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-        """Return `value` with noise, drawing only from `rng`."""
+        """Return `value` with noise from `rng`."""
         ...
 
 
@@ -52,9 +52,9 @@ class Identity:
 
 
 def as_noise(value: object, what: str) -> NoiseModel:
-    """Return `value`, or raise InvalidValue when it is not a noise model."""
+    """Return `value`, or raise InvalidValue if it is not a noise model."""
     if isinstance(value, type) or not isinstance(value, NoiseModel):
-        hint = "`GaussianNoise(0.01)` is one, `Identity()` is none at all."
+        hint = "For example `GaussianNoise(0.01)`, or `Identity()` for no noise."
         raise InvalidValue(what, value, "has to be a noise model, an object with `apply(value, rng)`", hint)
     return value
 
@@ -67,8 +67,8 @@ class GaussianNoise(Settings):
     """Additive normal noise.
 
     Args:
-        variance: Standard deviation, in the unit of the value; the name is the one existing code uses.
-        min_max_clip: Bounds that the noisy value is clipped to, the lower first.
+        variance: Standard deviation, in the unit of the value; the name is that of RLBench.
+        min_max_clip: Lower and upper bound to which the noisy value is clipped.
 
     Raises:
         InvalidValue: The deviation is NaN, infinite or negative, or the lower bound is above the upper one.
@@ -82,14 +82,14 @@ class GaussianNoise(Settings):
         self.variance, self.min_max_clip = variance, min_max_clip
 
     def apply(self, value: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-        """Return a noisy copy of `value`, of its dtype."""
+        """Return a noisy copy of `value` with the same dtype."""
         value = np.asarray(value)
         noisy = value + rng.normal(0.0, self.variance, value.shape)
         return (noisy if self.min_max_clip is None else np.clip(noisy, *self.min_max_clip)).astype(value.dtype)
 
 
 RenderMode = Literal["opengl", "opengl3"]
-"""With shadows, `opengl3`, or without."""
+"""Render modes: `opengl3` draws shadows, `opengl` does not."""
 
 IMAGE_SIZE_RULE: Rule = partial(as_image_size, error=InvalidCamera)
 
@@ -99,8 +99,8 @@ class CameraConfig(Settings):
     """Products of one camera at each observation.
 
     Raises:
-        InvalidValue: A setting is given a value that makes no sense, at any time.
-        UnknownName: `render_mode` is given another value.
+        InvalidValue: An invalid value is assigned to a setting.
+        UnknownName: An unknown `render_mode` is assigned.
         UnknownSetting: There is no such setting (also an AttributeError).
     """
 
@@ -114,38 +114,38 @@ class CameraConfig(Settings):
     rgb: bool = True
     """Colours, uint8 (h, w, 3)."""
     rgb_noise: NoiseModel = field(default_factory=Identity)
-    """Applied to colours in 0..1."""
+    """Noise of colours in 0..1."""
     depth: bool = True
     """Depth along the optical axis, float32 (h, w): 0..1 from the near to the far plane, or [m] with `depth_in_meters`."""
     depth_noise: NoiseModel = field(default_factory=Identity)
-    """Applied to depth in [m], before the point cloud."""
+    """Noise of depth [m]; it also affects the point cloud."""
     point_cloud: bool = True
     """World coordinates of every pixel, float32 (h, w, 3) [m]."""
     mask: bool = True
-    """Id of the object seen by every pixel, int32 (h, w); `misc["mask_names"]` has the names."""
+    """Id of the object at each pixel, int32 (h, w); `misc["mask_names"]` has the names."""
     image_size: tuple[int, int] = (128, 128)
-    """Width and height [px]; one number means both."""
+    """Width and height [px]; one integer sets both."""
     render_mode: RenderMode = "opengl3"
     """`opengl3` draws shadows, `opengl` is faster without."""
     antialiasing: bool = True
-    """Edges between surfaces are smooth; depth and masks stay as they are."""
+    """Smooth the edges between surfaces in colours; depth and masks do not change."""
     masks_as_one_channel: bool = True
     """Masks as one integer per pixel; otherwise (h, w, 3) float32 in 0..1 with the id spread over the channels."""
     depth_in_meters: bool = False
     """Depth in [m]; otherwise 0..1, linear between the near and the far plane."""
 
     def set_all(self, value: bool) -> None:
-        """Switch rgb, depth, point cloud and mask together."""
+        """Enable or disable rgb, depth, point cloud and mask together."""
         self.rgb = self.depth = self.point_cloud = self.mask = value
 
     @property
     def is_used(self) -> bool:
-        """Whether any product is wanted."""
+        """Return whether any product is enabled."""
         return self.rgb or self.depth or self.point_cloud or self.mask
 
     @property
     def draws_shadows(self) -> bool:
-        """Whether objects cast shadows on each other."""
+        """Return whether objects cast shadows on each other."""
         return self.render_mode == "opengl3"
 
     def noise_of(self, product: Literal["rgb", "depth"]) -> NoiseModel:
@@ -153,21 +153,24 @@ class CameraConfig(Settings):
         return self.rgb_noise if product == "rgb" else self.depth_noise
 
     def check(self, name: str) -> None:
-        """Raise CameraError when the settings make no image."""
+        """Raise CameraError if the settings are invalid."""
         width, height = self.image_size
         if width < 1 or height < 1:
-            raise CameraError(f"Camera '{name}' has image_size {self.image_size}; width and height must be at least 1 px.")
+            raise CameraError(
+                f"Camera '{name}' has image_size {self.image_size}; width and height must be at least 1 px. "
+                "Set `image_size` to two such numbers."
+            )
 
 
 HAND = "hand"
-"""Parent of cameras that ride on the gripper."""
+"""Parent of cameras that are mounted on the gripper."""
 
 _LENGTH: Rule = partial(as_number, error=InvalidCamera, above=0.0)
 
 
 @dataclass(kw_only=True)
 class ExtraCamera(Settings):
-    """One more camera. Assign to its fields to move or change it; the next observation follows.
+    """An additional camera. Changes of its fields apply from the next observation.
 
     Its products are the attributes `<name>_rgb`, `<name>_depth`, `<name>_mask` and `<name>_point_cloud` of an observation.
     """
@@ -194,13 +197,13 @@ class ExtraCamera(Settings):
     """`world`, `hand`, or a body, link or frame of the scene that it is mounted on."""
 
     def check(self, name: str) -> None:
-        """Raise CameraError when no image can be taken."""
+        """Raise CameraError if the settings are invalid."""
         as_pose(self.pose, f"The pose of camera '{name}'", InvalidCamera)
         self.config.check(name)
         CameraView(pose=np.array(self.pose, dtype=float), fov=self.fov, size=self.config.image_size, near=self.near, far=self.far)
 
     def view(self, world: World, robot: RobotDescription) -> CameraView:
-        """Return what it sees at this instant."""
+        """Return the view of the camera at this instant."""
         pose = np.array(self.pose, dtype=float)
         if self.parent == HAND:
             pose = compose(world.robot.link_pose(robot.hand_link), pose)
@@ -217,16 +220,16 @@ _MODEL_RULES = ruled(
 
 @dataclass(frozen=True, kw_only=True)
 class ModelObservationConfig:
-    """Which model-based quantities are delivered; none by default.
+    """Model-based quantities in observations; none by default.
 
-    Everything is written to `Observation.misc` under the names of the settings:
+    They are written to `Observation.misc` under the names of the settings:
 
     | key | value |
     |---|---|
     | `tip_jacobian` | (6, n), `[linear, angular]` of the tip along world axes per joint velocity |
     | `tip_jacobian_dot` | its time derivative, (6, n) |
     | `mass_matrix` | joint-space inertia, (n, n), [kg m^2] |
-    | `gravity` | torques that carry the arm's weight, (n,), [N m] |
+    | `gravity` | torques that compensate gravity, (n,), [N m] |
     | `coriolis` | C(q, v) v, (n,), [N m] |
     | `manipulability` | sqrt(det(J J^T)) |
     | `world_distances`, `self_distances` | the nearest pairs as `Distance` records: names, distance [m], points, normal |
@@ -239,30 +242,30 @@ class ModelObservationConfig:
     coriolis: bool = False
     manipulability: bool = False
     world_distances: int = 0
-    """How many of the nearest pairs of arm and world."""
+    """Number of nearest pairs between arm and world."""
     self_distances: int = 0
-    """How many of the nearest pairs of the arm with itself."""
+    """Number of nearest pairs between links of the arm."""
 
     def __post_init__(self) -> None:
-        """Raise InvalidValue for a switch that is none, or a number of pairs that is not a whole number >= 0."""
+        """Raise InvalidValue for a switch that is not a bool, or a number of pairs that is not an integer >= 0."""
         check_settings(self, _MODEL_RULES)
 
     @property
     def is_used(self) -> bool:
-        """Whether anything is wanted."""
+        """Return whether any quantity is enabled."""
         return any(vars(self).values())
 
 
 JOINT_SPEED = 100.0
-"""The simulator lets no joint turn faster [rad/s]."""
+"""Maximum joint velocity in the simulator [rad/s]."""
 TOUCH_FORCE = 1e5
 """Bound of contact forces [N]."""
 TASK_STATE = 1e3
-"""Bound of the numbers that describe objects: positions [m], joint values [m] or [rad]."""
+"""Bound of object states: positions [m], joint values [m] or [rad]."""
 TIP_POSE = np.array([3.0] * 3 + [1.0] * 4)
-"""Bound of the tip pose, which the arm cannot leave: positions [m], then the quaternion."""
+"""Bound of the tip pose, larger than the reach of the arm: positions [m], then the quaternion."""
 OPEN = 0.9
-"""Fraction of its range above which the first finger counts as open."""
+"""Fraction of its range above which the first finger is open."""
 
 
 @dataclass(frozen=True)
@@ -279,14 +282,14 @@ class Instant:
 
 @dataclass(frozen=True)
 class LowDimField:
-    """A low-dimensional field of `Observation`; `ObservationConfig` switches it by its name."""
+    """A low-dimensional field of `Observation`; the setting of the same name in `ObservationConfig` enables it."""
 
     read: Callable[[Instant], FloatArray | float]
-    """Value at an instant, not shared with the simulation."""
+    """Value at an instant, as a copy."""
     bound: Callable[[Instant], FloatArray]
-    """Largest magnitude of each number, shape (n,)."""
+    """Largest magnitude of each value, shape (n,)."""
     lowest: float | None = None
-    """Smallest value; None is minus the bound."""
+    """Lowest value; None is minus the bound."""
 
     def bounds(self, instant: Instant) -> tuple[FloatArray, FloatArray]:
         """Return lowest and highest values, each of shape (n,)."""
@@ -322,7 +325,7 @@ LOW_DIM_FIELDS: Mapping[str, LowDimField] = {
         lambda now: np.full(len(now.task.get_low_dim_state()), TASK_STATE),
     ),
 }
-"""Every low-dimensional field, in the order in which their noise is drawn."""
+"""All low-dimensional fields, in the order in which their noise is drawn."""
 
 
 def _as_camera(value: object, what: str) -> CameraConfig:
@@ -336,15 +339,15 @@ def _as_camera(value: object, what: str) -> CameraConfig:
 _SWITCHES = (
     *LOW_DIM_FIELDS, "wrist_camera_matrix", "record_gripper_closing", "record_ignore_collisions", "joint_poses",
 )  # fmt: skip
-"""Every setting that is on or off."""
+"""All settings that are switches."""
 
 
 @dataclass
 class ObservationConfig(Settings):
-    """Five cameras and the low-dimensional data of each observation. Every camera gets a fresh default.
+    """Settings of the five cameras and of the low-dimensional data in each observation.
 
     Raises:
-        InvalidValue: A setting is given a value that makes no sense, at any time.
+        InvalidValue: An invalid value is assigned to a setting.
         UnknownSetting: There is no such setting (also an AttributeError).
     """
 
@@ -374,34 +377,34 @@ class ObservationConfig(Settings):
     gripper_joint_positions: bool = False
     gripper_touch_forces: bool = False
     wrist_camera_matrix: bool = False
-    """Put `wrist_camera_matrix` into `misc`: wrist camera to world (4, 4)."""
+    """Write `wrist_camera_matrix` to `misc`: wrist camera to world (4, 4)."""
     record_gripper_closing: bool = False
-    """Demonstrations keep a frame for every tick of finger motion, not only the last."""
+    """Keep a frame of demonstrations for each tick of finger motion, not only the last."""
     task_low_dim_state: bool = False
     record_ignore_collisions: bool = True
-    """Put `ignore_collisions` on the frames of demonstrations."""
+    """Write `ignore_collisions` to the frames of demonstrations."""
     joint_poses: bool = True
-    """Poses (7,) of the arm's joints in the world, put into `misc` as a list; `set_all` leaves it alone."""
+    """Write the world poses (7,) of the arm joints to `misc` as a list; `set_all` does not change this setting."""
     model: ModelObservationConfig = field(default_factory=ModelObservationConfig)
-    """Jacobians, dynamics and distances, put into `misc`; all off."""
+    """Jacobians, dynamics and distances in `misc`; all disabled by default."""
     lighting: Lighting = field(default_factory=Lighting)
     """The lights of all images."""
     extra_cameras: dict[str, ExtraCamera] = field(default_factory=dict)
-    """Cameras beside the five; see `add_camera`."""
+    """Additional cameras by name; see `add_camera`."""
 
     def cameras(self) -> dict[str, CameraConfig]:
         """Return the five camera settings by name."""
         return {name: getattr(self, f"{name}_camera") for name in CAMERAS}
 
     def all_cameras(self) -> dict[str, CameraConfig]:
-        """Return the settings of the five cameras and of the extra ones by name."""
+        """Return the settings of the five cameras and of the additional ones by name."""
         return {**self.cameras(), **{name: extra.config for name, extra in self.extra_cameras.items()}}
 
     def camera(self, name: str) -> CameraConfig:
-        """Return the settings of a camera, one of the five or an extra one.
+        """Return the settings of a camera, one of the five or an additional one.
 
         Raises:
-            UnknownName: There is no such camera; names the nearest.
+            UnknownName: There is no such camera; the message proposes the most similar one.
         """
         known = self.all_cameras()
         return known[as_choice(name, "camera", tuple(known))]
@@ -410,10 +413,10 @@ class ObservationConfig(Settings):
         """Add a camera; its images become attributes `<name>_rgb` and so on of observations.
 
         Raises:
-            CameraError: The name is in use, or the camera makes no image.
+            CameraError: The name is invalid or in use, or a setting is invalid.
         """
         if not isinstance(name, str) or not name.isidentifier() or name in CAMERAS or name in self.extra_cameras:
-            raise CameraError(f"A camera cannot be called {shown(name)}: choose an identifier that no other camera has.")
+            raise CameraError(f"A camera cannot have the name {shown(name)}. Choose an identifier that no other camera has.")
         if not isinstance(camera, ExtraCamera):
             raise InvalidCamera(f"Camera '{name}'", camera, "has to be an ExtraCamera")
         camera.check(name)
@@ -421,37 +424,37 @@ class ObservationConfig(Settings):
         return camera
 
     def remove_camera(self, name: str) -> None:
-        """Remove a camera that was added.
+        """Remove an additional camera.
 
         Raises:
-            UnknownName: There is no extra camera of that name; the five are switched off with `set_all(False)`.
+            UnknownName: There is no additional camera of that name; `set_all(False)` disables the five cameras.
         """
         if not isinstance(name, str) or name not in self.extra_cameras:
             raise UnknownName("extra camera", name, tuple(self.extra_cameras))
         del self.extra_cameras[name]
 
     def set_all(self, value: bool) -> None:
-        """Switch everything but `record_gripper_closing` and `joint_poses`."""
+        """Enable or disable all products except `record_gripper_closing` and `joint_poses`."""
         self.set_all_high_dim(value)
         self.set_all_low_dim(value)
 
     def set_all_high_dim(self, value: bool) -> None:
-        """Switch all products of all cameras."""
+        """Enable or disable all products of all cameras."""
         for camera in self.cameras().values():
             camera.set_all(value)
 
     def set_all_low_dim(self, value: bool) -> None:
-        """Switch all joint, gripper and task data."""
+        """Enable or disable all joint, gripper and task data."""
         for name in (*LOW_DIM_FIELDS, "wrist_camera_matrix"):
             setattr(self, name, value)
 
     def noise_of(self, name: str) -> NoiseModel | None:
-        """Return the noise of a low-dimensional field, None where it has no setting."""
+        """Return the noise of a low-dimensional field; None if it has no noise setting."""
         noise: NoiseModel | None = getattr(self, f"{as_text(name, 'name')}_noise", None)
         return noise
 
     def check(self) -> None:
-        """Raise CameraError or UnknownName when the scene cannot have a camera."""
+        """Raise CameraError or UnknownName if the settings of a camera are invalid."""
         for name, camera in self.cameras().items():
             camera.check(name)
         for name, extra in self.extra_cameras.items():

@@ -1,4 +1,4 @@
-"""Cameras and sensors of the runtime, read into an Observation."""
+"""Cameras and sensors of a runtime, and the observer that reads them into an `Observation`."""
 
 from __future__ import annotations
 
@@ -56,33 +56,33 @@ def camera_view(name: str, config: CameraConfig, world: World, robot: RobotDescr
 
 @lru_cache(maxsize=32)
 def _fixed_view(name: str, size: tuple[int, int]) -> CameraView:
-    """View of a stationary camera; one object, so that its rays are computed once."""
+    """Return the view of a stationary camera; it is cached, so that its rays are computed once."""
     _eye, _target, fov, near, far = _FIXED[name]
     return CameraView(pose=_POSES[name], fov=fov, size=size, near=near, far=far)
 
 
 _UNIT = 1e-3
-"""How far the norm of a quaternion may be from 1."""
+"""Maximum deviation of the norm of a quaternion from 1."""
 _DUST = 1e-12
-"""From where on it is divided by its norm, so that other poses come back as they were given."""
+"""Deviation of the norm above which a quaternion is normalised; other poses are stored unchanged."""
 
 
 class CameraPlaces:
-    """The cameras that were put elsewhere, with their poses (7,) in what they ride on; one for all tasks of an `Environment`."""
+    """Moved cameras, with their poses (7,) in their parents; shared by all tasks of an `Environment`."""
 
     def __init__(self) -> None:
         self._poses: dict[str, FloatArray] = {}
 
     def pose(self, name: str) -> FloatArray | None:
-        """Return where a camera was put, None when it stands where its settings say."""
+        """Return the pose of a moved camera; None if it has the pose in its settings."""
         return self._poses.get(name)
 
     def put(self, name: str, pose: FloatArray) -> None:
-        """Put a camera at `pose` (7,) in what it rides on."""
+        """Move a camera to `pose` (7,) in its parent."""
         self._poses[name] = pose.copy()
 
     def put_back(self, name: str) -> None:
-        """Let a camera stand where its settings say."""
+        """Restore the pose of a camera in its settings."""
         self._poses.pop(name, None)
 
 
@@ -90,11 +90,11 @@ class CameraPlaces:
 class Camera:
     """One camera of a runtime.
 
-    Domain randomization of camera poses comes on top of what is set here.
+    Domain randomization of camera poses is relative to the pose that is set here.
     """
 
     name: str
-    """Its name, such as `front`."""
+    """Name of the camera, such as `front`."""
     cameras: Cameras
     """All cameras of the runtime."""
 
@@ -105,7 +105,7 @@ class Camera:
 
     @property
     def parent(self) -> str:
-        """Its parent: `world`, `hand`, or a body, link or frame of the scene."""
+        """Parent of the camera: `world`, `hand`, or a body, link or frame of the scene."""
         return self.cameras.parent(self.name)
 
     @property
@@ -115,39 +115,39 @@ class Camera:
 
     @property
     def moved(self) -> bool:
-        """Whether it was put elsewhere."""
+        """Whether `set_pose` has moved the camera."""
         return self.cameras.places.pose(self.name) is not None
 
     def view(self) -> CameraView:
-        """Return what it sees at this instant, for `World.render`."""
+        """Return the view of the camera at this instant, for `World.render`."""
         return self.cameras.view(self.name)
 
     def set_pose(self, pose: Sequence[float] | FloatArray) -> None:
-        """Put it at a pose; the next observation is taken from there. Its parent stays the same.
+        """Move the camera; the new pose applies from the next observation. Its parent does not change.
 
-        No reset, state or other task undoes this; `reset_pose` does.
+        The pose stays after resets, `set_state` and a change of the task, until `reset_pose`.
 
         Args:
-            pose: Pose (7,) in the world: z forward, x left, y up. `look_at` makes one.
+            pose: Pose (7,) in the world: z forward, x left, y up. `look_at` computes one.
 
         Raises:
-            CameraError: It is not a pose.
+            CameraError: The value is not a pose.
         """
         self.cameras.move(self.name, _checked(self.name, pose))
 
     def reset_pose(self) -> None:
-        """Put it back where its settings say."""
+        """Restore the pose in the settings."""
         self.cameras.places.put_back(self.name)
 
 
 class Cameras:
-    """The five cameras and the extra ones of a runtime, by name.
+    """The five cameras and the additional ones of a runtime, by name.
 
     Args:
-        world: The world that they observe.
-        robot: The arm that carries the wrist camera.
+        world: The observed world.
+        robot: The arm with the wrist camera.
         config: Their settings; read at each call.
-        places: Where the moved ones stand.
+        places: Poses of the moved cameras.
     """
 
     def __init__(self, world: World, robot: RobotDescription, config: ObservationConfig, places: CameraPlaces) -> None:
@@ -172,7 +172,7 @@ class Cameras:
         return HAND if name == "wrist" else "world"
 
     def carrier_pose(self, name: str) -> FloatArray:
-        """Return the pose (7,) in the world of what a camera rides on."""
+        """Return the world pose (7,) of the parent of a camera."""
         parent = self.parent(name)
         if parent == "world":
             return np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
@@ -181,11 +181,11 @@ class Cameras:
         return se3_to_pose(self._world.placement(parent))
 
     def move(self, name: str, pose: FloatArray) -> None:
-        """Put a camera at a pose (7,) in the world; its parent stays the same."""
+        """Move a camera to a pose (7,) in the world; its parent does not change."""
         self.places.put(name, pose if self.parent(name) == "world" else relative(pose, self.carrier_pose(name)))
 
     def view(self, name: str) -> CameraView:
-        """Return what a camera sees at this instant."""
+        """Return the view of a camera at this instant."""
         extra = self.config.extra_cameras.get(name)
         if extra is None:
             view = camera_view(name, self.config.camera(name), self._world, self._robot)
@@ -198,7 +198,7 @@ class Cameras:
         return self._same_or(name, replace(view, pose=pose))
 
     def _same_or(self, name: str, view: CameraView) -> CameraView:
-        """Return the last view of a moved camera when it is still true, so that its rays are computed once."""
+        """Return the last view of a moved camera if it is still valid, so that its rays are computed once."""
         last = self._views.get(name)
         if last is None or last.key != view.key:
             self._views[name] = view
@@ -218,30 +218,30 @@ def _checked(name: str, pose: Sequence[float] | FloatArray) -> FloatArray:
 
 
 def spread_mask(mask: np.ndarray) -> np.ndarray:
-    """Spread ids over three channels, lowest byte first, as float32 in 0..1."""
+    """Encode ids in three channels, lowest byte first, as float32 in 0..1."""
     channels = np.stack([mask & 0xFF, (mask >> 8) & 0xFF, (mask >> 16) & 0xFF], axis=-1)
     return channels.astype(np.float32) / 255.0
 
 
 def rgb_handles_to_mask(rgb: ArrayLike) -> np.ndarray:
-    """Return the ids of a mask that is spread over three channels, the lowest byte first: r + 256 g + 65536 b.
+    """Return the ids of a mask in three channels, the lowest byte first: r + 256 g + 65536 b.
 
     Args:
-        rgb: The mask (..., 3): whole numbers in 0..255, as in a PNG file, or floats in 0..1, as with
-            `masks_as_one_channel=False`. It is left as it is.
+        rgb: The mask (..., 3): integers in 0..255, as in a PNG file, or floats in 0..1, as with
+            `masks_as_one_channel=False`. It is not changed.
 
     Returns:
         Ids (...), int32.
 
     Raises:
-        CameraError: It has another shape, or holds other numbers.
+        CameraError: The mask has another shape or other values.
     """
     try:
         channels = np.asarray(rgb)
     except Exception as error:  # whatever objects raise that are no array
-        raise CameraError(f"A mask over three channels is an array of numbers, not {shown(rgb)}.") from error
+        raise CameraError(f"A mask over three channels has to be an array of numbers, not {shown(rgb)}.") from error
     if channels.ndim == 0 or channels.shape[-1] != 3 or channels.dtype.kind not in "uif":
-        raise CameraError(f"A mask over three channels has shape (..., 3), not {channels.shape} of {channels.dtype}.")
+        raise CameraError(f"A mask over three channels has to have shape (..., 3), not {channels.shape} of {channels.dtype}.")
     highest = 1 if channels.dtype.kind == "f" else 255
     if not np.all((channels >= 0) & (channels <= highest)):
         raise CameraError(f"The channels of a mask of {channels.dtype} lie in 0..{highest}; these do not.")
@@ -249,10 +249,10 @@ def rgb_handles_to_mask(rgb: ArrayLike) -> np.ndarray:
 
 
 def boxed_settings(cameras: Sequence[str], image_size: tuple[int, int]) -> ObservationConfig:
-    """Return settings that deliver all low-dimensional data and the colours of some cameras, and no more.
+    """Return settings with all low-dimensional data and the colours of some cameras only.
 
     Args:
-        cameras: Whose images are wanted.
+        cameras: Names of the cameras.
         image_size: Width and height [px].
 
     Raises:
@@ -269,19 +269,19 @@ def boxed_settings(cameras: Sequence[str], image_size: tuple[int, int]) -> Obser
 
 
 def boxed(name: str, value: object, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Return numbers of an observation as float32, shape (n,), within their bounds.
+    """Return the values of an observation field as float32, shape (n,), within their bounds.
 
-    Numbers beyond a bound, which only an unstable simulation gives, are clipped. Fewer than there are bounds, as when a
-    variation of a task has fewer objects, are filled up with zeros.
+    Values beyond a bound, which occur only in an unstable simulation, are clipped. Fewer values than bounds, as in a
+    variation of a task with fewer objects, are padded with zeros.
 
     Args:
-        name: What they are.
-        value: A number, or several.
+        name: Name of the field.
+        value: One or several numbers.
         low: Lowest values, shape (n,).
         high: Highest values, shape (n,).
 
     Raises:
-        TaskError: There are more numbers than bounds.
+        TaskError: There are more values than bounds.
     """
     array = np.atleast_1d(np.asarray(value, dtype=np.float64))
     if len(array) > len(low):
@@ -295,8 +295,8 @@ class ModelObserver:
     """Computes the quantities of `ModelObservationConfig` for one world; keeps its distance model between observations.
 
     Args:
-        world: Gives joint states and the places of all bodies.
-        model: The arm.
+        world: World with the joint states and the poses of all bodies.
+        model: Model of the arm.
     """
 
     def __init__(self, world: World, model: RobotModel) -> None:
@@ -304,7 +304,7 @@ class ModelObserver:
         self._distances: DistanceModel | None = None
 
     def observe(self, config: ModelObservationConfig) -> dict[str, Any]:
-        """Return the wanted quantities by name."""
+        """Return the enabled quantities by name."""
         q, v = self._world.robot.joint_positions, self._world.robot.joint_velocities
         model = self._model
         ways = {
@@ -337,14 +337,14 @@ class ModelObserver:
 
 @dataclass
 class Appearance:
-    """How images differ from the settings; domain randomization changes it."""
+    """Deviations of images from the settings, by domain randomization."""
 
     lighting: Lighting | None = None
-    """Takes the place of the lights of the settings."""
+    """Lights instead of those in the settings."""
     offsets: dict[str, FloatArray] = field(default_factory=dict)
-    """Pose (7,) of the moved camera in the frame of the camera of that name."""
+    """Pose (7,) of each moved camera in its original frame, by name of the camera."""
     fields_of_view: dict[str, float] = field(default_factory=dict)
-    """Factor of the field of view of the camera of that name."""
+    """Factor of the field of view of each camera, by name."""
     images: ImageNoise = ImageNoise()
     """Faults of the images."""
     joint_sigma: float = 0.0
@@ -364,17 +364,17 @@ class Appearance:
 
 
 class Observer:
-    """Makes observations of one world as one `ObservationConfig` asks.
+    """Returns observations of one world with the contents that an `ObservationConfig` selects.
 
     Args:
         world: The world to observe.
         model: Analytic model of its robot.
-        config: What to deliver; read at each call, so changes take effect at once.
-        places: Where cameras stand that were put elsewhere; nowhere when None.
+        config: Contents of observations; read at each call, so changes apply at once.
+        places: Poses of moved cameras; None means that none has moved.
 
     Attributes:
         config: The settings.
-        appearance: How images differ from them.
+        appearance: Deviations of images from the settings.
     """
 
     def __init__(self, world: World, model: RobotModel, config: ObservationConfig, places: CameraPlaces | None = None) -> None:
@@ -384,11 +384,11 @@ class Observer:
         self.appearance = Appearance()
 
     def use_model(self, model: RobotModel) -> None:
-        """Compute with another model of the arm."""
+        """Use another model of the arm."""
         self._arm, self._model = model, ModelObserver(self._world, model)
 
     def observe(self, task: Task, variation: int, rng: np.random.Generator, instructions: Sequence[str] = ()) -> Observation:
-        """Return what is seen and felt now; every array is the caller's own."""
+        """Return an observation of the present state; its arrays are copies."""
         observation = Observation(misc={"variation_index": variation, "descriptions": list(instructions)})
         instant = Instant(self._world, self._arm, task)
         for name, part in LOW_DIM_FIELDS.items():
@@ -408,11 +408,11 @@ class Observer:
         return task.decorate_observation(observation)
 
     def _view(self, name: str) -> CameraView:
-        """Return what a camera sees now, wherever it was put and however randomization moved it."""
+        """Return the present view of a camera, including `set_pose` and randomization."""
         return self.appearance.moved(name, self.cameras.view(name))
 
     def _observe_cameras(self, observation: Observation, rng: np.random.Generator) -> dict[str, CameraView]:
-        """Add what the cameras see, all of them at once, and return how they stand."""
+        """Add the images of all cameras in one rendering, and return their views."""
         renderer = self._world.renderer
         renderer.lighting = self.appearance.lighting or self.config.lighting
         cameras = {name: config for name, config in self.config.all_cameras().items() if config.is_used}
@@ -444,7 +444,7 @@ def _add_images(
     faults: ImageNoise,
     rng: np.random.Generator,
 ) -> None:
-    """Add what one camera delivers."""
+    """Add the products of one camera."""
     if images.rgb is not None:
         setattr(observation, f"{name}_rgb", _noisy_rgb(faults.apply(images.rgb, name), config, rng))
     if images.depth is not None:
@@ -482,11 +482,11 @@ def normalised_depth(metres: np.ndarray, view: CameraView) -> np.ndarray:
 
 
 def point_cloud(depth: np.ndarray, view: CameraView) -> np.ndarray:
-    """World coordinates [m] of every pixel: extrinsics * inverse(intrinsics) * (u, v, 1) * depth.
+    """Return the world coordinates [m] of each pixel: extrinsics * inverse(intrinsics) * (u, v, 1) * depth.
 
     Args:
         depth: Metric depth along the optical axis, shape (h, w), [m].
-        view: The camera that saw it.
+        view: View of the camera.
 
     Returns:
         float32 array of shape (h, w, 3).

@@ -1,4 +1,4 @@
-"""Domain randomization of appearance and dynamics: settings, samples, and the events that bring new ones."""
+"""Domain randomization of appearance and dynamics: settings, samples, and the events of new samples."""
 
 from rlbench_pin.environment.randomization.config import (
     DynamicsRandomizationConfig,

@@ -1,4 +1,4 @@
-"""Domain randomization: when it happens and what may change."""
+"""Settings of domain randomization: its events and its ranges."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ _IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg")
 
 
 class RandomizeEvery(Enum):
-    """The event that brings a new appearance or new dynamics."""
+    """The event of a new randomization."""
 
     EPISODE = "episode"
     """Each reset."""
     VARIATION = "variation"
-    """Each reset to another variation than the last one's."""
+    """Each reset with another variation than the previous one."""
     TRANSITION = "transition"
     """Each control tick."""
 
 
 class RandomizationMisused(TaskEnvironmentError, ValueError):
-    """Randomization was switched on in a way that makes no sense."""
+    """The arguments of randomization are invalid or contradict each other."""
 
 
 class NoTextureFolder(CameraError, NotADirectoryError):
@@ -71,19 +71,19 @@ def _as_factors(value: object, what: str) -> tuple[float, float]:
 
 @dataclass
 class RandomizationConfig(Settings):
-    """Which objects may change. Names are those of bodies, of the room (`table`, `floor`, `wall_front`...) and of the robot."""
+    """Objects that may change, by the names of bodies, of parts of the room (`table`, `floor`, `wall_front`...) and the robot."""
 
     rules: ClassVar[Mapping[str, Rule]] = ruled((_as_patterns, "whitelist blacklist"), (FLAG, "randomize_arm"))
 
     whitelist: Sequence[str] | None = None
-    """Only these change; `*` and `?` are wildcards. None: all."""
+    """Only these objects change; `*` and `?` are wildcards. None: all objects."""
     blacklist: Sequence[str] | None = None
-    """These never change, even when they are on the white list."""
+    """These objects do not change, even if they are in `whitelist`."""
     randomize_arm: bool = True
-    """Whether the robot changes."""
+    """Randomize the robot."""
 
     def should_randomize(self, name: str) -> bool:
-        """Whether the object called `name` may change."""
+        """Return whether the object with this name may change."""
         if self.whitelist is not None and not any(fnmatchcase(name, pattern) for pattern in self.whitelist):
             return False
         return not any(fnmatchcase(name, pattern) for pattern in self.blacklist or ())
@@ -91,21 +91,21 @@ class RandomizationConfig(Settings):
 
 @dataclass(init=False, kw_only=True)
 class VisualRandomizationConfig(RandomizationConfig):
-    """Textures, lights and cameras.
+    """Randomization of textures, lights and cameras.
 
     Args:
-        image_directory: Folder with PNG or JPEG images; None is a small set of patterns that comes with the package.
-        whitelist: Only these objects get textures.
-        blacklist: These never do.
-        randomize_arm: Whether the robot does.
-        textures: Put textures on objects. An object to which its task gave a colour keeps it; the texture only shades it.
-        light: How much lights change: 0 not at all, 1 strongly.
-        camera_shift: Standard deviation of each camera's position [m].
-        camera_turn: Standard deviation of each camera's orientation [rad].
+        image_directory: Folder with PNG or JPEG images; None selects a small set of patterns in the package.
+        whitelist: Only these objects get textures; None: all objects.
+        blacklist: These objects get no textures.
+        randomize_arm: Put textures on the robot.
+        textures: Put textures on objects. An object with a colour from its task keeps it; the texture only shades it.
+        light: Strength of the changes of lights, from 0 (none) to 1 (strong).
+        camera_shift: Standard deviation of the position of each camera [m].
+        camera_turn: Standard deviation of the orientation of each camera [rad].
 
     Raises:
         NoTextureFolder: There is no such folder (also a NotADirectoryError).
-        NoTextures: It has no images (also a RuntimeError).
+        NoTextures: The folder has no images (also a RuntimeError).
     """
 
     rules: ClassVar[Mapping[str, Rule]] = {
@@ -143,15 +143,15 @@ class VisualRandomizationConfig(RandomizationConfig):
         """Draw images, with replacement.
 
         Args:
-            samples: How many.
-            rng: Draws them; without one, every call draws others.
+            samples: Number of images.
+            rng: Generator of the draws; without one, each call returns other images.
         """
         rng = np.random.default_rng() if rng is None else rng
         return [self._images[i] for i in rng.integers(len(self._images), size=samples).tolist()]
 
 
 def images_in(folder: Path) -> tuple[Path, ...]:
-    """Return the images of a folder by name; raises NoTextureFolder or NoTextures."""
+    """Return the images of a folder by name; raise NoTextureFolder or NoTextures."""
     if not folder.is_dir():
         raise NoTextureFolder(f"The texture folder '{folder}' does not exist. Pass a folder of PNG or JPEG images, or None.")
     try:
@@ -159,13 +159,13 @@ def images_in(folder: Path) -> tuple[Path, ...]:
     except OSError as error:
         raise NoTextures(f"The texture folder '{folder}' cannot be read: {error}. Check its permissions.") from error
     if not images:
-        raise NoTextures(f"The texture folder '{folder}' has no .png or .jpg files. Put some there, or pass None.")
+        raise NoTextures(f"The texture folder '{folder}' has no .png or .jpg files. Add some, or pass None.")
     return images
 
 
 @dataclass(kw_only=True)
 class DynamicsRandomizationConfig(RandomizationConfig):
-    """Factors that physical properties are multiplied by, drawn between a lowest and a highest value."""
+    """Ranges of the factors by which physical properties are multiplied: lowest and highest value."""
 
     rules: ClassVar[Mapping[str, Rule]] = {
         **RandomizationConfig.rules,
@@ -173,17 +173,17 @@ class DynamicsRandomizationConfig(RandomizationConfig):
     }
 
     mass: tuple[float, float] = (0.8, 1.25)
-    """Of bodies that move; inertia follows."""
+    """Factor of the mass of movable bodies; their inertia is scaled too."""
     friction: tuple[float, float] = (0.8, 1.25)
-    """Of bodies and the table."""
+    """Factor of the friction of bodies and of the table."""
     damping: tuple[float, float] = (0.8, 1.25)
-    """Of the joints of bodies."""
+    """Factor of the damping of joints of bodies."""
     gains: tuple[float, float] = (0.9, 1.1)
-    """Of the arm's motors, when `randomize_arm`."""
+    """Factor of the gains of the arm motors, with `randomize_arm`."""
 
 
 def check_randomization(every: RandomizeEvery | None, frequency: int, visual: object | None, dynamics: object | None) -> None:
-    """Raise unless the randomization arguments make sense together."""
+    """Raise RandomizationMisused if the randomization arguments are invalid or contradict each other."""
     if every is not None and visual is None and dynamics is None:
         raise RandomizationMisused("randomize_every was given without a randomization config. Pass a visual or a dynamics one.")
     if every is None and (visual is not None or dynamics is not None):
@@ -193,6 +193,8 @@ def check_randomization(every: RandomizeEvery | None, frequency: int, visual: ob
     if dynamics is not None and not isinstance(dynamics, DynamicsRandomizationConfig):
         raise RandomizationMisused(f"dynamics_randomization_config must be a DynamicsRandomizationConfig, not {shown(dynamics)}.")
     if every is not None and not isinstance(every, RandomizeEvery):
-        raise RandomizationMisused(f"randomize_every is a RandomizeEvery such as RandomizeEvery.EPISODE, not {shown(every)}.")
+        raise RandomizationMisused(
+            f"randomize_every has to be a RandomizeEvery such as RandomizeEvery.EPISODE, not {shown(every)}."
+        )
     if not is_whole(frequency) or frequency < 1:
-        raise RandomizationMisused(f"frequency counts events and is at least 1, not {shown(frequency)}.")
+        raise RandomizationMisused(f"frequency has to be an integer of at least 1, not {shown(frequency)}.")

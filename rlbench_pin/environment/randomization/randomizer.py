@@ -1,4 +1,4 @@
-"""Domain randomization of a runtime: draw a sample at the chosen events, apply it, remove it."""
+"""Domain randomization of a runtime: draws a sample at the selected events, applies it and removes it."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ class WorldChanges:
     """Applies samples to the world of a runtime, and removes them.
 
     Args:
-        runtime: Holds the world.
+        runtime: Runtime of the world.
 
     Attributes:
-        current: The sample that is applied, or None.
-        accept: Whether a place of the task will do; None takes any.
+        current: The applied sample, or None.
+        accept: Predicate that accepts or rejects the pose of the task; None accepts all.
     """
 
     accept: Accept | None = None
@@ -36,7 +36,7 @@ class WorldChanges:
         self.current: RandomizationSample | None = None
 
     def prepare_episode(self, variation: int, seed: int, attempt: int) -> None:
-        """Bring the world back to how it was built, before an episode is laid out."""
+        """Restore the original world, before the objects of an episode are placed."""
         self.remove()
 
     def begin_episode(self, variation: int, random: EpisodeRandom, seed: int, attempt: int) -> None:
@@ -46,12 +46,12 @@ class WorldChanges:
             variation: Variation of the task.
             random: Generators of the episode.
             seed: Seed of the episode.
-            attempt: Which try of the seed.
+            attempt: Number of the attempt at the seed, from 0.
         """
         raise NotImplementedError
 
     def apply(self, sample: RandomizationSample | None) -> None:
-        """Apply a sample to the world; None restores the world as it was built."""
+        """Apply a sample to the world; None restores the original world."""
         self._clear()
         self.current = sample
         self._runtime.place_arm(None if sample is None else sample.base)
@@ -84,12 +84,12 @@ class WorldChanges:
                 world.texture_overrides.shade_body(name, surface.shading(), surface.repeats)
 
     def remove(self) -> None:
-        """Bring back the world as it was built; the present sample is remembered."""
+        """Restore the original world, and keep the present sample in `current`."""
         self._clear()
         self._runtime.place_arm()
 
     def _clear(self) -> None:
-        """Undo all changes but the place of the arm."""
+        """Undo all changes except the base pose of the arm."""
         world = self._runtime.world
         world.texture_overrides.clear()
         world.dynamics_overrides.clear()
@@ -98,15 +98,15 @@ class WorldChanges:
 
 
 class Randomizer(WorldChanges):
-    """Changes appearance and physics of one world at the chosen events.
+    """Changes the appearance and the physics of one world at the selected events.
 
     Args:
-        runtime: Holds the world.
+        runtime: Runtime of the world.
         config: Settings of its cameras and lights.
         every: The event.
-        frequency: n: the first event and every n-th after it bring a new sample.
-        visual: What may change of the appearance, or None.
-        dynamics: What may change of the physics, or None.
+        frequency: Draw a new sample at the first event and at every `frequency`-th event after it.
+        visual: Settings of the appearance, or None.
+        dynamics: Settings of the physics, or None.
     """
 
     def __init__(
@@ -127,11 +127,11 @@ class Randomizer(WorldChanges):
             runtime.after_tick.append(self._event)
 
     def begin_episode(self, variation: int, random: EpisodeRandom, seed: int, attempt: int) -> None:
-        """Randomize the episode that was just set up, when that is an event."""
+        """Randomize an episode after its setup, if this is an event."""
         self.randomize(variation, random.randomization)
 
     def randomize(self, variation: int, rng: np.random.Generator) -> None:
-        """Randomize an episode of a variation that was just set up, when that is an event; `rng` draws its samples."""
+        """Randomize an episode of a variation after its setup, if this is an event; `rng` draws the samples."""
         self._rng = rng
         if self._every is RandomizeEvery.TRANSITION:
             self._events, self.current = 0, None

@@ -1,4 +1,4 @@
-"""One draw of domain randomization: everything that differs from the world as it was built."""
+"""Samples of domain randomization: all differences to the original world."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ class Surface:
     image: Path | None = None
     """Image of a pattern, or None."""
     share: float = 0.0
-    """Share of the pattern, over its mean brightness; the other share is plain."""
+    """Fraction of the pattern, over its mean brightness; the rest is plain."""
     repeats: float = 1.0
-    """How often the pattern repeats along a metre."""
+    """Repetitions of the pattern per metre."""
 
     def pattern(self) -> Texture | None:
-        """Return the pattern alone; None without an image."""
+        """Return the pattern without tint; None without an image."""
         return None if self.image is None else shaded_texture(self.image, self.share, (1.0, 1.0, 1.0))
 
     def shading(self) -> Texture:
@@ -43,21 +43,21 @@ class RandomizationSample:
     """Drawn values of domain randomization, by name of body, camera or part of the room."""
 
     bodies: dict[str, tuple[Path, float]] = field(default_factory=dict)
-    """Texture of each body, and how often it repeats along a metre."""
+    """Texture of each body, and its repetitions per metre."""
     links: dict[int, tuple[Path, float]] = field(default_factory=dict)
-    """The same for the links of the robot, by number."""
+    """Texture of each link of the robot, by index, and its repetitions per metre."""
     room: dict[str, Path] = field(default_factory=dict)
     """Texture of each part of the room."""
     lighting: Lighting | None = None
-    """Lights, or None for those of the settings."""
+    """Lights, or None for the lights in the settings."""
     cameras: dict[str, FloatArray] = field(default_factory=dict)
-    """Pose (7,) of each moved camera in its own frame."""
+    """Pose (7,) of each moved camera in its original frame."""
     dynamics: dict[str, tuple[float, float, float]] = field(default_factory=dict)
     """Factors of mass, friction and damping of each body."""
     gains: float = 1.0
-    """Factor of the gains of the arm's motors."""
+    """Factor of the gains of the arm motors."""
     surfaces: dict[str, Surface] = field(default_factory=dict)
-    """Patterns and tints over the own colours of bodies and parts of the room."""
+    """Patterns and tints over the original colours of bodies and parts of the room."""
     fields_of_view: dict[str, float] = field(default_factory=dict)
     """Factor of the field of view of each camera."""
     images: ImageNoise = ImageNoise()
@@ -65,25 +65,25 @@ class RandomizationSample:
     joint_sigma: float = 0.0
     """Standard deviation of measured joint positions [rad]."""
     distractors: int = 0
-    """Distractor objects that were added at the start."""
+    """Number of distractor objects at the start."""
     distractor_seed: int = 0
-    """Seed of these objects and their places."""
+    """Seed of these objects and their positions."""
     start: FloatArray | None = None
-    """By how much the joints differ at the start (n,) [rad]."""
+    """Offsets of the joints at the start (n,) [rad]."""
     base: FloatArray | None = None
-    """Pose of the arm's base in the world (7,), or None for that of its description."""
+    """World pose (7,) of the arm base, or None for the pose in its description."""
     sizes: dict[str, float] = field(default_factory=dict)
-    """Factor of the size of each body that has another."""
+    """Scale factor of each resized body."""
     models: dict[str, str] = field(default_factory=dict)
-    """URDF file of each body that has another."""
+    """URDF file of each replaced body."""
     latency: int = 0
-    """Control ticks by which commands reach the arm's motors later."""
+    """Delay of commands to the arm motors, in control ticks."""
     loss: float = 0.0
-    """Probability that a command does not reach them."""
+    """Probability that a command to the arm motors is lost."""
     loss_seed: int = 0
     """Seed of the losses."""
     instructions: tuple[str, ...] | None = None
-    """Sentences in place of those of the task."""
+    """Instructions instead of those of the task."""
 
 
 def sample_appearance(
@@ -92,10 +92,10 @@ def sample_appearance(
     """Draw textures, lights and camera motions, as fields of a `RandomizationSample`.
 
     Args:
-        runtime: Holds the world.
-        settings: Its lights and extra cameras.
-        config: What may change.
-        rng: Source of the draws.
+        runtime: Runtime of the world.
+        settings: Lights and additional cameras.
+        config: Settings of the appearance.
+        rng: Generator of the draws.
     """
     world = runtime.world
     robot = config.randomize_arm and config.should_randomize(runtime.description.name)
@@ -118,9 +118,9 @@ def sample_dynamics(runtime: Runtime, config: DynamicsRandomizationConfig, rng: 
     """Draw factors of physical properties, as fields of a `RandomizationSample`.
 
     Args:
-        runtime: Holds the world.
-        config: What may change, and how much.
-        rng: Source of the draws.
+        runtime: Runtime of the world.
+        config: Settings of the physics.
+        rng: Generator of the draws.
     """
     world = runtime.world
     names = [name for name in (*world.bodies, "table") if config.should_randomize(name)]
@@ -131,7 +131,7 @@ def sample_dynamics(runtime: Runtime, config: DynamicsRandomizationConfig, rng: 
 
 
 def _other_lighting(lighting: Lighting, strength: float, rng: np.random.Generator) -> Lighting:
-    """Lights from elsewhere, brighter or dimmer, with a tint."""
+    """Return lights with other directions, another brightness and a tint."""
     lights = [_other_light(light, strength, rng) for light in (lighting.key, *lighting.fills)]
     ambient = float(np.clip(lighting.ambient * (1.0 + strength * rng.uniform(-0.25, 0.15)), 0.2, 1.0))
     return Lighting(lights[0], tuple(lights[1:]), ambient)

@@ -1,4 +1,4 @@
-"""White cubes with a digit on every face, bold enough to be read in small pictures."""
+"""White cubes with a digit on every face, bold enough to be readable in small images."""
 
 from __future__ import annotations
 

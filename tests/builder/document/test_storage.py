@@ -233,7 +233,7 @@ def test_what_is_no_task_is_not_opened(tmp_path: Path) -> None:
         TaskDocument.open(pair.files[0])
     with pytest.raises(TaskFilesError, match="already exists"):
         TaskDocument.new(tmp_path, "thing")
-    with pytest.raises(TaskFilesError, match="not a name"):
+    with pytest.raises(TaskFilesError, match="not a valid task name"):
         TaskDocument.new(tmp_path, "../thing")
     for name in ("none", "lambda", "task"):
         with pytest.raises(TaskFilesError, match="another name"):

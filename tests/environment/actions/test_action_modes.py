@@ -99,7 +99,7 @@ def test_ten_centimetres_straight_down() -> None:
     [
         (np.zeros(5), r"shape \(8,\), not \(5,\)"),
         (np.full(8, np.nan), "NaN or infinity at index 0, 1"),
-        (np.append(np.zeros(7), 2.0), "must lie between 0"),
+        (np.append(np.zeros(7), 2.0), "must be between 0"),
         ("left", "takes 8 numbers"),
     ],
 )
@@ -120,7 +120,7 @@ def test_targets_outside_each_face_of_the_workspace_are_refused(axis: int, side:
     before = task.get_observation().get_low_dim_data()
     target = DOWN.copy()
     target[axis] = TIP_WORKSPACE[side, axis]
-    with pytest.raises(InvalidActionError, match=f"{'xyz'[axis]} must lie between"):
+    with pytest.raises(InvalidActionError, match=f"{'xyz'[axis]} must be between"):
         task.step(np.append(target, 1.0))
     assert np.array_equal(task.get_observation().get_low_dim_data(), before)
 

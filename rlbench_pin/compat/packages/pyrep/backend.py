@@ -14,6 +14,6 @@ def __getattr__(name: str) -> object:
         raise AttributeError(name)
     raise UnsupportedCall(
         f"pyrep.backend.sim.{name}",
-        "there is no such simulator here.",
+        "that simulator is not available.",
         "Use the classes of `pyrep.objects`, or the world at `rlbench_pin.compat.simulator.Simulator.current().world`.",
     )

@@ -52,7 +52,7 @@ class PyRep:
             UnsupportedCall: The file is a scene of another simulator.
         """
         if self._simulator is not None:
-            raise PyRepError("The simulator runs already. Call `shutdown()` first.")
+            raise PyRepError("The simulator is already running. Call `shutdown()` first.")
         if scene_file and Path(scene_file).name != _OWN_SCENE:
             raise UnsupportedCall(
                 f"launch({scene_file!r})",
@@ -205,5 +205,5 @@ class PyRep:
     ) -> Any:
         """Refused: there are no scripts in scenes."""
         raise UnsupportedCall(
-            f"script_call({function_name_at_script_name!r})", "there are no Lua scripts here.", "Write the function in Python."
+            f"script_call({function_name_at_script_name!r})", "Lua scripts are not supported.", "Write the function in Python."
         )

@@ -1,4 +1,4 @@
-"""The names of RLBench as views on rlbench_pin; see `docs/compatibility.md`. Importing it registers the gymnasium ids."""
+"""The API of RLBench as views on rlbench_pin; see `docs/compatibility.md`. Importing it registers the gymnasium ids."""
 
 from __future__ import annotations
 

@@ -148,7 +148,7 @@ def _check_free(root: Path, tasks: Sequence[str], together: bool, resume: bool) 
     pattern = VARIATIONS_ALL_FOLDER if together else "variation[0-9]*"
     stored = [name for name in tasks if list((root / name).glob(pattern))]
     if stored and not begun:
-        raise DatasetConflict(f"'{root}' contains episodes of {stored} already. Choose another folder.")
+        raise DatasetConflict(f"'{root}' already contains episodes of {stored}. Choose another folder.")
 
 
 def _publish(root: Path, layout: Layout, keep: bool) -> None:

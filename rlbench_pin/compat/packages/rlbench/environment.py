@@ -1,4 +1,4 @@
-"""`Environment`: choose actions and observations, then get tasks."""
+"""`Environment`: select the actions and observations, and load tasks."""
 
 from __future__ import annotations
 
@@ -39,28 +39,28 @@ DIR_PATH = str(Path(__file__).parent)
 
 
 class Environment:
-    """A simulated robot at a table, for which tasks can be chosen.
+    """A simulated robot at a table; `get_task` loads a task.
 
     Args:
         action_mode: The action mode.
         dataset_root: Folder of stored demonstrations.
         obs_config: Contents of observations; a new default when None.
-        headless: Accepted; nothing is ever shown on a screen.
-        static_positions: Do not place tasks at random; use the poses of their scene files.
-        robot_setup: Name of the arm, in any case.
-        randomize_every: When to randomize, with one of the randomization settings.
-        frequency: Randomize every n-th event.
+        headless: Has no effect: no window is ever opened.
+        static_positions: Keep tasks at the poses of their scene files, instead of random poses.
+        robot_setup: Name of the arm; case is ignored.
+        randomize_every: Event that starts a new randomization; needs a randomization config.
+        frequency: Randomize at every n-th event.
         visual_randomization_config: Visual randomization.
         dynamics_randomization_config: Dynamics randomization.
-        attach_grasped_objects: Fix grasped bodies to the gripper, unless the gripper mode says otherwise.
-        shaped_rewards: Return the tasks' own rewards.
-        arm_max_velocity: Cap on planned joint speeds [rad/s].
-        arm_max_acceleration: Cap on planned joint accelerations [rad/s^2].
+        attach_grasped_objects: Fix grasped bodies to the gripper. A setting of the gripper mode takes precedence.
+        shaped_rewards: Return the shaped rewards of tasks.
+        arm_max_velocity: Largest joint velocity in planned motions [rad/s].
+        arm_max_acceleration: Largest joint acceleration in planned motions [rad/s^2].
 
     Raises:
         DatasetError: `dataset_root` does not exist (also a RuntimeError).
-        UnknownRobot: No such arm (also a ValueError).
-        RandomizationMisused: Arguments of randomization that make no sense together (also a ValueError).
+        UnknownRobot: There is no such arm (also a ValueError).
+        RandomizationMisused: The arguments of randomization are invalid or contradict each other (also a ValueError).
     """
 
     def __init__(
@@ -105,7 +105,7 @@ class Environment:
             raise DatasetError(f"The dataset root '{self._dataset_root}' does not exist. Create it, or pass dataset_root=''.")
 
     def _string_to_task(self, task_name: str) -> type[Task]:
-        """Return the class of a task, given its name in snake case."""
+        """Return the class of a task for its name in snake case."""
         try:
             return name_to_task_class(task_name)
         except InvalidTaskName as error:
@@ -114,13 +114,13 @@ class Environment:
     # Life -----------------------------------------------------------------------------------------------------------
 
     def launch(self) -> None:
-        """Start the simulator and make robot and scene.
+        """Start the simulator and create robot and scene.
 
         Raises:
-            AlreadyLaunched: It was launched before (also a RuntimeError).
+            AlreadyLaunched: The environment is already launched (also a RuntimeError).
         """
         if self._pyrep is not None:
-            raise AlreadyLaunched("The environment is launched already. Call `shutdown()` first.")
+            raise AlreadyLaunched("The environment is already launched. Call `shutdown()` before another `launch()`.")
         self._pyrep = PyRep(MODELS[self._robot_setup])
         self._pyrep.launch(str(Path(DIR_PATH) / TTT_FILE), headless=self._headless)
         try:
@@ -151,7 +151,7 @@ class Environment:
         self._action_mode.arm_action_mode.set_control_mode(self._robot)
 
     def shutdown(self) -> None:
-        """Free the simulator; safe to call repeatedly, and `launch` may follow."""
+        """Close the simulator. Further calls have no effect; `launch` starts it again."""
         if self._pyrep is not None:
             self._pyrep.shutdown()
         self._pyrep = self._robot = self._scene = self._prev_task = None
@@ -167,13 +167,13 @@ class Environment:
     # Tasks ----------------------------------------------------------------------------------------------------------
 
     def get_task(self, task_class: type[Task] | str) -> TaskEnvironment:
-        """Load a task and return its environment; the previous task is unloaded. Launches first where that was not done.
+        """Unload the previous task, load a task and return its environment. Launch the simulator if necessary.
 
         Args:
             task_class: The class of the task, or its name in snake case.
 
         Raises:
-            UnknownTaskName: No task has that name (also a RuntimeError).
+            UnknownTaskName: There is no task with this name (also a RuntimeError).
         """
         if isinstance(task_class, str):
             task_class = self._string_to_task(task_class)
@@ -210,14 +210,14 @@ class Environment:
 
         Args:
             task_name: Name of the task.
-            amount: Number of demonstrations; -1 is all.
-            variation_number: Number of the variation; -1 is any.
+            amount: Number of demonstrations; -1 reads all.
+            variation_number: Number of the variation; -1 selects any.
             image_paths: Return paths of image files instead of images.
-            random_selection: Pick with numpy's global generator; otherwise in natural order.
-            from_episode_number: First episode when not picked at random.
+            random_selection: Select with the global numpy generator; otherwise in natural order.
+            from_episode_number: First episode without random selection.
 
         Raises:
-            DatasetError: There is no dataset root, or it lacks what was asked for (also a RuntimeError).
+            DatasetError: There is no dataset root, or it does not contain these demonstrations (also a RuntimeError).
         """
         return get_stored_demos(
             amount,
@@ -240,7 +240,9 @@ class Environment:
 
     def _stored_in(self) -> str:
         if not self._dataset_root:
-            raise DatasetError("No dataset root was given, so nothing is stored. Pass `Environment(dataset_root=...)`.")
+            raise DatasetError(
+                "No dataset root was given, so there are no stored demonstrations. Pass `Environment(dataset_root=...)`."
+            )
         return self._dataset_root
 
     # What it offers -------------------------------------------------------------------------------------------------
@@ -258,9 +260,9 @@ class Environment:
         return int(self._action_mode.action_shape(self._scene))
 
     def get_scene_data(self) -> dict[str, dict[str, Any] | None]:
-        """Return intrinsics, extrinsics and clipping planes of each camera, None where it is switched off; starts nothing."""
+        """Return intrinsics, extrinsics and clipping planes of each camera (None if disabled), without starting the simulator."""
         return NativeEnvironment(JointPositionActionMode(), obs_config=self._obs_config).get_scene_data()
 
 
 class UnknownTaskName(TaskEnvironmentError, RuntimeError):
-    """A name is not that of a task."""
+    """There is no task with this name."""

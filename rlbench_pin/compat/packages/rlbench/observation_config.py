@@ -90,7 +90,7 @@ class CameraConfig(NativeCameraConfig):
         """Raise CameraError or UnknownName when the settings make no image."""
         size = self.image_size
         if len(size) != 2 or min(size) < 1:
-            raise CameraError(f"Camera '{name}' has image_size {size}; width and height must be at least 1 px.")
+            raise CameraError(f"Camera '{name}' has image_size {size}; width and height must be at least 1 px. Set `image_size`.")
         if _mode_name(self.render_mode) not in _SHADOWS:
             raise UnknownName("render mode", str(self.render_mode), tuple(f"RenderMode.{n.upper()}" for n in _SHADOWS))
 

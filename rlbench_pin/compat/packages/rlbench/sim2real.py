@@ -1,6 +1,6 @@
-"""Domain randomization: when it happens, what may change, and the scene that does it.
+"""Domain randomization: its events, its settings, and the scene that applies it.
 
-Programs import `domain_randomization` and `domain_randomization_scene` of this name; both are aliases of this module.
+Programs import `domain_randomization` and `domain_randomization_scene` from here; both are aliases of this module.
 """
 
 from __future__ import annotations

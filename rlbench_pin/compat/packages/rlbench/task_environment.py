@@ -1,4 +1,4 @@
-"""One task, ready to be reset, stepped and demonstrated."""
+"""`TaskEnvironment`: the environment of one task."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _MAX_DEMO_ATTEMPTS = MAX_DEMO_ATTEMPTS
 
 
 class NotPlaced(TaskEnvironmentError):
-    """No start of an episode was found."""
+    """The reset found no valid start of an episode."""
 
     def __init__(self, task: str, variation: int, cause: Exception) -> None:
         self.task, self.variation = task, variation
@@ -45,7 +45,7 @@ class NotPlaced(TaskEnvironmentError):
 
 
 class DemosFailed(DemoError, RuntimeError):
-    """A live demonstration failed at every try; `causes` says why."""
+    """All attempts at a live demonstration failed; `causes` has the reasons."""
 
     def __init__(self, task: str, variation: int, causes: Sequence[str]) -> None:
         self.causes = tuple(causes)
@@ -57,19 +57,19 @@ class DemosFailed(DemoError, RuntimeError):
 
 
 class TaskEnvironment:
-    """The environment of one task: `reset`, `step`, `get_demos`. `Environment.get_task` makes one.
+    """The environment of one task: `reset`, `step`, `get_demos`. `Environment.get_task` creates one.
 
     Args:
         pyrep: The simulator.
         robot: Arm and gripper.
-        scene: World, task and robot together; the task is loaded into it.
+        scene: World, task and robot; the task is loaded into it.
         task: The task.
-        action_mode: What actions mean.
+        action_mode: Meaning, size and bounds of an action.
         dataset_root: Folder of stored demonstrations.
-        obs_config: What observations contain.
-        static_positions: Leave the task where its scene file puts it.
-        attach_grasped_objects: Fix grasped bodies to the gripper, unless the gripper mode says otherwise.
-        shaped_rewards: Return the task's own reward.
+        obs_config: Contents of observations.
+        static_positions: Keep the task at the pose of its scene file.
+        attach_grasped_objects: Fix grasped bodies to the gripper. A setting of the gripper mode takes precedence.
+        shaped_rewards: Return the shaped reward of the task.
     """
 
     def __init__(
@@ -103,7 +103,7 @@ class TaskEnvironment:
 
     @property
     def runtime(self) -> SceneRuntime:
-        """World, task and planner together, as the package itself uses them."""
+        """World, task and planner of rlbench_pin."""
         return self._scene.runtime
 
     @property
@@ -118,7 +118,7 @@ class TaskEnvironment:
         return str(self._task.get_name())
 
     def variation_count(self) -> int:
-        """Return how many variations the task has."""
+        """Return the number of variations of the task."""
         return int(self._task.variation_count())
 
     def sample_variation(self) -> int:
@@ -127,7 +127,7 @@ class TaskEnvironment:
         return self._variation_number
 
     def set_variation(self, v: int) -> None:
-        """Choose the variation of the next episodes; -1 means all of them: any stored one, a drawn one at each reset.
+        """Set the variation of the next episodes; -1 selects all: any stored one, and a random one at each reset.
 
         Raises:
             TaskEnvironmentError: The task has no such variation.
@@ -135,12 +135,12 @@ class TaskEnvironment:
         count = self.variation_count()
         if not -1 <= v < count:
             raise TaskEnvironmentError(
-                f"Task '{self.get_name()}' has no variation {v}: choose 0 to {count - 1}, or -1 for all of them."
+                f"Task '{self.get_name()}' has no variation {v}. Choose 0 to {count - 1}, or -1 for all of them."
             )
         self._variation_number = int(v)
 
     def get_task_descriptions(self) -> list[str]:
-        """Return the sentences of the present episode.
+        """Return the instructions of the present episode.
 
         Raises:
             NotReset: Before the first reset (also a RuntimeError).
@@ -150,13 +150,13 @@ class TaskEnvironment:
     # The loop -------------------------------------------------------------------------------------------------------
 
     def reset(self, demo: Demo | None = None) -> tuple[list[str], Observation]:
-        """Start an episode; what is drawn comes from numpy's global generator.
+        """Start an episode; all draws use the global numpy generator.
 
         Args:
-            demo: Start as this demonstration did.
+            demo: Restore the start of this demonstration.
 
         Returns:
-            Sentences that say what to do, and the first observation.
+            Instructions and the first observation.
 
         Raises:
             TaskEnvironmentError: The task could not be placed.
@@ -180,7 +180,7 @@ class TaskEnvironment:
         return descriptions, self._scene.get_observation()
 
     def get_observation(self) -> Observation:
-        """Observe without stepping."""
+        """Return an observation without a simulation step."""
         self._pyrep.activate()
         return self._scene.get_observation()
 
@@ -188,12 +188,12 @@ class TaskEnvironment:
         """Run one action, to its end or until a step of it ends the episode.
 
         Returns:
-            Observation, reward, and whether the episode has ended: by the goal, or by the fail list. Nothing resets by itself.
+            Observation, reward, and whether the episode has ended: by success, or by the fail list. There is no automatic reset.
 
         Raises:
             NotReset: Before the first reset (also a RuntimeError).
-            InvalidActionError: The action was refused; the world is as it was.
-            NoShapedReward: Shaped rewards are on and the task gives none (also a RuntimeError).
+            InvalidActionError: The action is invalid; the world has not changed.
+            NoShapedReward: Shaped rewards are on and the task has none (also a RuntimeError).
         """
         if not self._reset_called:
             raise NotReset("step")
@@ -216,16 +216,16 @@ class TaskEnvironment:
         random_selection: bool = True,
         from_episode_number: int = 0,
     ) -> list[Demo]:
-        """Return demonstrations of the present variation, stored or made now.
+        """Return demonstrations of the present variation: plan them now, or read stored ones.
 
         Args:
-            amount: Number of demonstrations; -1 is all stored ones.
+            amount: Number of demonstrations; -1 reads all stored ones.
             live_demos: Plan them now; otherwise read them from the dataset root.
-            image_paths: Leave images unread (stored demonstrations).
-            callable_each_step: Called with every recorded observation.
-            max_attempts: Attempts per live demonstration.
-            random_selection: Pick stored demonstrations at random.
-            from_episode_number: First stored episode when not picked at random.
+            image_paths: Do not read images (stored demonstrations).
+            callable_each_step: Function that is called with each recorded observation.
+            max_attempts: Maximum number of attempts per live demonstration.
+            random_selection: Select stored demonstrations at random.
+            from_episode_number: First stored episode without random selection.
 
         Raises:
             RuntimeError: There is no dataset root, stored data are missing or damaged, or all attempts of a live one failed.
@@ -233,7 +233,7 @@ class TaskEnvironment:
         if live_demos:
             return self._get_live_demos(amount, callable_each_step, max_attempts)
         if not self._dataset_root:
-            raise DatasetError("No dataset root was given. Pass `Environment(dataset_root=...)`, or ask for `live_demos=True`.")
+            raise DatasetError("No dataset root was given. Pass `Environment(dataset_root=...)`, or `live_demos=True`.")
         name, variation = self.get_name(), self._variation_number
         settings = (amount, image_paths, self._dataset_root, variation, name, self._obs_config)
         stored = get_stored_demos(*settings, random_selection, from_episode_number)
@@ -245,7 +245,7 @@ class TaskEnvironment:
         self, amount: int, callable_each_step: Callable[[Observation], None] | None = None, max_attempts: int = _MAX_DEMO_ATTEMPTS
     ) -> list[Demo]:
         if amount < 0:
-            raise TaskEnvironmentError(f"Live demonstrations need an amount of at least 0, not {amount}.")
+            raise TaskEnvironmentError(f"The amount of live demonstrations has to be at least 0, not {amount}.")
         return [self._live_demo(callable_each_step, max_attempts) for _ in range(amount)]
 
     def _live_demo(self, callable_each_step: Callable[[Observation], None] | None, max_attempts: int) -> Demo:
@@ -261,10 +261,10 @@ class TaskEnvironment:
         raise DemosFailed(self.get_name(), self._variation_number, causes)
 
     def reset_to_demo(self, demo: Demo) -> tuple[list[str], Observation]:
-        """Start as a demonstration did: its seed sets up the task, its snapshot the very state.
+        """Restore the start of a demonstration from its seed and its snapshot.
 
         Raises:
-            TaskEnvironmentError: The demonstration is of another task, or carries no seed that can be used.
+            TaskEnvironmentError: The demonstration is of another task, or contains no usable seed.
         """
         self.set_variation(demo.variation_number)
         self._scene.start_next_as(demo)

@@ -153,7 +153,7 @@ class Camera(Object):
 
     def __init__(self, name_or_handle: str | int) -> None:
         raise UnsupportedCall(
-            f"Camera({name_or_handle!r})", "there is no window to look through.", "Take images with a `VisionSensor`."
+            f"Camera({name_or_handle!r})", "there is no window with a camera.", "Take images with a `VisionSensor`."
         )
 
 
@@ -163,7 +163,7 @@ class Light(Object):
     def __init__(self, name_or_handle: str | int) -> None:
         raise UnsupportedCall(
             f"Light({name_or_handle!r})",
-            "lights are settings here.",
+            "lights are settings, not objects.",
             "Set `ObservationConfig.lighting`, an `rlbench_pin.sim.Lighting`.",
         )
 
@@ -175,7 +175,7 @@ class Octree(Object):
         raise UnsupportedCall(
             f"Octree({name_or_handle!r})",
             "there are no voxels in the scene.",
-            "Make them from `VisionSensor.capture_pointcloud`.",
+            "Compute them from `VisionSensor.capture_pointcloud`.",
         )
 
 

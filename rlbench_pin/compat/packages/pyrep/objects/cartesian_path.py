@@ -61,7 +61,7 @@ class CartesianPath(Object):
         """
         if self.element.kind != "placed":
             raise PyRepError(
-                f"The points of '{self.get_name()}' are part of the scene file. Make a path with `CartesianPath.create`."
+                f"The points of '{self.get_name()}' are part of the scene file. Create a path with `CartesianPath.create`."
             )
         placed, frame = self.table.placed[self.element.name], self.get_pose()
         points = [relative(_pose_of(pose), frame) for pose in poses]

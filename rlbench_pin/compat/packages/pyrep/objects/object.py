@@ -49,9 +49,7 @@ class Object:
             self._element = self.table.of_handle(int(name_or_handle))
         found = self.table.scene_object(self._element).type
         if self.kinds and found not in self.kinds:
-            raise WrongObjectTypeError(
-                f"'{name_or_handle}' is a {found}, not a {type(self).__name__}. `Object.get_object` makes the class that fits."
-            )
+            raise WrongObjectTypeError(f"'{name_or_handle}' is a {found}, not a {type(self).__name__}. Use `Object.get_object`.")
 
     # Identity --------------------------------------------------------------------------------------------------------
 
@@ -68,7 +66,7 @@ class Object:
             ObjectAlreadyRemovedError: After `remove()`.
         """
         if self._removed:
-            raise ObjectAlreadyRemovedError(f"'{self._element.name}' was removed. Make or look up another object.")
+            raise ObjectAlreadyRemovedError(f"'{self._element.name}' was removed. Create or look up another object.")
         return self._element
 
     @property
@@ -236,7 +234,7 @@ class Object:
         full = np.eye(4)
         numbers = np.asarray(matrix, dtype=float)
         if numbers.size not in (12, 16) or not np.isfinite(numbers).all():
-            raise InvalidPlace(f"A matrix has shape (4, 4) or (3, 4) and finite numbers, not shape {numbers.shape}.")
+            raise InvalidPlace(f"A matrix has to have shape (4, 4) or (3, 4) and finite numbers, not shape {numbers.shape}.")
         full[:3] = numbers.reshape(-1, 4)[:3]
         self.set_pose(matrix_to_pose(full), relative_to, reset_dynamics)
 
@@ -475,8 +473,8 @@ class Object:
         )
 
     def save_model(self, path: str) -> None:
-        """Refused: there are no ttm files here."""
-        raise UnsupportedCall("save_model", "there are no ttm files here.", "Scenes are TOML files and models URDF files.")
+        """Refused: ttm files are not supported."""
+        raise UnsupportedCall("save_model", "ttm files are not supported.", "Scenes are TOML files and models URDF files.")
 
     def copy(self) -> Object:
         """Make a copy; only objects that a program made, and shapes, can be copied."""
@@ -567,5 +565,5 @@ def matrix_to_euler(rotation: FloatArray) -> FloatArray:
 def _numbers(values: Numbers, count: int, what: str) -> FloatArray:
     numbers = np.array(values, dtype=float)
     if numbers.shape != (count,) or not np.isfinite(numbers).all():
-        raise InvalidPlace(f"A {what} has {count} finite numbers, not {numbers.tolist()}.")
+        raise InvalidPlace(f"A {what} has to be {count} finite numbers, not {numbers.tolist()}.")
     return numbers

@@ -199,7 +199,7 @@ class Shape(Object):
             ValueError: `value` is not in 0..1.
         """
         if not 0.0 <= value <= 1.0:
-            raise ValueError(f"A transparency is between 0 (opaque) and 1 (invisible), not {value}.")
+            raise ValueError(f"A transparency has to be between 0 (opaque) and 1 (invisible), not {value}.")
         self._set_rgba((*self._get_rgba()[:3], 1.0 - float(value)))
 
     def set_renderable(self, value: bool) -> None:
@@ -321,7 +321,7 @@ class Shape(Object):
     def set_mass(self, mass: float) -> None:
         """Set its mass [kg]; resets do not change it back."""
         if not 0.0 < mass < float("inf"):
-            raise ValueError(f"A mass is positive and finite, not {mass} kg.")
+            raise ValueError(f"A mass has to be positive and finite, not {mass} kg.")
         model = self.body("set_mass").model
         self.table.world.dynamics_overrides.set_mass(model, self._link_index(), float(mass))
 
@@ -333,7 +333,7 @@ class Shape(Object):
     def set_bullet_friction(self, friction: float) -> None:
         """Set the coefficient of sliding friction; resets do not change it back."""
         if not 0.0 <= friction < float("inf"):
-            raise ValueError(f"A coefficient of friction is not negative, but {friction} was given.")
+            raise ValueError(f"A coefficient of friction has to be 0 or above, not {friction}.")
         model = self.body("set_bullet_friction").model
         self.table.world.dynamics_overrides.set_friction(model, self._link_index(), float(friction))
 
@@ -426,7 +426,10 @@ def _centre_of_mass(body: Body) -> tuple[FloatArray, FloatArray]:
     urdf, scale = read_urdf(body.model.urdf), body.model.scale
     inertial = next(link.inertial for link in urdf.links if link.name == urdf.base_link)
     if inertial is None:
-        raise RlbenchPinError(f"{body.model.urdf.name} says no inertia of '{body.name}', so that no force can turn it.")
+        raise RlbenchPinError(
+            f"{body.model.urdf.name} has no inertia for '{body.name}', so that no torque can act on it. "
+            "Add <inertial> to the URDF."
+        )
     xx, xy, xz, yy, yz, zz = inertial.inertia
     origin = inertial.origin or UrdfOrigin()
     place = compose(body.pose, pose_at([scale * x for x in origin.xyz], *origin.rpy))
@@ -436,5 +439,5 @@ def _centre_of_mass(body: Body) -> tuple[FloatArray, FloatArray]:
 def _three(values: Numbers) -> FloatArray:
     numbers = np.asarray(values, dtype=float).reshape(-1)
     if numbers.shape != (3,) or not np.isfinite(numbers).all():
-        raise ValueError(f"A position, force or torque has 3 finite numbers, not {numbers.tolist()}.")
+        raise ValueError(f"A position, force or torque has to be 3 finite numbers, not {numbers.tolist()}.")
     return numbers

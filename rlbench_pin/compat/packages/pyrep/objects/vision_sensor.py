@@ -78,7 +78,9 @@ class VisionSensor(Object):
             RuntimeError: Explicit handling is off.
         """
         if not self.get_explicit_handling():
-            raise RuntimeError("Explicit handling is off. Call `set_explicit_handling(1)` first, or just capture.")
+            raise RuntimeError(
+                "Explicit handling is disabled. Call `set_explicit_handling(1)` first, or call a capture method directly."
+            )
 
     def capture_rgb(self) -> np.ndarray:
         """Take an image: float32 (h, w, 3) in 0..1; mask cameras encode handles in the channels."""
@@ -257,7 +259,7 @@ class VisionSensor(Object):
         if not isinstance(camera, CameraObject):
             super().remove()
         elif camera.is_mask:
-            raise PyRepError(f"'{self.get_name()}' belongs to its camera. Switch masks off in the observation config.")
+            raise PyRepError(f"'{self.get_name()}' belongs to its camera. Disable masks in the observation config.")
         else:
             self.table.cameras.settings_of(camera.name).set_all(False)
         self._removed = True

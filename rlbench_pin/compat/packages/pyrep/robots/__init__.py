@@ -120,7 +120,7 @@ class RobotComponent(Object):
             UnsupportedCall: Always.
         """
         raise UnsupportedCall(
-            "set_joint_intervals", "joint limits come from the robot's URDF and stay.", "Clip your targets instead."
+            "set_joint_intervals", "joint limits are part of the URDF of the robot.", "Clip your targets instead."
         )
 
     def get_joint_upper_velocity_limits(self) -> list[float]:
@@ -161,7 +161,9 @@ class RobotComponent(Object):
         """Return one number per joint, or raise ValueError."""
         numbers = np.array(values, dtype=float).reshape(-1)
         if len(numbers) != self._num_joints:
-            raise ValueError(f"'{self.get_name()}' has {self._num_joints} joints, but {len(numbers)} values were given.")
+            raise ValueError(
+                f"'{self.get_name()}' has {self._num_joints} joints, but {len(numbers)} values were given. Pass one per joint."
+            )
         return numbers
 
 

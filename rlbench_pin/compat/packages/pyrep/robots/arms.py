@@ -1,6 +1,6 @@
 """Arms: kinematics, collisions, and paths through the world as it is now.
 
-A program has the arm that `robot_setup` of its environment names; making another one raises an error that says which. Programs
+A program has the arm of `robot_setup` of its environment; the construction of another arm raises an error. Programs
 import a module per arm; all these names are aliases of this module.
 """
 

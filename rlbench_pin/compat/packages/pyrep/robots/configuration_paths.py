@@ -109,7 +109,7 @@ class ArmConfigurationPath(ConfigurationPath):
             ConfigurationPathError: No timing keeps the limits of the arm.
         """
         if self._path_done:
-            raise RuntimeError("The path was followed to its end already. Call `set_to_start()`, or plan another path.")
+            raise RuntimeError("The path has already reached its end. Call `set_to_start()`, or plan another path.")
         if self._tracker is None:
             self._tracker = TrajectoryTracker(self.trajectory, Simulator.current().world.control_dt)
         if self._tracker.done:

@@ -1,6 +1,6 @@
 """Grippers: opening and closing of the fingers, and grasped objects.
 
-A program has the gripper of its arm; making another one raises an error. Programs import a module per gripper; all these
+A program has the gripper of its arm; constructing another one raises an error. Programs import a module per gripper; all these
 names are aliases of this module.
 """
 

@@ -21,7 +21,7 @@ def __getattr__(name: str) -> object:
     if name in _FIRST_RELEASE:
         raise OldActionMode(
             f"`rlbench.action_modes.{name}` is from the first releases of RLBench, where a mode was a member such as "
-            "ABS_JOINT_VELOCITY. A mode is an object now: MoveArmThenGripper(JointVelocity(), Discrete()), imported from "
+            "ABS_JOINT_VELOCITY. Create an object instead: MoveArmThenGripper(JointVelocity(), Discrete()), imported from "
             "rlbench.action_modes.action_mode, .arm_action_modes and .gripper_action_modes; reset() returns (descriptions, obs)."
         )
     raise AttributeError(f"module '{__name__}' has no attribute '{name}'")

@@ -359,7 +359,7 @@ class Scene:
         if self._origin is None:
             raise NotReset("get_demo")
         if not self._runtime.task.get_waypoints():
-            raise NoWaypointsError(f"Task '{task.get_name()}' has no waypoints, so it cannot be demonstrated.", task)
+            raise NoWaypointsError(f"Task '{task.get_name()}' has no waypoints, so no demonstration can be planned.", task)
         frames: list[Observation] = []
         player = demos.DemoPlayer(
             self._runtime,
@@ -369,7 +369,7 @@ class Scene:
         )
         outcome = demos.play_demo(self._origin, player)
         if outcome.demo is None:
-            raise DemoError(f"Task '{task.get_name()}' was not demonstrated: {outcome.cause}", task)
+            raise DemoError(f"Task '{task.get_name()}' has no successful demonstration: {outcome.cause}", task)
         self.remember_start(outcome.demo)
         return outcome.demo.with_observations(frames)
 

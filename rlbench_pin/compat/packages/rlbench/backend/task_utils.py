@@ -1,4 +1,4 @@
-"""Objects made at random."""
+"""Random objects for tasks."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Numbers as images and back, masks by handle, and task classes by name.
+"""Conversion between float arrays and images, masks by handle, and task classes by name.
 
-An image of numbers has 24 bits: the number times a scale, spread over red, green and blue, red the most significant.
+An image encodes a number in 24 bits: the number times a scale, in red, green and blue, red the most significant.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ def float_array_to_grayscale_image(
     """
     kind = _GRAY_MODES.get(np.dtype(image_dtype))
     if kind is None:
-        raise CameraError(f"An image of one channel has the type uint8, uint16 or int32, not {image_dtype}.")
+        raise CameraError(f"An image with one channel has to have the type uint8, uint16 or int32, not {image_dtype}.")
     scale = DEFAULT_GRAY_SCALE_FACTOR[kind] if scale_factor is None else scale_factor
     highest = float(np.iinfo(str(np.dtype(kind))).max)
     steps = np.rint(ClipFloatValues(_plane(float_array).astype(np.float64) * scale, 0.0, highest))
@@ -95,7 +95,9 @@ def image_to_float_array(image: Image.Image | np.ndarray, scale_factor: float | 
         array = array[..., 0]
     kind = _GRAY_MODES.get(array.dtype)
     if array.ndim != 2 or kind is None:
-        raise CameraError(f"An image of numbers has one or three channels of whole numbers, not {array.shape} {array.dtype}.")
+        raise CameraError(
+            f"An encoded image has to have one or three channels of whole numbers, not {array.shape} {array.dtype}."
+        )
     scale = DEFAULT_GRAY_SCALE_FACTOR[kind] if scale_factor is None else scale_factor
     return np.asarray(array / scale, dtype=np.float32)
 
@@ -105,7 +107,7 @@ def _plane(float_array: np.ndarray) -> np.ndarray:
     if array.ndim == 3 and array.shape[2] == 1:
         array = array[..., 0]
     if array.ndim != 2:
-        raise CameraError(f"Numbers that become an image have shape (h, w), not {array.shape}.")
+        raise CameraError(f"The array to encode as an image has to have shape (h, w), not {array.shape}.")
     return array
 
 
