@@ -18,7 +18,7 @@ class ProblemRecorder(Listener):
 
     Attributes:
         problems: The problems so far.
-        left_out: Reason why a planned motion is not a problem -> number of such motions.
+        left_out: Reason -> number of planned motions that are not problems for this reason.
     """
 
     def __init__(self) -> None:
@@ -40,7 +40,7 @@ class ProblemRecorder(Listener):
         if isinstance(outcome, PlanningError) or request.kind == "configuration" or self._world is None:
             return
         if request.kind == "curve" or request.ignore_collisions:
-            self.left_out["along curves" if request.kind == "curve" else "that may touch anything"] += 1
+            self.left_out["along curves" if request.kind == "curve" else "that ignore collisions"] += 1
             return
         world = WorldSnapshot(self._world.bodies, np.array(request.q_start), self._world.fingers, self._world.attached)
         poses = np.atleast_2d(np.asarray(request.goal, dtype=float))
