@@ -49,7 +49,7 @@ def check_port(page: Any) -> None:
 
 
 def announce(address: str, browser: bool) -> None:
-    """Print the address of a page, and open it if `browser` is set and there is a screen. From now on, signals end the command."""
+    """Print the address of a page, and open it if `browser` is set and there is a screen. Signals then end the command."""
     answer_signals()
     print(f"{address}  (Ctrl-C ends it)", flush=True)
     if browser and has_screen():
