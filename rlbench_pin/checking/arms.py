@@ -358,7 +358,11 @@ CHECKS: tuple[tuple[str, Checker, str], ...] = (
     ("inverse kinematics", _kinematics, "Compare the limits and axes of the joints with the data sheet."),
     ("home", _home, _NOT_DOWN),
     ("workspace", _workspace, ""),
-    ("wrist camera at home", _camera, "Change `camera_pose`: it looks along its z, which is the tip's z, past the fingers."),
+    (
+        "wrist camera at home",
+        _camera,
+        "Change `camera_pose`: point its z (its view) along the tip's z, past the fingers.",
+    ),
     ("gripper", _opens, "Check `finger_links`, `gripper_open`, `gripper_force` [N] and the friction of the pads in the URDF."),
     ("safety filter", _safety, "Lower `acceleration`. For contacts, check the SRDF: it may ignore links that can touch."),
     ("same seed, same bytes", _bytes, "Report a bug: the same seed must give the same episode."),

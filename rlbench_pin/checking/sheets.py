@@ -99,8 +99,8 @@ class Moment:
     arm_hidden: bool
     """Whether the arm is left out of its image."""
     task: Image.Image
-    """Image of that camera. It shows at most the gripper of the arm, with an outline. The gripper is transparent in front of small
-    links that move, and of the links that they touch at the end."""
+    """Image of that camera. It shows at most the gripper of the arm, with an outline. The gripper is transparent in front of
+    small links that move, and of the links that they touch at the end."""
     with_arm: Image.Image
     """The same image with the whole arm."""
     cameras: Mapping[str, Image.Image]

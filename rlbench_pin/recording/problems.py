@@ -14,7 +14,7 @@ from rlbench_pin.scene.snapshot import WorldSnapshot
 
 
 class ProblemRecorder(Listener):
-    """Keeps every motion that is planned to a tip pose among obstacles as a planning problem.
+    """Collects planning problems: every motion that is planned to a tip pose among obstacles.
 
     Attributes:
         problems: The problems so far.
@@ -32,7 +32,7 @@ class ProblemRecorder(Listener):
         self._prefix, self._segments = prefix, 0
 
     def on_update(self, snapshot: WorldSnapshot, seconds: float) -> None:
-        """Remember the world."""
+        """Keep the snapshot of the world."""
         self._world = snapshot
 
     def on_plan(self, request: PlanRequest, outcome: Plan | PlanningError, seconds: float) -> None:
