@@ -47,7 +47,7 @@ class Serve:
             listener = listen(self.address, self.anywhere)
         except (ValueError, OSError) as error:
             hint = "" if isinstance(error, ValueError) else " It may be in use: choose another `--address`."
-            said = str(error).replace("or allow it", "or pass `--anywhere`")
+            said = str(error).replace("anywhere=True", "`--anywhere`")
             raise TaskEnvironmentError(f"The address '{self.address}' cannot be used: {said.rstrip('.')}.{hint}") from error
         sys.path.insert(0, os.getcwd())  # the import path of `module:factory`, as with `python -m`
         answer_signals()

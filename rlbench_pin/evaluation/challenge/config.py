@@ -135,9 +135,10 @@ def find_learner(reference: str) -> str:
 
 
 def read_secret(path: Path | str) -> bytes:
-    """Return the secret in a file, all its bytes.
+    """Return all bytes of a file with a secret.
 
-    A host keeps the file until a challenge is over, then publishes it, so that everyone can compute all seeds again.
+    The host of a challenge keeps the file until the challenge is over. Then the host publishes it, so that everyone can compute
+    all seeds again.
 
     Raises:
         InvalidArgument: There is no such file, or it has fewer than 16 bytes or more than 1 MB.
@@ -147,9 +148,9 @@ def read_secret(path: Path | str) -> bytes:
         with path.open("rb") as file:
             secret = file.read(MAX_SECRET + 1)
     except OSError as error:
-        raise InvalidArgument("secret", str(path), f"cannot be read: {error.strerror}") from error
+        raise InvalidArgument("secret", str(path), f"cannot be read: {error.strerror}", "Check the path.") from error
     if not MIN_SECRET <= len(secret) <= MAX_SECRET:
-        hint = "`head -c 32 /dev/urandom > FILE` makes one."
+        hint = "Make one with `head -c 32 /dev/urandom > FILE`."
         raise InvalidArgument("secret", str(path), f"has to have {MIN_SECRET} to {MAX_SECRET} bytes", hint)
     return secret
 
