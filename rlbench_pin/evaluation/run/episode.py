@@ -72,9 +72,9 @@ class Limits:
 class Meter:
     """Counts collisions and violations of limits of one episode, in every physics step and control tick.
 
-    A collision is a contact of the arm or the gripper with a body that the gripper does not hold. The hand link may touch graspable
-    bodies. Contacts of the fingers with bodies of the task are part of the task, so fingers collide only with the room: table,
-    walls, floor.
+    A collision is a contact of the arm or the gripper with a body that the gripper does not hold. The hand link may touch
+    graspable bodies. Contacts of the fingers with bodies of the task are part of the task, so fingers collide only with the room:
+    table, walls, floor.
     """
 
     runtime: Runtime
