@@ -129,7 +129,7 @@ class Record:
     json: bool = False
     """Print the report as JSON."""
     known: tyro.conf.OmitArgPrefixes[KnownNames] = field(default_factory=KnownNames)
-    """Aliases of flags."""
+    """Flags of RLBench's generators."""
 
     def run(self) -> int:
         """Record; return 1 when episodes are missing at the end."""

@@ -80,7 +80,7 @@ def test_what_is_no_report_is_not_added_to(tmp_path: Path, capsys: Capture, text
     file = tmp_path / "table.json"
     file.write_text(text)
     assert main(["check", "push_button", "--update", str(file)]) == 1
-    assert "it is no report of `rlbench-pin check`. Name another file" in capsys.readouterr().err
+    assert "it is not a report of `rlbench-pin check`. Name another file" in capsys.readouterr().err
     assert file.read_text() == text
 
 

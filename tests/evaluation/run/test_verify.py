@@ -86,9 +86,9 @@ def test_what_cannot_be_verified_is_refused(made: Path) -> None:
         (
             replace(results, episodes=results.episodes[1:]),
             "",
-            "they lack 1 episodes which their settings plan, such as reach_target",
+            "they lack 1 episodes of their settings, such as reach_target",
         ),
-        (replace(results, limits={**results.limits, "episodes": 1}), "", "they have 2 episodes which their settings do not plan"),
+        (replace(results, limits={**results.limits, "episodes": 1}), "", "they have 2 episodes that are not in their settings"),
     ]
     for wrong, policy, says in cases:
         with pytest.raises(VerificationRefused, match=says) as raised:
