@@ -175,7 +175,7 @@ def test_actions_that_are_no_poses() -> None:
 
 def test_a_wrong_count_of_numbers() -> None:
     """It is a fault of the policy, as in an evaluation."""
-    with pytest.raises(PolicyFault, match=r"shape \(10,\), where \(8,\) is needed"):
+    with pytest.raises(PolicyFault, match=r"shape \(10,\); it must be \(8,\)"):
         compare_conventions(Conventional("absolute", "absolute six_rows"))
 
 
@@ -213,8 +213,9 @@ def test_a_layout_that_a_mapping_confuses(stated: str, rotation: str, tmp_path: 
     if stated == rotation:
         assert report.arm_verdict.text == f"agrees: absolute_pose, {stated}." and not report.differs
     else:
-        says = f"seems to be absolute_pose, {rotation}; the mapping '{tmp_path / 'own.toml'}' says absolute_pose, {stated}: "
-        assert report.arm_verdict.text == f'{says}write `rotation = "{rotation}"`.' and report.differs
+        source = f"the mapping '{tmp_path / 'own.toml'}'"
+        says = f"seems to be absolute_pose, {rotation}, but {source} states absolute_pose, {stated}: "
+        assert report.arm_verdict.text == f'{says}set `rotation = "{rotation}"`.' and report.differs
 
 
 @pytest.mark.parametrize("frame", ["world", "tip"])
@@ -226,7 +227,7 @@ def test_the_frame_is_told_where_the_motions_lead_to_one_place(frame: str, tmp_p
             report.arm_verdict.text == "agrees: delta_pose, axis_angle, world frame. Not distinguished from: rotation euler_rpy."
         )
     else:
-        assert 'says delta_pose, axis_angle, world frame: write `frame = "tip"`.' in report.arm_verdict.text
+        assert 'states delta_pose, axis_angle, world frame: set `frame = "tip"`.' in report.arm_verdict.text
     assert report.differs == (frame == "tip")
 
 
@@ -234,8 +235,8 @@ def test_scales_are_those_of_the_mapping(tmp_path: Path) -> None:
     """An absolute pose is in metres, whatever the factor of the deltas that the mapping states."""
     action = 'arm = "delta_pose"\nclip = 1.0\nscale = 0.05\nrotation_scale = 0.5\ngripper_open = -1.0\ngripper_closed = 1.0'
     report = of_server("absolute axis_angle", action, tmp_path)
-    assert 'write `arm = "absolute_pose"`.' in report.arm_verdict.text
-    assert report.gripper_verdict.text.endswith("write `gripper_open = 1`, `gripper_closed = 0`.")
+    assert 'set `arm = "absolute_pose"`.' in report.arm_verdict.text
+    assert report.gripper_verdict.text.endswith("set `gripper_open = 1`, `gripper_closed = 0`.")
     report = of_server("world axis_angle", action, tmp_path, opened=-1.0, closed=1.0)
     best = report.arm[0]
     assert not report.differs and best.distance == pytest.approx(0.05 * 0.02, abs=1e-4)

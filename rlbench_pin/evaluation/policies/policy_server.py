@@ -198,7 +198,7 @@ class Answers:
             array = np.asarray(action)
         except Exception as error:  # objects of other libraries
             return {"error": f"`act` returned a {type(action).__name__}, not an array: {error}", "kind": "wrong answer"}
-        if array.dtype.kind not in _KINDS:  # cannot travel
+        if array.dtype.kind not in _KINDS:  # cannot be sent
             return {"error": f"`act` returned a {type(action).__name__}, not an array of numbers.", "kind": "wrong answer"}
         return {"ok": array}
 

@@ -82,7 +82,7 @@ def test_equal_content_is_equal_to_the_byte() -> None:
         ('"sha256"', '"sha255"', "lacks sha256"),
         ('"settings": {', '"settings": [], "x": {', "is not part of this format"),
         ('"commit": ""', '"commit": "1"', "it was changed"),
-        ('"episodes": [', '"episodes": [1, ', "an episode is 1, no table"),
+        ('"episodes": [', '"episodes": [1, ', "an episode is 1, not a table"),
         ('{"task"', '[' * 3000 + '{"task"', "nested too deeply|Expecting"),
     ],
 )  # fmt: skip
