@@ -83,7 +83,7 @@ def test_our_own_flags_are_as_before(asked: dict[str, Any]) -> None:
     ("arguments", "words"),
     [
         (("--out", "here", "--save_path", "there"), "--out is here and --save_path is there, but both are the same setting"),
-        (("--workers", "2", "--processes", "3"), "--workers and --processes"),
+        (("--workers", "2", "--processes", "3"), "--workers is 2 and --processes is 3"),
         (("--arm_max_velocity", "0"), "max_velocity has to be a finite number > 0"),
         (("--renderer", "vulkan"), "opengl3"),
         (("--episodes_per_task", "0"), "episodes has to be a whole number"),
