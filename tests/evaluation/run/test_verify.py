@@ -81,8 +81,8 @@ def test_what_cannot_be_verified_is_refused(made: Path) -> None:
     cases: list[tuple[Results, str, str]] = [
         (replace(results, policy="evil.py:make"), "", "their policy is code.*name it with `--policy`"),
         (replace(results, limits={"episodes": 2}), "", "their limits lack seed, max_steps"),
-        (replace(results, task_versions=versions), "", "task 'reach_target' has version 2 in the file, but version 1 is installed"),
-        (replace(results, settings={"observation": {}}), "", "the policy has observation.*Name the policy that was evaluated"),
+        (replace(results, task_versions=versions), "", "version 2 in the file, but version 1 is installed"),
+        (replace(results, settings={"observation": {}}), "", "the policy has .*Name the policy that was evaluated"),
         (
             replace(results, episodes=results.episodes[1:]),
             "",
