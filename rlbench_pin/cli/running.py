@@ -152,7 +152,7 @@ def _after_flush(code: int) -> int:
         return code
     if isinstance(problem, BrokenPipeError):
         return PIPE_CLOSED
-    say(f"rlbench-pin: the output cannot be written: {problem.strerror or problem}. Send it to another file or disk.")
+    say(f"rlbench-pin: the output cannot be written: {problem.strerror or problem}. Use another file or disk.")
     return code or FAILED
 
 
@@ -164,7 +164,7 @@ def _system_error(error: OSError | UnicodeError | MemoryError) -> str:
     reason = error.strerror or str(error)
     if error.filename is None:
         if error.errno in _WRITING:
-            return f"the output cannot be written: {reason}. Free some space, or send it to another disk."
+            return f"the output cannot be written: {reason}. Free some space, or use another disk."
         return f"a system call failed: {reason}. Check the permissions and the free resources of this machine."
     return f"'{error.filename}': {reason}. Check that the file or folder exists and can be used."
 
