@@ -164,7 +164,7 @@ def _system_error(error: OSError | UnicodeError | MemoryError) -> str:
     reason = error.strerror or str(error)
     if error.filename is None:
         if error.errno in _WRITING:
-            return f"the output cannot be written: {reason}. Free some space, or use another disk."
+            return f"the output cannot be written: {reason}. Use another file or disk."
         return f"a system call failed: {reason}. Check the permissions and the free resources of this machine."
     return f"'{error.filename}': {reason}. Check that the file or folder exists and can be used."
 
