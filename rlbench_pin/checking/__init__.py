@@ -1,6 +1,6 @@
 """The validator: it measures whether tasks fulfil their contract, and writes reports.
 
-`__init__.pyi` lists the names. Each is imported when it is first used, so that the command line needs no simulator for its help.
+`__init__.pyi` lists the names. Each is imported at its first use, so that the help of the command line needs no simulator.
 """
 
 import lazy_loader as lazy

@@ -1,6 +1,7 @@
-"""Measurements of an arm: its models agree, inverse kinematics and gripper work, it keeps its limits and demonstrates.
+"""Measurements of an arm: agreement of its models, inverse kinematics, gripper, limits and demonstrations.
 
-Each measurement is a function of a description; `check_arm` compares all of them with the bounds of the arms of the catalogue.
+Each measurement is a function of a robot description. `check_arm` compares the measurements with bounds that all arms of the
+catalogue meet.
 """
 
 from __future__ import annotations
@@ -30,21 +31,21 @@ from rlbench_pin.spatial import FloatArray, above_table, rotation_distance
 from rlbench_pin.values import as_record, as_whole
 
 POSITION, ROTATION, TORQUE = 1e-6, 1e-6, 1e-6
-"""Largest differences of simulation and model [m], [rad], and of the largest torque."""
+"""Largest differences between simulation and model [m], [rad], and as a share of the largest torque."""
 SOLVED = 0.995
 """Least share of reachable poses that are solved."""
 DEPTH = 0.002
-"""Pads may be this far inside a cube that they are shut on [m]."""
+"""Largest penetration of the pads into a cube after the gripper closed on it [m]."""
 SUNK = 0.005
-"""A cube of 1 kg may sink by this in the gripper [m]."""
+"""Largest distance by which a cube of 1 kg may sink in the gripper [m]."""
 POINTS_DOWN = -0.98
-"""The z of the tip points down when its height component is below this."""
+"""The z axis of the tip points down when its vertical component is below this."""
 WORKSPACE = ((0.15, -0.25, 0.1), (0.35, 0.25, 0.3))
-"""Least and largest places of the tip, heights over the table [m]."""
+"""Lower and upper corner of the box of tip positions; heights are above the table [m]."""
 SEEN = 0.3
-"""Least share of the wrist camera's image that is not the arm itself."""
+"""Smallest share of the wrist camera's image that must show the table."""
 TASKS = ("reach_target", "pick_and_lift")
-"""Tasks of which a demonstration is asked."""
+"""Tasks that are demonstrated."""
 
 
 @dataclass(frozen=True)
@@ -56,17 +57,17 @@ class ArmCheck:
     figure: str
     """The measured figure, with its unit."""
     passed: bool | None
-    """Whether it is good; None where it only informs."""
+    """Whether the check passed; None for a check that only informs."""
     advice: str = ""
-    """The next step when it is not."""
+    """The next step when the check failed."""
 
 
 def check_arm(description: RobotDescription, actions: int = 300) -> Iterator[ArmCheck]:
-    """Yield the result of each check of an arm as soon as it is known; there are `len(CHECKS)`.
+    """Yield the result of each of the `len(CHECKS)` checks of an arm as soon as it is available.
 
     Args:
         description: The arm.
-        actions: Random actions through the safety filter.
+        actions: Number of random actions that are sent through the safety filter.
     """
     as_record(description, RobotDescription, "description")
     as_whole(actions, "actions", least=1)
@@ -82,13 +83,19 @@ def check_arm(description: RobotDescription, actions: int = 300) -> Iterator[Arm
 
 
 def random_configurations(model: RobotModel, count: int, turn: float = 2.0 * np.pi, seed: int = 0) -> FloatArray:
-    """Return configurations (count, n) within the limits, and within `turn` [rad] to either side."""
+    """Return random configurations (count, n) [rad] within the joint limits and within -`turn` to `turn` [rad]."""
     low, high = np.maximum(model.limits.lower, -turn), np.minimum(model.limits.upper, turn)
     return np.random.default_rng(seed).uniform(low, high, (count, model.size))
 
 
 def tip_deviation(model: RobotModel, configurations: FloatArray, opening: float = 1.0) -> tuple[float, float]:
-    """Return the largest difference of the tip in simulation and model [m], [rad], fingers open by a share."""
+    """Return the largest difference between the tip poses of simulation and model [m], [rad].
+
+    Args:
+        model: The arm.
+        configurations: Joint positions, shape (count, n), [rad].
+        opening: Opening of the gripper, 0 closed to 1 open.
+    """
     far, turned = 0.0, 0.0
     opened = [opening * model.description.gripper_open] * 2
     with World(SceneSpec(format=1), model.description) as world:
@@ -101,7 +108,10 @@ def tip_deviation(model: RobotModel, configurations: FloatArray, opening: float 
 
 
 def gravity_deviation(model: RobotModel, configurations: FloatArray) -> float:
-    """Return the largest difference of gravity torques in simulation and model, as a share of the largest torque (or 1 N m)."""
+    """Return the largest difference between the gravity torques of simulation and model.
+
+    The difference is a share of the largest torque of the configuration, or of 1 N m if that is larger.
+    """
     description, hand = model.description, fingers_of(model.description)
     opened = dict(zip(hand.joints, hand.joint_values(np.full(2, description.gripper_open)), strict=True))
     worst = 0.0
@@ -119,7 +129,7 @@ def gravity_deviation(model: RobotModel, configurations: FloatArray) -> float:
 
 
 def solved_poses(model: RobotModel, count: int = 1000) -> int:
-    """Return how many tip poses of `count` random configurations inverse kinematics finds from home."""
+    """Return how many tip poses of `count` random configurations inverse kinematics solves, starting from home."""
     rng, solved = np.random.default_rng(2), 0
     low, high = np.maximum(model.limits.lower, -np.pi), np.minimum(model.limits.upper, np.pi)
     for q in rng.uniform(low, high, (count, model.size)):
@@ -131,7 +141,7 @@ def solved_poses(model: RobotModel, count: int = 1000) -> int:
 
 
 def reached_places(model: RobotModel, count: int = 20) -> int:
-    """Return how many of `count` random places of the workspace the gripper reaches from above without touching itself."""
+    """Return how many of `count` random positions of the workspace the gripper reaches from above without self-collision."""
     collision, rng, reached = CollisionModel(model), np.random.default_rng(1), 0
     for _ in range(count):
         x, y, z = rng.uniform(*WORKSPACE)
@@ -146,24 +156,24 @@ def reached_places(model: RobotModel, count: int = 20) -> int:
 
 @dataclass(frozen=True)
 class Grip:
-    """How the gripper shuts on a cube of 40 mm, and holds one of 1 kg by friction alone."""
+    """Result of closing the gripper on a cube of 40 mm, and of holding such a cube of 1 kg by friction alone."""
 
     opened: float
-    """Distance of the pads from the middle when open, the smaller one [m]."""
+    """Smaller distance of the two pads from the middle with the gripper open [m]."""
     shut: float
-    """The same when shut on nothing, the larger one [m]."""
+    """Larger distance of the two pads from the middle with the gripper closed, without an object [m]."""
     depth: float
-    """How far the pads are inside the cube after they were shut on it, the deeper one [m]."""
+    """Larger penetration of the two pads into the cube after the gripper closed on it [m]."""
     held: bool
     """Whether the cube is between the fingers after 2 s."""
     sunk: float
-    """How far it has sunk then [m]."""
+    """Distance by which the cube has sunk after 2 s [m]."""
     falls: bool
-    """Whether it falls when the gripper opens."""
+    """Whether the cube falls when the gripper opens."""
 
 
 def grip_of(description: RobotDescription) -> Grip:
-    """Return how the gripper opens, shuts, holds and lets go."""
+    """Return how the gripper opens, closes, holds a cube and releases it."""
     spec = SceneSpec(format=1, body=[BodySpec(name="cube", asset="objects/cube_small/cube_small.urdf")])
     with World(spec, description) as world:
         cube, gripper = world.body("cube"), world.gripper
@@ -191,7 +201,7 @@ def grip_of(description: RobotDescription) -> Grip:
 
 
 def _open_and_shut_on(world: World, cube: Body) -> float:
-    """Open the gripper, and shut it on a cube that floats between the pads until they hold it; return its height there [m]."""
+    """Open the gripper, close it on a cube that floats between the pads until they hold it, and return the cube's height [m]."""
     world.gripper.set_target(1.0)
     _play(world, 20)
     cube.set_pose(world.robot.tip_pose())
@@ -213,7 +223,7 @@ def broken_limits(description: RobotDescription, actions: int, task_name: str = 
     """Play random joint velocities through the safety filter.
 
     Returns:
-        What went wrong, one line for each limit that was broken and each contact, and the time of an action [s].
+        One line for each violated limit and each contact, and the computation time of an action [s].
     """
     mode, rng, faults = MoveArmThenGripper(SafeArm(JointVelocity()), Discrete()), np.random.default_rng(3), list[str]()
     with Environment(mode, obs_config=low_dim_config(), robot_setup=description.reference) as environment:
@@ -237,7 +247,7 @@ def broken_limits(description: RobotDescription, actions: int, task_name: str = 
 
 
 def free_share(description: RobotDescription) -> float:
-    """Return the share of the wrist camera's image at home in which it does not see the arm, but the workspace."""
+    """Return the share of the wrist camera's image that shows the table, with the arm at home."""
     with World(SceneSpec(format=1), description) as world:
         world.robot.reset_configuration(np.array(description.home))
         images = world.render(camera_view("wrist", CameraConfig(), world, description))
@@ -247,10 +257,10 @@ def free_share(description: RobotDescription) -> float:
 
 
 def demonstration(description: RobotDescription, task_name: str, seed: int = 0) -> Demo:
-    """Return the demonstration of a seed, at the first try.
+    """Return the demonstration of a seed with one attempt.
 
     Raises:
-        DemoError: It failed.
+        DemoError: The attempt failed.
     """
     mode = MoveArmThenGripper(JointVelocity(), Discrete())
     with Environment(mode, obs_config=low_dim_config(), robot_setup=description.reference) as environment:
@@ -258,7 +268,7 @@ def demonstration(description: RobotDescription, task_name: str, seed: int = 0) 
 
 
 def encoded_demo(description: RobotDescription, task_name: str, seed: int = 1) -> bytes:
-    """Return the bytes of the demonstration of a seed, in an environment of its own."""
+    """Return the bytes of the demonstration of a seed, in a new environment."""
     with make_environment(low_dim_config(), robot=description.reference) as environment:
         return encode_demo(environment.get_task(task_name).get_demos(1, live_demos=True, seed=seed)[0])
 
@@ -267,7 +277,7 @@ def encoded_demo(description: RobotDescription, task_name: str, seed: int = 1) -
 
 Checked = tuple[str, bool | None]
 Checker = Callable[[RobotDescription, int], Checked]
-"""Takes a description and a number of actions; returns what was measured, and whether it is good."""
+"""Takes a description and a number of actions; returns the measured figure, and whether the check passed."""
 
 
 def _tip(description: RobotDescription, _: int) -> Checked:
@@ -298,7 +308,7 @@ def _home(description: RobotDescription, _: int) -> Checked:
     model = RobotModel(description)
     touches, down = CollisionModel(model).in_collision(model.home), model.tip_se3(model.home).rotation[2, 2]
     margin = model.limits.margin(model.home)
-    words = f"{'touches itself' if touches else 'free'}, tip z {down:.2f}, {margin:.2f} rad from the joint limits"
+    words = f"{'in self-collision' if touches else 'free'}, tip z {down:.2f}, {margin:.2f} rad from the joint limits"
     return words, not touches and down < POINTS_DOWN
 
 
@@ -313,11 +323,11 @@ def _camera(description: RobotDescription, _: int) -> Checked:
 
 def _opens(description: RobotDescription, _: int) -> Checked:
     grip = grip_of(description)
-    words = f"opens to {1000 * grip.opened:.1f} mm, shuts to {1000 * grip.shut:.1f} mm, {1000 * grip.depth:.1f} mm inside a cube"
+    words = f"opens to {1000 * grip.opened:.1f} mm, closes to {1000 * grip.shut:.1f} mm, {1000 * grip.depth:.1f} mm inside a cube"
     words += f", 1 kg sinks {1000 * grip.sunk:.1f} mm"
     shuts = grip.shut < 0.002 and grip.depth < DEPTH
     good = grip.opened > 0.9 * description.gripper_open and shuts and grip.held and grip.sunk < SUNK and grip.falls
-    return words + ("" if grip.held else ", not held") + ("" if grip.falls else ", not let go"), good
+    return words + ("" if grip.held else ", not held") + ("" if grip.falls else ", not released"), good
 
 
 def _safety(description: RobotDescription, actions: int) -> Checked:
@@ -333,25 +343,29 @@ def _bytes(description: RobotDescription, _: int) -> Checked:
 
 def _demonstrates(task_name: str) -> Checker:
     def check(description: RobotDescription, _: int) -> Checked:
-        return f"{len(demonstration(description, task_name))} frames at the first try", True
+        return f"{len(demonstration(description, task_name))} frames in the first attempt", True
 
     return check
 
 
 _MODELS = "Simulation and model read the URDF differently: give every link an <inertial>, and put no mass on fixed frames."
-_NOT_DOWN = "Change `home` in the TOML file; `rlbench-pin arm new` looks for one again."
-_REACH = "Move `base_pose` nearer to the workspace or higher; `arm new` prints how much is reached."
+_NOT_DOWN = "Change `home` in the TOML file, or search for a new one with `rlbench-pin arm new`."
+_REACH = "Move `base_pose` nearer to the workspace or higher; `rlbench-pin arm new` prints how many places the gripper reaches."
 CHECKS: tuple[tuple[str, Checker, str], ...] = (
     ("tip in simulation and model", _tip, _MODELS),
-    ("gravity torques in both", _gravity, _MODELS),
+    ("gravity torques of both models", _gravity, _MODELS),
     ("motors carry the arm", _weight, "Look up the torques in the data sheet, and write them as <limit effort> in the URDF."),
-    ("inverse kinematics", _kinematics, "See whether limits and axes of the joints are those of the data sheet."),
+    ("inverse kinematics", _kinematics, "Compare the limits and axes of the joints with the data sheet."),
     ("home", _home, _NOT_DOWN),
     ("workspace", _workspace, ""),
-    ("wrist camera at home", _camera, "Change `camera_pose`: z looks forward, along the tip's z, past the fingers."),
+    (
+        "wrist camera at home",
+        _camera,
+        "Change `camera_pose`: point its z (its view) along the tip's z, past the fingers.",
+    ),
     ("gripper", _opens, "Check `finger_links`, `gripper_open`, `gripper_force` [N] and the friction of the pads in the URDF."),
-    ("safety filter", _safety, "Lower `acceleration`; for contacts see the SRDF: it may ignore links that can touch."),
-    ("same seed, same bytes", _bytes, "Report it: episodes have to repeat."),
+    ("safety filter", _safety, "Lower `acceleration`. For contacts, check the SRDF: it may ignore links that can touch."),
+    ("same seed, same bytes", _bytes, "Report a bug: the same seed must give the same episode."),
     *((f"demonstration of {task}", _demonstrates(task), _REACH) for task in TASKS),
 )
-"""Names, measurements, and what to do where they fail."""
+"""Name, measurement, and next step of each check."""

@@ -20,13 +20,13 @@ from rlbench_pin.values import as_path
 
 
 def explain_failure(task: str, seed: int, variation: int, image: Path | None = None, attempt: int = 0) -> list[str]:
-    """Replay one demonstration and return lines with the cause of its failure; one line when it succeeds.
+    """Replay one demonstration and return lines with the cause of its failure, or one line when it succeeds.
 
     Args:
         task: Name of the task, or path of a task file.
         seed: Seed of the episode.
-        variation: Its variation.
-        image: PNG file of the world at the failure; None for none.
+        variation: Variation of the task.
+        image: PNG file for an image of the world at the failure; None writes no image.
         attempt: Number of the attempt of the seed.
 
     Raises:
@@ -52,13 +52,13 @@ def explain_failure(task: str, seed: int, variation: int, image: Path | None = N
 
 
 class _Failures(Listener):
-    """Keeps the errors of planning motions to waypoints since the last one that was found."""
+    """Keeps the errors of planning motions to waypoints since the last planned motion."""
 
     def __init__(self) -> None:
         self.since_success: list[PlanningError] = []
 
     def on_plan(self, request: PlanRequest, outcome: Plan | PlanningError, seconds: float) -> None:
-        """Keep an error, or drop all; a motion to a configuration is one of several tries at the same waypoint."""
+        """Keep an error, or drop all errors. A motion to a configuration is one of several attempts at the same waypoint."""
         if isinstance(outcome, PlanningError):
             self.since_success += [outcome] if request.kind != "configuration" else []
         else:

@@ -1,4 +1,4 @@
-"""Images of a check: reach maps, and the files that it writes."""
+"""Images of a check: reach maps, and the files of all images."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def reach_map(task: str, reaches: Sequence[Reach], fixed: bool) -> Image.Image:
     Args:
         task: Name for the title.
         reaches: Random layouts of the task, each with its reached waypoints.
-        fixed: Draw the places of the waypoints instead of those of the task root, which does not move.
+        fixed: Draw the positions of the waypoints instead of that of the task root, which does not move.
     """
     count = len(reaches[0].waypoints)
     panels = [_panel("all, arm free", [(_spot(r, None, fixed), r.place[2], r.accepted) for r in reaches], fixed)]
@@ -109,7 +109,7 @@ def draw_images(task: str, trials: Sequence[Trial], out: Path) -> dict[str, str]
         try:
             drawn["sheet"] = _draw_sheet(task, first, out)
         except RlbenchPinError as error:
-            _LOGGER.warning("no images of '%s': %s", task, error)
+            _LOGGER.warning("No contact sheet of '%s' is drawn: %s", task, error)
     placed = sorted((trial for trial in of_kind(trials, ReachTrial) if trial.reach), key=lambda trial: trial.seed)
     if placed:
         drawn["map"] = _draw_map(task, placed, out)

@@ -35,7 +35,7 @@ def page(content: Plain, images: Mapping[str, Mapping[str, str]] | None = None) 
     """Return the page.
 
     Args:
-        content: The JSON report; parts that an older one lacks are left out.
+        content: The JSON report; parts that an older report lacks are left out.
         images: Task -> content of an image (`sheet`, `map`) -> its file, relative to the page.
     """
     content = current_keys(content)
@@ -97,10 +97,10 @@ def _slowest(tasks: Plain) -> str:
     slow = sorted(timed, key=lambda name: timed[name]["times_real_time"])[:SLOWEST]
     rows = [[f"`{name}`", f"{timed[name]['times_real_time']:.1f}", timed[name]["speed"]["reason"]] for name in slow]
     text = (
-        "A reset and a demonstration without images, simulated time over process time, median of each task; "
+        "Simulated time over process time of a reset and a demonstration without images. Median of each task; "
         f"median of the tasks: {median:.1f} x real time."
     )
-    return f"## The slowest\n\n{text}\n\n" + markdown_table(["Task", "x real time", "Where the time goes"], rows)
+    return f"## Slowest tasks\n\n{text}\n\n" + markdown_table(["Task", "x real time", "Share of the process time"], rows)
 
 
 def _task(name: str, task: Plain, images: Mapping[str, str]) -> str:
@@ -115,10 +115,10 @@ def _findings(task: Plain) -> str:
     lines = []
     if "drift" in task:
         d, p = task["drift"], task["penetration"]
-        lines.append(f"Left alone for 2 s, {d['what'] or 'nothing'} moves most: {d['mm']:.3f} mm (seed {d['seed']}).")
+        lines.append(f"In 2 s without actions, {d['what'] or 'nothing'} moves most: {d['mm']:.3f} mm (seed {d['seed']}).")
         lines.append(f"Deepest overlap at a reset: {p['mm']:.3f} mm (seed {p['seed']}).")
         left = ", ".join(task["left_over"])
-        lines.append(f"Left over after an episode: {left or 'nothing'} ({share(task['tidy'])} leave nothing).")
+        lines.append(f"Changed in the next episode: {left or 'nothing'} ({share(task['tidy'])} episodes change nothing).")
         lines.append(f"Speed: {task['speed']['times_real_time']:.1f} x real time; {task['speed']['reason']}.")
     return "\n".join(f"- {line}" for line in lines)
 
@@ -164,11 +164,11 @@ def _reach(task: Plain) -> str:
         return ""
     lost = [f"waypoint {w} {share(rate)}" for w, rate in rates.items() if rate["count"] < rate["of"]]
     kept = f"A reset keeps {share(task['accepted'])} places of the task (waypoints in reach, the arm free)"
-    return f"{kept}. Out of reach at some: {', '.join(lost)}." if lost else f"{kept}. Every waypoint is in reach from everywhere."
+    return f"{kept}. Out of reach at some: {', '.join(lost)}." if lost else f"{kept}. Every waypoint is in reach at all places."
 
 
 def share(rate: Plain | None) -> str:
-    """Return `19/20`, or an empty text where nothing was tried."""
+    """Return `19/20`, or an empty text when there was no trial."""
     return f"{rate['count']}/{rate['of']}" if rate and rate["of"] else ""
 
 

@@ -1,4 +1,4 @@
-"""The plan of a check: numbers of trials, and the items of each task. It imports nothing heavy: the command line uses it."""
+"""The plan of a check: numbers of trials, and the items of each task. Its imports are fast, because the command line uses it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Literal
 Part = Literal["words", "demos", "unseen", "repeat", "noop", "random", "reach", "key_frames", "friction_only"]
 
 REPEATS = 4
-"""Seeds whose reset and demonstration are done twice, at most."""
+"""Maximum number of seeds whose reset and demonstration are done twice."""
 _SEEDS_PER_ITEM: dict[Part, int] = {
     "demos": 5,
     "unseen": 5,
@@ -34,11 +34,11 @@ class Item:
     max_variations: int
     """Maximum number of variations to draw."""
     max_attempts: int = 10
-    """Attempts at each demonstration."""
+    """Maximum number of attempts at each demonstration."""
     first_seed: int = 0
-    """First seed of the whole check; it has the first of the variations drawn."""
+    """First seed of the whole check; it has the first of the drawn variations."""
     replays: int = 1_000_000
-    """Seeds, from the first on, whose demonstrations are replayed."""
+    """Number of seeds, from the first, whose demonstrations are replayed."""
     robot: str = "panda"
     """Name of the arm, or path of its TOML file."""
 
@@ -48,36 +48,37 @@ class CheckPlan:
     """Numbers of trials of a check; `rlbench-pin check` has these arguments, with these defaults."""
 
     episodes: int = 30
-    """Demonstrations of each task, spread over its variations."""
+    """Number of demonstrations of each task, spread over its variations."""
     variations: int = 20
     """Maximum number of variations of a task."""
     replays: int = 50
-    """Number of demonstrations whose recorded actions are replayed, the first ones of a task."""
+    """Number of demonstrations of each task whose recorded actions are replayed, from the first."""
     key_frames: int = 10
-    """Number of demonstrations whose key frames alone (where the arm rests or the fingers move) are executed through planning."""
+    """Number of demonstrations whose key frames alone are executed, with planned motions. The arm stops or the fingers move at a
+    key frame."""
     friction_only: int = 0
-    """Number of demonstrations in which friction alone holds what is grasped; none in a task without graspable objects."""
+    """Number of demonstrations in which friction alone holds grasped objects; 0 in a task without graspable objects."""
     seed: int = 0
     """Seed of the first episode; episode i uses seed + i."""
     unseen: int = 0
-    """Further demonstrations of each task on other seeds, counted separately."""
+    """Number of further demonstrations of each task, with other seeds, counted separately."""
     unseen_seed: int = 5000
-    """First of those seeds."""
+    """First seed of the demonstrations of `--unseen`."""
     contract: bool = True
-    """Also validate instructions, resets, the no-op policy, random actions, and what the arm reaches."""
+    """Also validate instructions, resets, the no-op policy, random actions, and the reach of the arm."""
     contract_seeds: int = 5
     """Number of seeds for the no-op policy, and for random actions."""
     placements: int = 100
-    """Number of random places of the task at which every waypoint is tried."""
+    """Number of random placements of the task at which the reach of every waypoint is checked."""
     max_attempts: int = 10
-    """Attempts for each demonstration."""
+    """Maximum number of attempts for each demonstration."""
 
     def items(self, task: str, seeds_at_once: int = 50) -> Iterator[Item]:
         """Yield the items of a task.
 
         Args:
             task: Its name, or the path of its file.
-            seeds_at_once: Maximum number of seeds of an item; their results come together.
+            seeds_at_once: Maximum number of seeds of an item; their results are returned together.
         """
         if self.contract:
             yield Item(task, "words", (0,), self.variations)

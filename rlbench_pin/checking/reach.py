@@ -1,4 +1,4 @@
-"""Reachability of the waypoints, over the whole range of places of a task."""
+"""Reachability of the waypoints, over all placements of a task."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from rlbench_pin.tasks import Waypoint
 
 @dataclass(frozen=True)
 class Reach:
-    """Reachability in one random layout of the task; layouts that a reset would refuse are kept."""
+    """Reachability in one random layout of the task; layouts that a reset would reject are included."""
 
     place: tuple[float, float, float]
     """x, y [m] and yaw [rad] of the task root."""
     waypoints: tuple[int, ...]
     reached: tuple[bool, ...]
-    """Whether the arm gets to each waypoint after the ones before it, without regard to collisions, as a reset requires."""
+    """Whether the arm reaches each waypoint after the previous ones, collisions ignored, as a reset requires."""
     spots: tuple[tuple[float, float], ...]
     """x, y of each waypoint [m]."""
     free: bool
@@ -38,10 +38,10 @@ class Reach:
 
 
 def reach_of(runtime: Runtime, seed: int, variation: int) -> Reach:
-    """Set up one layout of the task, from `seed`, and check which waypoints can be reached.
+    """Set up the layout of the task for a seed, and check which waypoints can be reached.
 
     Raises:
-        BoundaryError: There was no free place for an object.
+        BoundaryError: An object could not be placed.
     """
     random = EpisodeRandom.from_seed(seed)
     runtime.task.end_episode()

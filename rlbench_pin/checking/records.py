@@ -22,7 +22,7 @@ class Incident:
     waypoint: int | None = None
     """Waypoint at which it happened, where there is one."""
     group: str = ""
-    """Incidents of one group are counted together; when empty, those whose causes differ in their numbers only."""
+    """Incidents of one group are counted together. When empty, incidents whose causes differ only in numbers are."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,11 +90,11 @@ class SolvedDemo:
     simulated: float
     """Length [s]."""
     replayed: bool | None
-    """Whether the recorded joint-position actions reach the goal again; None when that was not tried."""
+    """Whether the recorded joint-position actions reach the goal again; None when they were not replayed."""
     stable: bool = False
     """Whether success still held after 1 s with the arm stationary and the gripper unchanged."""
     left_over: tuple[str, ...] = ()
-    """Differences in the next episode that this one caused."""
+    """Differences that this episode caused in the next one."""
     segments: tuple[SegmentReport, ...] = ()
     """Planning and length of each segment."""
     cost: Cost = Cost()
@@ -117,7 +117,7 @@ class DemoTrial(Trial):
     demo: SolvedDemo | None = None
     """The attempt after them, which succeeded; None when all failed."""
     other_plans: bool | None = None
-    """Whether the scene of the first attempt, which failed, was solved by plans with other random draws; None when not tried."""
+    """Whether plans with other random draws solve the scene of the first attempt, which failed; None when not planned again."""
 
     @classmethod
     def without_start(cls, task: str, seed: int, variation: int, why: str) -> Self:
@@ -161,7 +161,7 @@ class RepeatTrial(Trial):
 
     part = "repeat"
     differing: tuple[str, ...] = ()
-    """Those of `reset` and `demonstration` whose repetition was not byte-identical."""
+    """`reset` and `demonstration`, where the repetition was not byte-identical."""
 
     @property
     def repeats(self) -> bool:
@@ -199,7 +199,7 @@ class RandomTrial(Trial):
 
     part = "random"
     reached_goal: bool = False
-    """Whether they reached the goal, which is a fault."""
+    """Whether the actions reached the goal, which is a fault."""
 
     def incidents(self) -> Iterator[Incident]:
         """Yield the error, or that the goal was reached."""
@@ -215,11 +215,11 @@ class ReachTrial(Trial):
     part = "reach"
     reach: Reach | None = None
     no_place: str = ""
-    """Why the task could not be laid out; a reset would draw another layout."""
+    """Why the layout failed; a reset would draw another layout. Empty otherwise."""
 
     @classmethod
     def without_start(cls, task: str, seed: int, variation: int, why: str) -> Self:
-        """Return the record of a layout that found no place, which is no error."""
+        """Return the record of a layout that failed, which is not an error."""
         return cls(task=task, seed=seed, variation=variation, no_place=why)
 
     @property
@@ -228,7 +228,7 @@ class ReachTrial(Trial):
         return self.reach is not None and self.reach.accepted
 
     def incidents(self) -> Iterator[Incident]:
-        """Yield why there was no place, or the error."""
+        """Yield why the layout failed, or the error."""
         if self.no_place:
             yield Incident(self.no_place)
         yield from super().incidents()

@@ -46,7 +46,7 @@ _RATES = (
 
 @dataclass(frozen=True)
 class Failure:
-    """A cause of failure, and an example."""
+    """A cause of failure, its count, and an example."""
 
     cause: str
     count: int
@@ -75,7 +75,7 @@ class SegmentStatistics:
 
     waypoint: int
     reached: Rate
-    """Segments of successful demonstrations, out of these and the attempts that failed at the waypoint."""
+    """Segments of successful demonstrations, out of those and the attempts that failed at the waypoint."""
     planning: tuple[float, float]
     """Median and 95th percentile of the process time [s]."""
     duration: tuple[float, float]
@@ -103,7 +103,7 @@ class Speed:
     times_real_time: float = 0.0
     """Median of simulated time over process time."""
     times_real_time_wall: float = 0.0
-    """Median of simulated time over wall time; lower when the machine also does other work."""
+    """Median of simulated time over wall time; lower on a machine with other load."""
     planning: float = 0.0
     """Share of the process time."""
     physics: float = 0.0
@@ -113,9 +113,9 @@ class Speed:
     tick: float = 0.0
     """Process time of the physics of one control tick [s]."""
     slowest_segment: int | None = None
-    """Waypoint whose segments take most planning in all."""
+    """Waypoint whose segments have the largest total planning time."""
     slowest_segment_planning: float = 0.0
-    """Mean planning time of a demonstration's segments to it [s]."""
+    """Mean planning time per demonstration for segments to that waypoint [s]."""
 
     @property
     def other(self) -> float:
@@ -152,7 +152,7 @@ class Speed:
 
 
 def speed_of(demos: Sequence[SolvedDemo]) -> Speed:
-    """Add up successful demonstrations, each with its reset."""
+    """Return the times of successful demonstrations, each with its reset."""
     costs = [demo.cost for demo in demos]
     total, ticks = sum(c.process for c in costs), sum(c.ticks for c in costs)
     if not total:
@@ -175,7 +175,7 @@ def speed_of(demos: Sequence[SolvedDemo]) -> Speed:
 
 
 def segment_statistics(trials: Sequence[DemoTrial]) -> tuple[SegmentStatistics, ...]:
-    """Group the segments of successful demonstrations by waypoint, rounds of a repeated list together."""
+    """Group the segments of successful demonstrations by waypoint; repetitions of a waypoint are one group."""
     missed = Counter(failed.waypoint for trial in trials for failed in trial.failed)
     groups: dict[int, list[SegmentReport]] = {}
     for segment in (segment for trial in trials if trial.demo for segment in trial.demo.segments):
@@ -219,9 +219,9 @@ class TaskReport:
     variations: tuple[int, ...]
     first_try: Rate
     within_tries: Rate
-    """Seeds that were solved; after a failure the scene is drawn again."""
+    """Seeds that were solved within the allowed attempts; each attempt draws the scene again."""
     same_scene: Rate
-    """Seeds whose first scene was solved, planned again with other random draws after a failure."""
+    """Seeds whose first scene was solved. After a failure, the same scene is planned again with other random draws."""
     unseen: Rate
     """First attempts on the unseen seeds."""
     stable_success: Rate
@@ -230,25 +230,25 @@ class TaskReport:
     key_frames: Rate
     """Demonstrations whose key frames alone, planned again, reach the goal."""
     friction_only: Rate
-    """First tries of demonstrations in which friction alone holds what is grasped; none for tasks that grasp nothing."""
+    """First attempts of demonstrations in which friction alone holds grasped objects; none for tasks without grasps."""
     per_variation: dict[int, tuple[Rate, Rate]]
-    """Variation -> first try, within the tries."""
+    """Variation -> success in the first attempt, and within all attempts."""
     noop: Rate
     """Goals reached by the no-op policy."""
     random: Rate
     """Goals reached by random actions."""
     repeat: Rate
-    """Resets and demonstrations that repeat bit for bit."""
+    """Resets and demonstrations whose repetition is byte-identical."""
     tidy: Rate
-    """Episodes that cause no difference in the next."""
+    """Episodes that cause no difference in the next episode."""
     left_over: tuple[str, ...]
-    """Differences that the others caused."""
+    """Differences that the other episodes caused."""
     drift: Worst
-    """Motion in a world without actions."""
+    """Largest motion of an object without actions."""
     penetration: Worst
-    """Overlap at a reset."""
+    """Largest overlap of objects at a reset."""
     held: tuple[str, ...]
-    """Objects that the gripper held at a reset."""
+    """Objects that the gripper held at a reset, which is a fault."""
     words: dict[int, tuple[str, ...]]
     """Variation -> instructions."""
     reach: dict[int, Rate]
@@ -269,9 +269,9 @@ class TaskReport:
     speed: Speed
     segments: tuple[SegmentStatistics, ...]
     by_chance: bool = False
-    """Whether random actions may succeed now and then."""
+    """Whether random actions may succeed occasionally."""
     shared_goals: bool = False
-    """Whether variations may ask for the same."""
+    """Whether several variations may have the same goal."""
 
     @property
     def faults(self) -> tuple[str, ...]:
@@ -312,13 +312,13 @@ class TaskReport:
 
 
 def summarise(task: str, trials: Sequence[Trial], by_chance: bool = False, shared_goals: bool = False) -> TaskReport:
-    """Add up all trials of one task.
+    """Return the report of all trials of one task.
 
     Args:
-        task: Its name.
-        trials: Trials of all parts.
-        by_chance: Whether random actions may succeed now and then.
-        shared_goals: Whether variations may ask for the same.
+        task: Task name.
+        trials: Trials of all parts of the check.
+        by_chance: Whether random actions may succeed occasionally.
+        shared_goals: Whether several variations may have the same goal.
     """
     task, by_chance = as_text(task, "task"), as_flag(by_chance, "by_chance")
     shared_goals = as_flag(shared_goals, "shared_goals")
@@ -392,15 +392,15 @@ def _checks(report: TaskReport) -> tuple[tuple[str, bool, str], ...]:
         ("errors", not report.errors, "raises an error"),
         ("first try", report.first_try.value >= FIRST_TRY_FLOOR, f"first try below {FIRST_TRY_FLOOR:.0%}"),
         ("unseen", unseen, f"first try on unseen seeds below {FIRST_TRY_FLOOR:.0%}"),
-        ("in tries", report.within_tries.count == report.within_tries.of, "a seed failed every try"),
+        ("in tries", report.within_tries.count == report.within_tries.of, "all attempts of a seed failed"),
         ("replay", report.replay.value >= REPLAY_FLOOR or not report.replay.of, f"replay below {REPLAY_FLOOR:.0%}"),
         ("key frames", keys, f"key frames below {KEY_FRAMES_FLOOR:.0%}"),
-        ("friction only", friction, f"with friction only below {FRICTION_FLOOR:.0%}"),
+        ("friction only", friction, f"friction only below {FRICTION_FLOOR:.0%}"),
         ("noop", report.noop.count == 0, "the no-op policy succeeds"),
         ("random", report.random.count == 0 or report.by_chance, "the random policy succeeds"),
         ("repeat", report.repeat.count == report.repeat.of, "a reset or a demonstration does not repeat"),
-        ("left over", not report.left_over, "an episode leaves something behind"),
-        ("drift", report.drift.value <= MAX_DRIFT, f"{report.drift.what} moves by itself"),
+        ("left over", not report.left_over, "an episode changes the next one"),
+        ("drift", report.drift.value <= MAX_DRIFT, f"{report.drift.what} moves without actions"),
         ("overlap", report.penetration.value <= MAX_PENETRATION, "objects overlap at a reset"),
         ("held", not report.held, "the gripper holds an object at a reset"),
         ("instructions", not poor, f"variation {poor[0] if poor else ''} lacks instructions, or repeats one"),

@@ -1,4 +1,4 @@
-"""Running the items of a check in one process or in several; finished items are kept in a journal."""
+"""Run the items of a check in one or several processes; a journal keeps finished items."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _UNRELATED = tuple(
 )  # fmt: skip
 """Folders of the package that trials do not depend on."""
 _OBJECTS = ASSETS / "objects"
-"""A folder for each object; trials depend on those that the task's files name."""
+"""One folder for each object. Trials depend on the objects that the files of the task name."""
 _NESTED: dict[str, type] = {"episode": NoopEpisode, "reach": Reach, "cost": Cost}
 """Field of a trial, or of its demonstration -> the class of its value."""
 _LISTED: dict[str, type] = {"failed": FailedAttempt, "segments": SegmentReport}
@@ -63,7 +63,7 @@ class CheckProgress:
 def run_trials(
     items: Sequence[Item], workers: int, journal: TrialJournal, on_progress: Callable[[CheckProgress], None] | None = None
 ) -> list[Trial]:
-    """Do the items that the journal does not contain yet, add them to it, and return the trials of all items.
+    """Run the items that the journal does not contain yet, add them to it, and return the trials of all items.
 
     Args:
         items: The items.
@@ -72,7 +72,7 @@ def run_trials(
         on_progress: Called once before the work begins, and after each item.
 
     Raises:
-        InvalidValue: An argument is wrong; nothing was done.
+        InvalidValue: An argument is wrong; no item was run.
         RlbenchPinError: Several workers died with the same item.
     """
     items = [as_record(item, Item, "an entry of items") for item in as_several(items, "items")]
@@ -104,13 +104,13 @@ class _Checker:
         return item, work(item)
 
     def close(self) -> None:
-        """Nothing is kept between items."""
+        """Do nothing: the worker keeps no resources between items."""
 
 
 def _raise_lost(lost: GivenUp[Item]) -> tuple[Item, list[Trial]]:
     raise RlbenchPinError(
-        f"At '{lost.item.part}' of '{lost.item.task}', {lost.cause}; perhaps out of memory. "
-        "With --out, the same command continues from here."
+        f"Part '{lost.item.part}' of the check of '{lost.item.task}' failed: {lost.cause}. Check the free memory, or use fewer "
+        "--workers. With --out, the same command continues from here."
     )
 
 
@@ -119,12 +119,12 @@ def _count(items: Sequence[Item]) -> int:
 
 
 class TrialJournal:
-    """The finished items of a check: those found in a file, and those added now.
+    """The finished items of a check: those in a file, and those added now.
 
     Args:
-        path: File to read and to append to; None keeps nothing.
-        tasks: Tasks of the check: names, or paths of task files. Lines that were written before they, the package or its
-            libraries changed are not used.
+        path: File to read and to append to; None keeps no file.
+        tasks: Tasks of the check: names, or paths of task files. A line is not used if the task, the package or its libraries
+            changed after it was written.
     """
 
     def __init__(self, path: Path | None, tasks: Sequence[str]) -> None:
@@ -139,7 +139,7 @@ class TrialJournal:
                 continue
 
     def trials_of(self, item: Item) -> list[Trial] | None:
-        """Return the trials of an item that was done before, or None."""
+        """Return the trials of an item that was finished before, or None."""
         return self._done.get(self._key(item))
 
     def add(self, item: Item, trials: Sequence[Trial]) -> None:
@@ -157,7 +157,7 @@ class TrialJournal:
 
 
 def as_trial(part: Part, plain: Mapping[str, Any]) -> Trial:
-    """Return the trial that `dataclasses.asdict` and JSON made plain.
+    """Return the trial of plain data from `dataclasses.asdict` and JSON.
 
     Args:
         part: Part of the check that it belongs to.
@@ -187,7 +187,7 @@ def _as_tuple(value: Any) -> Any:
 
 
 def task_marks(tasks: Sequence[str]) -> dict[str, str]:
-    """Return task -> a checksum of all files and versions of libraries that its trials depend on."""
+    """Return task -> checksum of all files and library versions that its trials depend on."""
     marks = {}
     for task in as_names(tasks, "tasks"):
         mark, found = _package_mark().copy(), find_task(task)
@@ -200,7 +200,7 @@ def task_marks(tasks: Sequence[str]) -> dict[str, str]:
 
 @cache
 def _package_mark() -> Any:
-    """Return the checksum of the libraries and of the package without its tasks and objects, as this process found them."""
+    """Return the checksum of the libraries and of the package without its tasks and objects."""
     mark = sha256(json.dumps(library_versions()).encode())
     for file in sorted(_PACKAGE.rglob("*")):
         if file.is_file() and file.suffix not in (".pyc", ".md") and not {LIBRARY, _OBJECTS} & {*file.parents} and _decides(file):
@@ -215,7 +215,7 @@ def _decides(file: Path) -> bool:
 
 
 def _named_objects(files: Sequence[Path]) -> list[Path]:
-    """Return the files of the objects in the package whose folder a text names; of visual meshes those of markers alone."""
+    """Return the files of the objects of the package that task files name. Visual meshes are included for markers only."""
     text, found = "".join(file.read_text() for file in files), []
     for folder in sorted(_OBJECTS.iterdir()):
         if f"objects/{folder.name}/" in text:
@@ -231,7 +231,7 @@ def _is_solid(urdf: Path) -> bool:
 
 
 def _own_assets(scene: Path) -> list[Path]:
-    """Return the files of a task outside the package that may hold its assets."""
+    """Return the files next to a task outside the package that may be its assets."""
     if LIBRARY in scene.parents:
         return []
     return sorted(file for file in scene.parent.rglob("*") if file.suffix.lower() in (".urdf", ".obj", ".stl", ".dae", ".png"))
@@ -242,7 +242,7 @@ def _add(mark: Any, file: Path) -> None:
 
 
 def _content(file: Path) -> bytes:
-    """Return what a file does: code without comments and docstrings, scenes without notes, solid models without visuals."""
+    """Return what trials depend on: code without comments and docstrings, scenes without notes, solid models without visuals."""
     if file.suffix == ".toml":
         scene = tomllib.loads(file.read_text(encoding="utf-8"))
         for body in scene.get("body", []):

@@ -1,4 +1,4 @@
-"""Contact sheets of demonstrations: each event as a camera aimed at the task sees it, and as the cameras of observations do."""
+"""Contact sheets of demonstrations: each event from a camera aimed at the task, and from the observation cameras."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from rlbench_pin.tasks import Task
 SIZE = 384
 """Side of the task view [px]."""
 OVERVIEW = "clear_robot_side"
-"""Camera that shows arm and table beside the five of observations."""
+"""Camera that shows arm and table, in addition to the five observation cameras."""
 _FINER = 3
 """Factor by which images are rendered larger than they are shown."""
 _AFTER = 1.0
@@ -99,12 +99,12 @@ class Moment:
     arm_hidden: bool
     """Whether the arm is left out of its image."""
     task: Image.Image
-    """Its image; of the arm, where it is shown, only the gripper, outlined. Small links that move, and those that they touch at
-    the end, are seen through the hand."""
+    """Image of that camera. It shows at most the gripper of the arm, with an outline. The gripper is transparent in front of
+    small links that move, and of the links that they touch at the end."""
     with_arm: Image.Image
-    """The same with the whole arm."""
+    """The same image with the whole arm."""
     cameras: Mapping[str, Image.Image]
-    """The five cameras of observations and the overview, by name."""
+    """Images of the five observation cameras and of the overview camera, by name."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,10 +166,10 @@ def demo_moments(
     size: int = SIZE,
     robot: str = DEFAULT_ROBOT,
 ) -> tuple[Demo, list[Moment]]:
-    """Play a demonstration, and return it and its events in images; see `demo_sheet`.
+    """Play a demonstration, and return it with images of its events; see `demo_sheet`.
 
-    Task views show of the arm only the gripper, and the first nothing of it. The last is taken 1 s after success,
-    with arm and gripper stationary; it does not show the gripper either, unless that holds a body, or nothing of the task moves.
+    Of the arm, task views show only the gripper; the first view shows no part of it. The last view is 1 s after success, with arm
+    and gripper stationary. It shows the gripper only if the gripper holds a body, or if no link of the task has moved.
     """
     with make_environment(low_dim_config(), robot=robot) as environment:
         task_environment = environment.get_task(task)
@@ -195,7 +195,7 @@ def demo_moments(
 
 
 def moment_image(moment: Moment) -> Image.Image:
-    """Return the task view with the other images beside it, in two rows with captions."""
+    """Return the task view, with the other images to its right in two rows with captions."""
     size, small = moment.task.width, next(iter(moment.cameras.values())).width
     columns = -(-len(moment.cameras) // 2)
     row = Image.new("RGB", (size + columns * (_GAP + small), max(size, 2 * (_CAPTION + small) + _GAP)), _PAPER)
@@ -211,7 +211,7 @@ def moment_image(moment: Moment) -> Image.Image:
 def contact_sheet(
     images: Sequence[Sequence[np.ndarray]], rows: Sequence[str], columns: Sequence[str], title: str, subtitle: str
 ) -> Image.Image:
-    """Lay images out in a grid.
+    """Arrange images in a grid.
 
     Args:
         images: One row of uint8 (h, w, 3) arrays, all of one shape, per entry of `rows`.
@@ -242,7 +242,7 @@ def first_and_last(sheet: Image.Image, size: int = SIZE) -> tuple[Image.Image, I
 
 
 def font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
-    """Return the font of images, `size` high [px]."""
+    """Return the font for images, with a height of `size` [px]."""
     return ImageFont.load_default(size)
 
 
@@ -258,13 +258,15 @@ def _demonstrate(
     outcome = task.try_demo(seed=seed, variation=variation, attempt=attempt, on_frame=on_frame)
     if outcome.demo is None:
         raise DemoError(
-            f"Seed {seed}, attempt {attempt} of '{task.get_name()}' does not succeed again: {outcome.cause}", task.task
+            f"Seed {seed}, attempt {attempt} of '{task.get_name()}' does not succeed again: {outcome.cause} "
+            "Choose another seed or attempt.",
+            task.task,
         )
     return outcome.demo
 
 
 def _wait(task: TaskEnvironment) -> Frame:
-    """Let time pass with arm and gripper stationary, and return the frame at the end."""
+    """Simulate 1 s with arm and gripper stationary, and return the last frame."""
     task.runtime.hold()
     task.runtime.gripper.hold()
     for _ in range(round(_AFTER / task.world.control_dt)):
@@ -273,7 +275,7 @@ def _wait(task: TaskEnvironment) -> Frame:
 
 
 def _lets_fall(task: TaskEnvironment, frame: Frame) -> bool:
-    """Whether something falls when the gripper, as it is in a frame, opens; the world is in the frame again afterwards."""
+    """Whether a body falls when the gripper opens in a frame. The world is restored to the frame afterwards."""
     gripper, world = task.runtime.gripper, task.world
     gripper.release()
     gripper.set_target(1.0)
@@ -285,7 +287,7 @@ def _lets_fall(task: TaskEnvironment, frame: Frame) -> bool:
 
 
 def present_frame(world: World) -> Frame:
-    """Return the world as it is now."""
+    """Return the current frame of a world."""
     poses = {(body.name, link): body.link_pose(link) for body in world.bodies.values() for link in _visual_links(body)}
     touches = any(name in world.bodies for name in world.robot.touching())
     return Frame(world.time, world.save(), poses, bool(world.gripper.held), touches, world.robot.tip_pose()[:3])
@@ -294,10 +296,16 @@ def present_frame(world: World) -> Frame:
 def events(poses: Sequence[FloatArray], holds: Sequence[bool], touches: Sequence[bool]) -> dict[str, int]:
     """Choose the events of a demonstration, and return name -> number of the frame, in order.
 
-    They are the reset; the first contact, unless a grasp follows soon; the first grasp, and one frame before it when it follows
-    late; the frame at which the links have covered half of their path since then, and in long demonstrations those of a quarter
-    and three quarters; and success, the last frame.
-    Where success follows the contact at once, there is a frame of the approach in place of the one half way.
+    The events are, in order:
+
+    * the reset;
+    * the first contact, unless a grasp follows soon;
+    * the first grasp, and a frame before it when it follows late;
+    * the frame at which the links have covered half of their path since then, and in long demonstrations those at a quarter and
+      at three quarters;
+    * success, the last frame.
+
+    If success follows the contact at once, a frame of the approach replaces the frame half way.
 
     Args:
         poses: Of each frame the poses (n, 7) of the links of the task.
@@ -349,14 +357,14 @@ def _common_poses(frames: Sequence[Frame]) -> tuple[list[tuple[str, str]], list[
 
 
 def task_view(world: World, frames: Sequence[Frame], size: int, *, hides_arm: bool = True) -> CameraView:
-    """Choose the camera that is aimed at the task, of `size` px, and return it; the world is in the last frame then.
+    """Return the camera that is aimed at the task, with an image of `size` px. The world is left in the last frame.
 
     The arm is hidden at the first frame, and with `hides_arm` at the last.
 
-    Its image contains at all frames the links that move, the bodies that are not large, and the parts of large ones that are near
-    the links that move; where none does, the tip after the reset; and between the first and the last frame the gripper where it
-    is near to all that. It stands in that direction in which the links that move, their motion and the fingers are seen best,
-    not opposite to the side from which they come.
+    The image contains, at all frames, the links that move, the bodies that are not large, and the parts of large bodies near the
+    links that move. If no link moves, it contains the tip after the reset. Between the first and the last frame it also contains
+    the gripper where that is near to these. The direction is the one that shows the links that move, their motion and the fingers
+    best, and that is not opposite to the side from which they come.
     """
     names, poses = _common_poses(frames)
     links = [(world.bodies[body], link) for body, link in names]

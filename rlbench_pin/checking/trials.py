@@ -45,7 +45,7 @@ from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.tasks import find_task
 
 KEY_FRAME_TRIES = 3
-"""Attempts at a demonstration whose key frames are executed."""
+"""Maximum number of attempts at a demonstration whose key frames are executed."""
 
 
 class Stopwatch(Listener):
@@ -89,7 +89,7 @@ class Stopwatch(Listener):
 
 
 def work(item: Item) -> list[Trial]:
-    """Do one item in an environment of its own."""
+    """Run one item in a new environment, and return its trials."""
     name = find_task(item.task).get_name()
     try:
         with _environment(item.part, item.robot) as environment:
@@ -154,7 +154,7 @@ def demo_trial(
     replay: bool = True,
     kind: type[DemoTrial] = DemoTrial,
 ) -> DemoTrial:
-    """Demonstrate one seed, check the next episode for differences, and perhaps replay the recorded actions."""
+    """Demonstrate one seed, check the next episode for differences, and with `replay` replay the recorded actions."""
     failed: list[FailedAttempt] = []
     demo = None
     for attempt in range(max_attempts):
@@ -231,7 +231,7 @@ def key_frames_trial(task: TaskEnvironment, seed: int, variation: int) -> KeyFra
 
 
 def friction_trial(task: TaskEnvironment, seed: int, variation: int) -> FrictionTrial:
-    """Try once to demonstrate a seed, in an environment that fixes nothing to the gripper."""
+    """Attempt one demonstration of a seed in an environment that does not attach grasped objects to the gripper."""
     task.reset(seed=seed, variation=variation)
     if not task.task.get_graspable_objects():
         return FrictionTrial(task=task.get_name(), seed=seed, variation=variation)

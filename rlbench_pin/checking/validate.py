@@ -20,16 +20,16 @@ NOOP_STEPS = RANDOM_STEPS = 200
 NOOP_TIME = 2.0
 """Time after a reset in which no object may move [s]."""
 MAX_DRIFT = 1e-3
-"""Tolerance of motion in that time [m]."""
+"""Largest motion of an object in that time [m]."""
 MAX_PENETRATION = 2e-3
-"""Tolerance of the penetration of objects at a reset [m]."""
+"""Largest penetration of objects at a reset [m]."""
 ENGINE_STATE = "physics"
 """Array of `World.arrays` with the engine's own file, whose memory addresses differ from save to save."""
 
 
 @dataclass(frozen=True)
 class NoopEpisode:
-    """An episode of the no-op policy: the arm stays at rest from the reset on."""
+    """An episode of the no-op policy, in which the arm is stationary after the reset."""
 
     penetration: float
     """Deepest overlap at the reset [m]."""
@@ -38,15 +38,15 @@ class NoopEpisode:
     arm_speed: float
     """Largest joint speed of the arm at the reset [rad/s]."""
     drift: float
-    """Largest distance that a corner of a link had moved after `NOOP_TIME` [m]."""
+    """Largest distance that a corner of a link has moved after `NOOP_TIME` [m]."""
     drifter: str
-    """The link it belongs to."""
+    """The link of that corner."""
     success: bool
     """Whether the goal was reached, at the reset or later, which is a fault."""
 
 
 def noop_episode(task: TaskEnvironment, seed: int, variation: int, steps: int = NOOP_STEPS) -> NoopEpisode:
-    """Reset and keep the arm at rest for `steps` control ticks, at least as long as `NOOP_TIME`."""
+    """Reset, and keep the arm stationary for `steps` control ticks, at least for `NOOP_TIME`."""
     task.reset(seed=seed, variation=variation)
     penetration, held = task.world.max_penetration(), task.runtime.gripper.grasped
     speed = float(np.abs(task.world.robot.joint_velocities).max())
@@ -68,7 +68,7 @@ def random_succeeds(task: TaskEnvironment, seed: int, variation: int, steps: int
 
 
 def left_over(task: TaskEnvironment, demo: Demo) -> tuple[str, ...]:
-    """Restart a demonstration after it was played, and return the differences; a task that cleans up has none."""
+    """Restart a demonstration after it was played, and return the differences; there are none if the task cleans up."""
     assert demo.seed is not None
     if demo.attempt or demo.state is None:
         task.reset_to_demo(demo)

@@ -1,4 +1,4 @@
-"""`rlbench-pin arm new|check`: an arm of one's own, made of a URDF file and checked."""
+"""`rlbench-pin arm new|check`: make a custom arm from a URDF file, and check it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _MARKS = {True: "ok", False: "FAILED", None: "-"}
 
 @dataclass(frozen=True)
 class NewArmFolder:
-    """Make an arm of a URDF file: the folder NAME with NAME.toml, NAME.urdf, NAME.srdf and meshes. Nothing else is needed then.
+    """Make an arm from a URDF file: the folder NAME with NAME.toml, NAME.urdf, NAME.srdf and meshes. No other file is needed.
 
     Example: `rlbench-pin arm new my_arm --urdf description/urdf/my_arm.urdf`, then `rlbench-pin arm check my_arm/my_arm.toml`.
     """
@@ -33,16 +33,16 @@ class NewArmFolder:
     name: NewName
     """Name of the arm: lower case letters, digits and `_`."""
     urdf: Path
-    """URDF file of the arm; `xacro file.xacro > file.urdf` makes one of a XACRO file."""
+    """URDF file of the arm. `xacro file.xacro > file.urdf` converts a XACRO file."""
     gripper: MaybePath = None
-    """URDF file of a gripper with two fingers, z out of its base; the parallel gripper of the xArm7 by default."""
+    """URDF file of a gripper with two fingers; z points out of its base. Default: the parallel gripper of the xArm7."""
     flange: Annotated[str, tyro.conf.arg(metavar="LINK", help_behavior_hint="")] = ""
-    """Link that carries the gripper; links below it, such as a gripper of the arm itself, are left out. Default: the last one."""
+    """Link that carries the gripper. Links below it, such as a gripper in the URDF, are left out. Default: the last link."""
     mount: Place = None
-    """Place of the gripper's base in the flange [m], [rad]. Default: on the end of that link, along the axis of the last joint,
-    turned to where it reaches most."""
+    """Pose of the gripper's base in the frame of the flange [m], [rad]. Default: at the end of that link, along the axis of the
+    last joint, rotated for the largest reach."""
     out: Path = Path()
-    """Folder in which the folder NAME is made."""
+    """Folder in which the folder NAME is created."""
 
     def run(self) -> int:
         """Write the folder, and print what was found, what is missing, and what to do next."""
@@ -65,18 +65,19 @@ class NewArmFolder:
 
 @dataclass(frozen=True)
 class CheckArm:
-    """Check an arm: its models agree, it solves poses, grasps, keeps its limits and demonstrates two tasks. 1 when a check fails.
+    """Check the models, inverse kinematics, gripper and limits of an arm, and its demonstrations of two tasks.
 
-    Example: `rlbench-pin arm check my_arm/my_arm.toml`, or `rlbench-pin arm check panda`. It takes about a minute.
+    Example: `rlbench-pin arm check my_arm/my_arm.toml`, or `rlbench-pin arm check panda`. It takes about a minute. Exit code 1: a
+    check failed.
     """
 
     arm: AnyArm
     """Name of an arm, or path of its TOML file."""
     actions: int = 300
-    """Random actions through the safety filter."""
+    """Number of random actions that are sent through the safety filter."""
 
     def run(self) -> int:
-        """Print a line for each check; 1 when one fails."""
+        """Print a line for each check; return 1 when one fails."""
         from rlbench_pin.checking.arms import CHECKS, check_arm
         from rlbench_pin.cli.bars import progress_bar
         from rlbench_pin.robot import RobotModel, robot_description
@@ -99,7 +100,7 @@ class CheckArm:
 
 @dataclass(frozen=True)
 class Arm:
-    """Make an arm of one's own of a URDF file, and check it. An arm is used by its file: `--robot my_arm/my_arm.toml`."""
+    """Make a custom arm from a URDF file, and check it. Other commands take its file: `--robot my_arm/my_arm.toml`."""
 
     action: tyro.conf.OmitSubcommandPrefixes[
         Annotated[NewArmFolder, tyro.conf.subcommand("new")] | Annotated[CheckArm, tyro.conf.subcommand("check")]
@@ -107,7 +108,7 @@ class Arm:
     """Subcommand."""
 
     def run(self) -> int:
-        """Do it."""
+        """Run the subcommand."""
         return self.action.run()
 
 
@@ -123,7 +124,7 @@ def _summary(made: NewArm) -> str:
         f"home: {', '.join(f'{angle:g}' for angle in description.home)}",
     ]
     if made.missing:
-        lines += ["Not in the URDF; look it up and change it:", *(f"  {line}" for line in made.missing)]
+        lines += ["Not in the URDF. Look these values up and change them:", *(f"  {line}" for line in made.missing)]
     return "\n".join([*lines, f"Next: rlbench-pin arm check {made.file}"])
 
 

@@ -8,7 +8,7 @@ from typing import Any
 from tqdm import tqdm
 
 INTERVAL = 10.0
-"""Time between two plain lines at least [s]."""
+"""Shortest time between two plain lines [s]."""
 
 
 def progress_bar(*items: Any, **options: Any) -> tqdm:

@@ -27,17 +27,17 @@ class Build:
     """Make or change a task in the browser: scene, behaviour, demonstration and validation. Writes NAME.toml and NAME.py."""
 
     name: tyro.conf.Positional[MaybeName] = ""
-    """A task of `--out` or of the library, to change it, or the name of a new one in snake case; a new task when left out."""
+    """Name of a task in `--out` or in the library to edit, or the name of a new task in snake case. Default: a new task."""
     task_file: MaybePath = None
     """Instead of a name: one of the two files of a task."""
     out: Path = Path()
     """Folder of the task; a task of the library stays in its own folder. Nothing is written outside the folder."""
     port: int = 0
-    """Port of 127.0.0.1 to serve the page at; 0 takes one that is free."""
+    """Port of the page on 127.0.0.1; 0 takes a free port."""
     browser: bool = True
-    """Open the page where there is a browser on a screen; its address is printed in any case."""
+    """Open the page in a browser if there is a screen. The address is always printed."""
     trust: bool = False
-    """Run the Python of the task from the start. Otherwise the page asks first, unless the builder itself wrote it."""
+    """Run the Python code of the task from the start. Otherwise the page asks first, unless the builder wrote the code."""
 
     def run(self) -> int:
         """Serve until Ctrl-C."""
@@ -62,22 +62,25 @@ class Build:
                 window.close()
                 if document.unsaved and document.step:
                     draft = window.drafts.file
-                    kept = "no draft of them is kept" if draft is None else f"the next opening offers it, from {draft}"
-                    print(f"Not saved: the changes of '{document.name}' since the last save; {kept}.")
+                    kept = "there is no draft of them" if draft is None else f"the next start offers them from the draft {draft}"
+                    print(f"Changes of '{document.name}' since the last save are not saved; {kept}.")
         return 0
 
     def _document(self) -> TaskDocument:
-        """Return the task that is to be edited."""
+        """Return the task to edit."""
         from rlbench_pin.builder.document import TaskDocument
         from rlbench_pin.tasks import library_names
         from rlbench_pin.tasks.registry import LIBRARY
 
         if self.task_file is not None:
             if self.name:
-                raise TaskEnvironmentError("Give a name or --task-file, not both.")
+                raise TaskEnvironmentError(
+                    f"The name '{self.name}' and --task-file '{self.task_file}' both name a task. Leave one of them out."
+                )
             if self.task_file.suffix not in _ENDS or not self.task_file.is_file():
                 raise TaskEnvironmentError(
-                    f"There is no task file '{self.task_file}'. `rlbench-pin build NAME --out FOLDER` makes a new pair of files."
+                    f"There is no task file '{self.task_file}'. Check the path, or make a new task with `rlbench-pin build NAME "
+                    "--out FOLDER`."
                 )
             return TaskDocument.open(self.task_file)
         check_folder(self.out)

@@ -1,4 +1,4 @@
-"""`rlbench-pin challenge run|splits`: few-shot learners on tasks that they have never seen."""
+"""`rlbench-pin challenge run|splits`: evaluate few-shot learners on unseen tasks."""
 
 from __future__ import annotations
 
@@ -43,12 +43,12 @@ SplitName = Annotated[str, tyro.conf.arg(metavar="SPLIT")]
 class Run:
     """Run the few-shot challenge with a learner. Use `--resume` to continue after an interruption.
 
-    The folder gets a results file for each number of demonstrations, `shots_5.json`, which `rlbench-pin results` shows and
-    compares, the learning curve, `summary.json`, and the demonstrations with their seeds.
+    The folder contains a results file for each number of demonstrations, such as `shots_5.json`, the learning curve
+    `summary.json`, and the demonstrations with their seeds. `rlbench-pin results` shows and compares results files.
     """
 
     learner: tyro.conf.Positional[LearnerName] = ""
-    """`nearest`, `module:factory` or `file.py:factory`. docs/challenge.md says how to write one."""
+    """`nearest`, `module:factory` or `file.py:factory`. docs/challenge.md shows how to write one."""
     shots: Shots = (1, 5, 20)
     """Numbers of demonstrations of each test task."""
     split: SplitName = "V1"
@@ -63,21 +63,21 @@ class Run:
     """File with a secret of at least 16 bytes, mixed into the seeds of episodes and demonstrations.
     Results record its SHA-256. Publish the file when the challenge is over."""
     max_steps: MaybeInt = None
-    """Maximum number of actions of an episode; by default what the learner suggests, else as in `evaluate`."""
+    """Maximum number of actions of an episode. Default: the number that the learner suggests; otherwise as in `evaluate`."""
     max_seconds: float = 120.0
-    """Maximum simulated time of an episode with the Panda [s]. Arms with slower joints have more: jaco 3.5 times."""
+    """Maximum simulated time of an episode with the Panda [s]. Arms with slower joints have a longer limit: jaco 3.5 times."""
     time_limit: float = 30.0
     """Wall-clock time limit of the policy for one action [s]."""
     start_limit: float = 300.0
-    """Time limit of the learner to start [s]."""
+    """Time limit for the start of the learner [s]."""
     adapt_limit: float = 3600.0
-    """Time limit of the learner to adapt to a task [s]."""
+    """Time limit for the adaptation of the learner to one task [s]."""
     train_limit: float = 1e6
-    """Time limit of the learner to train on the training tasks [s]."""
+    """Time limit for the training of the learner on the training tasks [s]."""
     robot: RobotName = "panda"
     """Name of the arm, or path of its TOML file."""
     workers: int = 1
-    """Worker processes, each with a learner of its own; with 0 this process does the work."""
+    """Number of worker processes, each with its own learner; 0 runs all in this process."""
     engine: EngineName = "processes"
     """Engine: processes of this machine, or a Ray cluster."""
     out: Path = Path("out/challenge")
@@ -112,7 +112,7 @@ class Run:
         return 0
 
     def config(self) -> ChallengeConfig:
-        """Return the run.
+        """Return the settings of the run.
 
         Raises:
             UnknownName: There is no such learner, split or test task.
@@ -176,7 +176,7 @@ class Challenge:
     """Subcommand."""
 
     def run(self) -> int:
-        """Do it."""
+        """Run the subcommand."""
         return self.action.run()
 
 
@@ -192,7 +192,7 @@ class ChallengeBar:
         self._bar: tqdm | None = None
 
     def __call__(self, progress: ChallengeProgress) -> None:
-        """Show how far it is."""
+        """Show the progress."""
         from rlbench_pin.cli.bars import progress_bar
 
         if progress.stage != self._stage:
@@ -205,7 +205,7 @@ class ChallengeBar:
         self._bar.set_postfix_str(", ".join([*notes, *([progress.latest] if progress.latest else [])]))
 
     def close(self) -> None:
-        """Leave the line as it is."""
+        """Close the bar; its last line stays."""
         if self._bar is not None:
             self._bar.close()
         self._bar = None

@@ -35,30 +35,30 @@ FORMAT = 3
 
 @dataclass(frozen=True)
 class Check(CheckPlan):
-    """Validate tasks: demonstrations succeed and replay, resets repeat, the no-op and the random policy solve nothing."""
+    """Validate tasks: demonstrations succeed and can be replayed, resets repeat, the no-op and random policies do not succeed."""
 
     tasks: tyro.conf.Positional[AnyTasks] = ()
-    """Task names, as `rlbench-pin list` prints them, or task files, separated by spaces or commas; all by default."""
+    """Task names, as `rlbench-pin list` prints them, or task files, separated by spaces or commas. Default: all tasks."""
     task_file: Files = ()
     """Task files outside the package, each with its scene file in the same folder."""
     workers: int = 1
-    """Processes; the result does not depend on their number."""
+    """Number of worker processes; the result does not depend on it."""
     explain: bool = False
-    """Replay the first attempt of each cause of failure: print its evidence and draw the world into `explain` below `--out`
-    (`out/explain` without it)."""
+    """Replay the first attempt of each cause of failure, print its evidence, and write an image of the world to the folder
+    `explain` in `--out` (`out/explain` by default)."""
     json: MaybePath = None
-    """File to write the whole report to."""
+    """JSON file for the whole report."""
     update: MaybePath = None
-    """Report as JSON to add to. Tasks that it has with the same numbers of trials are not checked again, unless they, the
-    package or its libraries changed since; those leave the report."""
+    """JSON report to update. Its tasks are kept where the numbers of trials, the task, the package and its libraries are
+    unchanged. Other tasks are checked again if they are named, and removed otherwise."""
     out: MaybePath = None
-    """Folder for the whole report: report.md with its images, report.json, and trials.jsonl, with which the same command
-    continues where it was stopped."""
+    """Folder for the whole report: report.md with images, report.json, and trials.jsonl. With trials.jsonl, the same command
+    continues after an interruption."""
     images: bool = True
-    """With `--out`: draw a contact sheet and a reach map of each task into it."""
+    """With `--out`: also write a contact sheet and a reach map of each task."""
 
     def run(self) -> int:
-        """Validate, print a table and the causes of failures; 1 when a task fails."""
+        """Validate, print a table and the causes of failures; return 1 when a task fails."""
         from rlbench_pin.checking import run_trials
         from rlbench_pin.checking.page import table
         from rlbench_pin.cli.progress import CheckBar
@@ -86,7 +86,7 @@ class Check(CheckPlan):
         if self.update is not None:
             content["tasks"] = dict(sorted((known | content["tasks"]).items()))
             write_json(self.update, content)
-            print(f"{self.update}: {len(content['tasks'])} tasks, {len(known)} of them as they were.")
+            print(f"{self.update}: {len(content['tasks'])} tasks, {len(known)} of them unchanged.")
         if self.out is not None:
             self._write(self.out, content, wanted, of_task)
         return 0 if all(task["passed"] for task in content["tasks"].values()) else 1
@@ -106,7 +106,9 @@ class Check(CheckPlan):
             )
         missing = [str(path) for path in self.task_file if not path.is_file()]
         if missing:
-            raise TaskEnvironmentError(f"There is no task file '{missing[0]}'. `rlbench-pin new NAME` makes a pair of files.")
+            raise TaskEnvironmentError(
+                f"There is no task file '{missing[0]}'. Check the path, or make a new task with `rlbench-pin new NAME`."
+            )
         if self.tasks:
             asked = checked_names(self.tasks, named_tasks, "rlbench-pin check TASK...")
         else:
@@ -133,7 +135,9 @@ class Check(CheckPlan):
             marks = task_marks([name for name in content["tasks"] if name in library_names()])
             return {name: task for name, task in content["tasks"].items() if task.get("mark") == marks.get(name, "changed")}
         except (ValueError, KeyError, TypeError, AttributeError) as error:
-            raise ResultsFileError(file, "it is no report of `rlbench-pin check`", "Name another file with --update.") from error
+            raise ResultsFileError(
+                file, "it is not a report of `rlbench-pin check`", "Name another file with --update."
+            ) from error
 
     def _settings(self) -> dict[str, int]:
         settings = (

@@ -1,4 +1,4 @@
-"""`rlbench-pin conventions POLICY`: which conventions a policy seems to use, and which ones its mapping or action mode states."""
+"""`rlbench-pin conventions POLICY`: compare the conventions that a policy seems to use with the stated ones."""
 
 from __future__ import annotations
 
@@ -20,14 +20,15 @@ if TYPE_CHECKING:
 class Conventions:
     """Compare the conventions that a policy seems to use with those that its mapping or action mode states.
 
-    The policy is asked for one action at each of three known poses: the start pose with an open gripper, and two poses where the
-    tip is moved and turned, the first with a closed gripper. The first action of a trained policy is near the present pose, so
-    the table has, for each convention that fits the count of numbers, how far the actions are from it [mm, degrees], best first.
-    The result is only a hint; docs/conventions.md explains why. Exit code 1 says that a convention seems to differ.
+    The policy returns one action at each of three known poses. These are the start pose with an open gripper, and two poses where
+    the tip is moved and rotated, the first of them with a closed gripper. The first action of a trained policy is near the
+    current pose. The table shows the distance of the actions from that pose [mm, degrees] in each convention with the right count
+    of numbers, best first. The result is only a hint; docs/conventions.md explains why. Exit code 1: a convention seems to
+    differ.
     """
 
     policy: tyro.conf.Positional[PolicyName] = ""
-    """A policy as `rlbench-pin evaluate` takes it: `file.py:NAME`, `openpi://HOST:PORT?mapping=NAME`, `noop`, ..."""
+    """Policy, as for `rlbench-pin evaluate`: `file.py:NAME`, `openpi://HOST:PORT?mapping=NAME`, `noop`, ..."""
 
     task: TaskName = "reach_target"
     """Task name, as `rlbench-pin list` prints it, or a task file. Choose one that the policy was trained on."""
@@ -35,7 +36,7 @@ class Conventions:
     """Name of the arm, or path of its TOML file."""
 
     def run(self) -> int:
-        """Print the conventions and a verdict for arm and gripper; 1 when one of them seems to differ."""
+        """Print the conventions and a verdict for arm and gripper; return 1 when one of them seems to differ."""
         from rlbench_pin.evaluation.conventions import compare_conventions
 
         if not self.policy:
@@ -51,16 +52,16 @@ def _text(report: ConventionReport) -> str:
     rows = [("arm", *_figures(reading), reading.name, report.is_stated(reading)) for reading in report.arm]
     rows += [("gripper", "", f"{reading.error:.2f}", reading.name, report.is_stated(reading)) for reading in report.gripper]
     mark = f"  <- {report.stated.source}"
-    lines = [f"{'':<7}  {'distance':>9}  {'turn':>7}  convention, best first"]
+    lines = [f"{'':<7}  {'distance':>9}  {'angle':>7}  convention, best first"]
     for part, distance, turn, name, is_stated in rows:
         if part == "gripper" and lines[-1].startswith("arm"):
-            lines.append(f"{'':<7}  {'':>9}  {'error':>7}  1 is the way from closed to open")
+            lines.append(f"{'':<7}  {'':>9}  {'error':>7}  1 is the range from closed to open")
         lines.append(f"{part:<7}  {distance:>9}  {turn:>7}  {name}{mark if is_stated else ''}")
     return "\n".join([*lines, "", f"arm: {report.arm_verdict.text}", f"gripper: {report.gripper_verdict.text}"])
 
 
 def _figures(reading: ArmReading) -> tuple[str, str]:
-    """Return distance and turn of an arm's convention."""
+    """Return the distance and the angle of a convention of the arm."""
     if not reading.targets:
         return "no", "pose"
     return f"{1e3 * reading.distance:.0f} mm", f"{np.degrees(reading.turn):.1f} deg"

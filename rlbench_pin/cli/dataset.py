@@ -38,7 +38,7 @@ HEADER = ("task", "episodes", "variations", "frames", "lengths", "MB", "kB a fra
 
 @dataclass(frozen=True)
 class Info:
-    """Count episodes, frames, bytes, retries and versions."""
+    """Print the numbers of episodes, frames, bytes and retries, and the versions."""
 
     root: Root
     """Folder of the dataset."""
@@ -64,7 +64,7 @@ class Verify:
     """Only compare checksums."""
 
     def run(self) -> int:
-        """Print the faults; 1 when there are any."""
+        """Print the faults; return 1 when there are any."""
         from rlbench_pin.cli.bars import progress_bar
         from rlbench_pin.datasets import read_manifest, stored_tasks, task_faults
 
@@ -113,7 +113,7 @@ class Rerender:
     source: Root
     """Folder of the dataset (its manifests are enough), or a file with a list of seeds."""
     out: Path
-    """Folder of the result; an interrupted run is resumed."""
+    """Folder of the result. The same command continues an interrupted run."""
     tasks: OnlyTasks = ()
     """Only these tasks, separated by spaces or commas."""
     image_size: Size = (128, 128)
@@ -123,7 +123,7 @@ class Rerender:
     products: Products = ("rgb", "depth", "mask")
     """Images of each camera: rgb, depth, mask, point_cloud."""
     workers: int = 1
-    """Worker processes; with 0 this process does the work."""
+    """Number of worker processes; 0 runs all in this process."""
     engine: EngineName = "processes"
     """Engine: processes of this machine, or a Ray cluster."""
     task_file: Files = ()
@@ -132,7 +132,7 @@ class Rerender:
     """Run the task files in the dataset, for tasks that are not installed. Read them first."""
 
     def run(self) -> int:
-        """Rerender; 1 when episodes are missing at the end."""
+        """Rerender; return 1 when episodes are missing at the end."""
         from rlbench_pin.cli.progress import RecordBar, stopping_gently
         from rlbench_pin.recording.config import ImageConfig
         from rlbench_pin.recording.rerender import rerender
@@ -190,10 +190,10 @@ class Export:
     tasks: OnlyTasks = ()
     """Only these tasks, separated by spaces or commas."""
     cameras: OnlyCameras = ()
-    """Cameras whose images are exported; all stored ones when none is named. Folders always get all."""
+    """Cameras whose images are exported. Default: all stored cameras. `rlbench` and `peract` always export all."""
 
     def run(self) -> int:
-        """Export and say where it is."""
+        """Export, and print the number of episodes and the path."""
         from rlbench_pin.cli.bars import progress_bar
         from rlbench_pin.datasets.formats import export_dataset, stored_episodes
 
@@ -227,7 +227,7 @@ class Dataset:
     """Subcommand."""
 
     def run(self) -> int:
-        """Do it."""
+        """Run the subcommand."""
         return self.action.run()
 
 

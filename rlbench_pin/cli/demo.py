@@ -34,7 +34,7 @@ class RecordDemos:
     seed: int = 0
     """Seed of the first episode; episode i uses seed + i."""
     episodes: int = 1
-    """Successful episodes to write."""
+    """Number of successful episodes to write."""
     out: Path = Path("out/demo")
     """Folder of the dataset."""
     video: bool = True
@@ -44,16 +44,16 @@ class RecordDemos:
     cameras: Cameras = CAMERAS
     """Cameras whose images are stored."""
     max_attempts: int = 10
-    """Attempts for each episode."""
+    """Maximum number of attempts for each episode."""
     robot: RobotName = "panda"
     """Name of the arm, or path of its TOML file."""
     disturb: Disturbances = ()
-    """One of these happens at a random moment; the planner continues from the state after it."""
+    """Disturbances: one of these happens at a random time, and the planner continues from the state after it."""
     json: bool = False
     """Print JSON for programs."""
 
     def run(self) -> int:
-        """Record, and print where everything is."""
+        """Record, and print the paths of the files."""
         from rlbench_pin.environment.presets import image_config, make_environment
         from rlbench_pin.tasks import find_task
 
@@ -131,7 +131,7 @@ class Recorded:
 
 
 def _counter(bar: tqdm, seed: int) -> Callable[[Observation], None]:
-    """Return a callback that shows the running frame in the bar."""
+    """Return a callback that shows the number of the current frame in the bar."""
     frames = itertools.count(1)
 
     def count(_: Observation) -> None:

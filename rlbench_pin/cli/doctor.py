@@ -26,7 +26,7 @@ class Doctor:
     """Print JSON for programs."""
 
     def run(self) -> int:
-        """Run all checks; 1 when a required one fails."""
+        """Run all checks; return 1 when a required one fails."""
         from rlbench_pin.environment.demos import library_versions
 
         findings = [
@@ -79,7 +79,7 @@ def check_pybullet() -> str:
     if len(found) > 1:
         raise RlbenchPinError(
             f"Two distributions install the module `pybullet`: {' and '.join(found)}. They overwrite each other's files. "
-            "Run `pip uninstall --yes pybullet pybullet-arm64`, then install rlbench-pin again; it brings the right one."
+            "Run `pip uninstall --yes pybullet pybullet-arm64`, then install rlbench-pin again, which installs the right one."
         )
     return ", ".join(found) or "installed without metadata"
 
@@ -88,7 +88,7 @@ def check_renderer(renderer: Literal["cpu", "egl"]) -> str:
     """Take an image of the empty table and return how long it took.
 
     Raises:
-        CameraError: There is no such renderer here, or its images are black or flat.
+        CameraError: The renderer is not available on this machine, or its images are black or uniform.
     """
     from rlbench_pin.environment.observations.config import CameraConfig
     from rlbench_pin.environment.observations.observe import camera_view
@@ -115,12 +115,12 @@ def check_image(rgb: np.ndarray, arm: np.ndarray, renderer: str) -> None:
     """Check an image (h, w, 3) in which `arm` (h, w) marks the robot.
 
     Raises:
-        CameraError: It is black or flat, or the robot in it is missing or black.
+        CameraError: It is black or uniform, or the robot in it is missing or black.
     """
     if rgb.mean() < _DARK or rgb.std() < _FLAT:
-        raise CameraError(f"Renderer '{renderer}' gives black or flat images (mean {rgb.mean():.0f}). Use another renderer.")
+        raise CameraError(f"Renderer '{renderer}' returns black or uniform images (mean {rgb.mean():.0f}). Use another renderer.")
     if not arm.any() or rgb[arm].mean() < _DARK:
-        raise CameraError(f"Renderer '{renderer}' draws no robot, or a black one. Use another renderer, or update the driver.")
+        raise CameraError(f"Renderer '{renderer}' draws no robot, or a black robot. Use another one, or update the driver.")
 
 
 def check_videos() -> str:

@@ -1,4 +1,4 @@
-"""`rlbench-pin evaluate POLICY`: episodes by as many processes as there are cores, a results file, videos of failures."""
+"""`rlbench-pin evaluate POLICY`: play episodes in worker processes, write a results file, and record videos of failures."""
 
 from __future__ import annotations
 
@@ -59,8 +59,8 @@ EPISODES = 25
 class Evaluate:
     """Evaluate a policy on tasks: success with its interval, collisions, limits. `--resume` continues after an interruption.
 
-    Given the key of the run, results files are byte-identical for any number of workers. `rlbench-pin results FILE...` shows and
-    compares them.
+    With the same `--policy-seed-key`, results files are byte-identical for any number of workers. `rlbench-pin results FILE...`
+    shows and compares them.
     """
 
     policy: tyro.conf.Positional[MaybePolicy] = ""
@@ -78,35 +78,36 @@ class Evaluate:
     variations: int = -1
     """Maximum number of variations of a task; -1 is all."""
     seed: int = 0
-    """Start in the published seeds: episode i has seed 2^53 + 2 (seed + i), which no demonstration has."""
+    """Seed of the evaluation: episode i has the seed 2^53 + 2 (seed + i). No demonstration has such a seed."""
     max_steps: MaybeInt = None
-    """Maximum number of actions of an episode; by default what the policy suggests, else 25 if each plans a motion, else
-    as many as fit into `--max-seconds`."""
+    """Maximum number of actions of an episode. Default: the number that the policy suggests; otherwise 25 if each action plans a
+    motion, else as many as fit into `--max-seconds`."""
     max_seconds: float = 120.0
-    """Maximum simulated time of an episode with the Panda [s]. Arms with slower joints have more: jaco 3.5 times."""
+    """Maximum simulated time of an episode with the Panda [s]. Arms with slower joints have a longer limit: jaco 3.5 times."""
     time_limit: float = 30.0
-    """Wall-clock time limit of the policy for one action [s]. Beyond it the episode is a failure."""
+    """Wall-clock time limit of the policy for one action [s]. If the policy takes longer, the episode fails."""
     start_limit: float = 300.0
-    """Time limit of the policy to start [s]."""
+    """Time limit for the start of the policy [s]."""
     robot: RobotName = "panda"
     """Name of the arm, or path of its TOML file."""
     tell_task: bool = True
     """Pass the name of the task to the policy, in addition to the instruction."""
     policy_seed_key: MaybeText = None
-    """Key of the seeds for the policy, as a results file publishes it, to repeat that run; drawn when not given."""
+    """Key of the seeds of the policy. The key in a results file repeats that run. Default: a random key."""
     factors: Factors = ()
     """Factors of generalisation: `light_color:2` is a level, `light_color` all levels, `light_color:2+friction:1` both at once,
-    `all` every factor alone. The same episodes are also played without. `rlbench-pin factors` lists them."""
+    `all` every factor alone. The same episodes are also played without factors. `rlbench-pin factors` lists them."""
     level: MaybeLevel = None
     """Level of the factors that are named without one: 1, 2, 3, or colosseum."""
     trained_on: TrainedOn = ""
     """Factors in the training data of the policy, for the results file, such as `light_color:1` or `none`."""
     workers: int = 1
-    """Worker processes, each with a policy of its own; with 0 this process does the work."""
+    """Number of worker processes, each with its own policy; 0 runs all in this process."""
     engine: EngineName = "processes"
     """Engine: processes of this machine, or a Ray cluster."""
     out: Path = Path("out/results.json")
-    """The results file. Times go to a second file next to it, and finished episodes to a journal until the run is complete."""
+    """Path of the results file. A second file next to it contains the action times. A journal keeps finished episodes until the
+    run is complete."""
     resume: bool = False
     """Continue an interrupted evaluation."""
     videos: int = 0
@@ -153,7 +154,10 @@ class Evaluate:
         if not self.page.live:
             return make_engine(self.engine, self.workers)
         if self.workers > 1 or self.engine != "processes":
-            raise TaskEnvironmentError("--live shows the episodes that one process plays. Leave out --workers and --engine.")
+            raise TaskEnvironmentError(
+                f"--live plays all episodes in one process, but --workers is {self.workers} and --engine is {self.engine}. Leave "
+                "both out."
+            )
         return SerialEngine()
 
     def config(self) -> EvaluationConfig:
@@ -257,10 +261,10 @@ def record_failures(config: EvaluationConfig, results: Results, count: int, fold
     """Replay the first failures of each task, and yield a video of each as it is made.
 
     Args:
-        config: What was evaluated.
+        config: Settings of the evaluation.
         results: Its results.
-        count: Failures of each task.
-        folder: Where videos go: `<task>_<seed>_<how it ended>.mp4`.
+        count: Number of failures of each task.
+        folder: Folder of the videos, `<task>_<seed>_<end of the episode>.mp4`.
     """
     from rlbench_pin.cli.bars import progress_bar
     from rlbench_pin.evaluation.run import EpisodeRunner, plan_episodes

@@ -1,4 +1,4 @@
-"""`rlbench-pin factors`: the factors of generalisation, their levels, and images of them."""
+"""`rlbench-pin factors`: list the factors of generalisation and their levels, and draw images of them."""
 
 from __future__ import annotations
 
@@ -29,20 +29,20 @@ WIDTH = 110
 class ListFactors:
     """List the factors of generalisation: what each changes, and the numbers of its levels.
 
-    With tasks, it says which factors cannot change them, and why. `rlbench-pin factors open_drawer --images out/factors` makes
-    an image of each factor: no change, then level 1, 2, 3.
+    With tasks, it prints the factors that cannot change each task, with the reason. `rlbench-pin factors open_drawer --images
+    out/factors` writes an image of each factor: without the factor, then levels 1, 2 and 3.
     """
 
     tasks: tyro.conf.Positional[AnyTasks] = ()
     """Tasks to list factors for."""
     images: MaybePath = None
-    """Folder for an image of each factor that can be seen, of the first task."""
+    """Folder for an image of each visible factor, with the first task."""
     camera: CameraName = "front"
     """Camera of these images."""
     image_size: Size = (256, 256)
-    """Width and height of one level in them [px]."""
+    """Width and height of one level in these images [px]."""
     seed: int = 0
-    """Seed of the episode that they show."""
+    """Seed of the episode in these images."""
     json: bool = False
     """Print JSON for programs."""
 
@@ -58,7 +58,7 @@ class ListFactors:
             print(json.dumps({"factors": factors, "not_applicable": missing}, indent=1))
         elif tasks:
             for name, reasons in missing.items():
-                print(f"{name}: all factors" if not reasons else f"{name}: all factors but")
+                print(f"{name}: all factors" if not reasons else f"{name}: all factors except")
                 for factor, reason in reasons.items():
                     print(f"  {factor}: {reason}")
         else:

@@ -12,7 +12,7 @@ from types import FrameType
 from typing import TextIO
 
 INTERRUPTED = 130
-"""Exit code after Ctrl-C, as shells have it: 128 and the number of the signal."""
+"""Exit code after Ctrl-C, as in shells: 128 plus the number of the signal."""
 _AGAIN = 0.05
 """Delay after which an interrupt is repeated [s]."""
 _IMPORT = "<frozen importlib._bootstrap>"
@@ -27,7 +27,7 @@ def say(text: str) -> None:
 
 
 def end_at_once(_: int, __: FrameType | None) -> None:
-    """End this process at once. No work was begun, and a library that is being imported could lose an exception."""
+    """End this process at once. No work has begun, and a library that is being imported could lose an exception."""
     say("rlbench-pin: interrupted")
     os._exit(INTERRUPTED)
 
@@ -88,7 +88,7 @@ def _interruptible() -> None:
 
 
 PIPE_CLOSED = 141
-"""Exit code when the reader of the output is gone, as shells have it: 128 and the number of the signal."""
+"""Exit code when the reader of the output is gone, as in shells: 128 plus the number of the signal."""
 
 
 def print_any_name() -> None:

@@ -1,4 +1,4 @@
-"""`rlbench-pin list`: the tasks; and the task names in the arguments of other commands."""
+"""`rlbench-pin list`: list the tasks. Also parses the task names in the arguments of other commands."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ ALL = "all"
 class ListTasks:
     """List the tasks, each with its version and one line of description.
 
-    Those of other packages come last, with the name of the package. `rlbench-pin list cup --tier 3` lists the tasks of tier 3
-    that have to do with cups.
+    Tasks of other packages come last, with the name of the package. `rlbench-pin list cup --tier 3` lists the tasks of tier 3
+    with `cup` in the name or the description.
     """
 
     words: tyro.conf.Positional[Annotated[tuple[str, ...], tyro.conf.arg(metavar="[WORD...]", help_behavior_hint="")]] = ()
@@ -34,7 +34,7 @@ class ListTasks:
     family: MaybeName = None
     """Only tasks of this family, such as doors, stacking or tools."""
     sets: bool = False
-    """List the sets of tasks instead; families are sets, too."""
+    """List the sets of tasks instead; families are sets too."""
     protocols: bool = False
     """List the protocols of `evaluate --protocol` instead."""
     json: bool = False
@@ -57,7 +57,7 @@ class ListTasks:
 
             sets = [name for name in task_sets() if name.lower() in map(str.lower, self.words)]
             hint = f"Use `--set {sets[0]}`." if sets else "Leave out a word or a filter."
-            print(f"No task fits. {hint}", file=sys.stderr)
+            print(f"No task matches. {hint}", file=sys.stderr)
         versions = {name: task_scene(task_class(name)).version for name in titles}
         if self.json:
             print(json.dumps({name: {"title": title, "version": versions[name]} for name, title in titles.items()}, indent=1))
@@ -69,7 +69,7 @@ class ListTasks:
         return 0
 
     def _wanted(self) -> tuple[str, ...]:
-        """Return the names of the tasks that tier, set and family let through."""
+        """Return the names of the tasks of the tier, the set and the family."""
         from rlbench_pin.errors import UnknownName
         from rlbench_pin.evaluation.sets import task_families, task_set
 
@@ -123,7 +123,7 @@ class ListTasks:
             print(
                 "  ".join(cell.rjust(w) if 0 < i < 7 else cell.ljust(w) for i, (cell, w) in enumerate(zip(row, widths))).rstrip()
             )
-        print("`gembench:L1` is a part of a protocol. docs/protocols.md says what a protocol fixes.")
+        print("`gembench:L1` is a part of a protocol. docs/protocols.md describes what a protocol fixes.")
         return 0
 
 
@@ -140,7 +140,7 @@ def named_tasks(words: Iterable[str]) -> tuple[str, ...]:
 
 
 def usable_names() -> tuple[str, ...]:
-    """Return the names of all tasks but those of broken packages, each of which is reported on stderr."""
+    """Return the names of all tasks except those of broken packages; each broken package is reported on stderr."""
     from rlbench_pin.tasks import plugin_faults, usable_task_names
 
     for fault in plugin_faults().values():

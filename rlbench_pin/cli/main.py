@@ -12,11 +12,11 @@ __all__ = ["main", "program"]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command and return the exit code: 0 done, 1 failed, 2 misused, 130 interrupted, 141 nobody reads the output.
+    """Run one command and return the exit code: 0 done, 1 failed, 2 wrong usage, 130 interrupted, 141 closed pipe.
 
     Args:
-        arguments: The words after `rlbench-pin`; None for those of this process. Then Ctrl-C ends it, unless somebody else
-            handles it, as a shell does that lets a process in the background ignore it.
+        arguments: The arguments after `rlbench-pin`; None for those of this process. With None, Ctrl-C ends the process, unless
+            another handler is installed or the process ignores Ctrl-C, as in the background of a shell.
     """
     if arguments is None and is_whole_process():
         return program()

@@ -1,4 +1,4 @@
-"""`rlbench-pin new NAME`: a commented pair of task files that passes `check` as it is."""
+"""`rlbench-pin new NAME`: write a pair of commented task files that passes `rlbench-pin check` unchanged."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from rlbench_pin.tasks import COLORS, SpawnBoundary, Task, TipInside
 class $cls(Task):
     """Describe the variations and the success condition. Here: the tip must be inside the ball; its colour is the variation."""
 
-    solved_by_chance = True  # random actions can hit a ball in the air; leave this line out if that would be a fault
+    solved_by_chance = True  # random actions can reach a ball in the air; delete this line if that is a fault of your task
 
     def init_task(self) -> None:
         """Called once: look up elements by their names in $name.toml, register graspable objects and success conditions."""
@@ -35,7 +35,7 @@ class $cls(Task):
         self.register_success_conditions([TipInside(self.robot, self.world.sensor("goal"))])
 
     def variation_count(self) -> int:
-        """Return the number of goals; leave this method out if there is one."""
+        """Return the number of goals; delete this method if there is only one."""
         return len(COLORS)
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
@@ -48,13 +48,13 @@ class $cls(Task):
 ''')
 SCENE = Template("""\
 # Lengths [m], angles [rad]; a pose is [x, y, z] or [x, y, z, yaw] or [x, y, z, qx, qy, qz, qw] in the frame of `parent`;
-# rpy = [roll, pitch, yaw] may turn a pose of three numbers.
+# rpy = [roll, pitch, yaw] adds a rotation to a pose of three numbers.
 format = 2
 
 [placement]                                 # pose of the task root; all poses below are in its frame
-pose = [0.25, 0.0, 0.0]                     # in the middle of the placement area; heights count from the table top
+pose = [0.25, 0.0, 0.0]                     # in the middle of the placement area; heights are above the table top
 static = true                               # false: the root is placed at random in every episode
-yaw = [0.0, 0.0]                            # bounds of its random turn
+yaw = [0.0, 0.0]                            # bounds of its random yaw
 
 [[body]]                                    # assets: rlbench_pin/assets/CATALOGUE.md; your own: asset = "./object.urdf"
 name = "ball"
@@ -67,7 +67,7 @@ name = "air"
 pose = [0.05, 0.0, 0.12]
 size = [0.35, 0.5, 0.1]
 
-[[sensor]]                                  # a volume that detects bodies; this one goes with the ball
+[[sensor]]                                  # a volume that detects bodies; this one moves with the ball
 name = "goal"
 parent = "ball"
 shape = "sphere"
@@ -77,16 +77,16 @@ size = [0.05]
 name = "waypoint0"
 parent = "ball"
 rpy = [3.1415927, 0.0, 0.0]                 # gripper pointing down
-symmetry = 4                                # it may arrive turned by quarter turns
-# path = "straight"                         # or "curve"; default "plan"
-# ignore_collisions = true                  # for contact
+symmetry = 4                                # grasp symmetry: the gripper may also be rotated by 90, 180 or 270 degrees
+# path = "straight"                         # or "curve"; the default is "plan"
+# ignore_collisions = true                  # for motions that touch objects
 # gripper = "close"                         # after arriving: "open", "close" or an opening 0.0 to 1.0
 """)
 
 
 @dataclass(frozen=True)
 class New:
-    """Write a commented pair of files, NAME.py and NAME.toml: a reach that passes `rlbench-pin check --task-file NAME.py`."""
+    """Write two commented files, NAME.py and NAME.toml: a reach task that passes `rlbench-pin check --task-file NAME.py`."""
 
     name: tyro.conf.Positional[Annotated[str, tyro.conf.arg(metavar="NAME")]]
     """Name of the task in snake case."""
@@ -94,14 +94,14 @@ class New:
     """Folder to write to; `rlbench_pin/tasks/library` makes it a task of the package."""
 
     def run(self) -> int:
-        """Write both files, never over existing ones, and print what to do next."""
+        """Write both files, and print the next step. Existing files are never overwritten."""
         from rlbench_pin.tasks import camel_case, task_names
         from rlbench_pin.tasks.registry import name_fault
 
         if fault := name_fault(self.name):
             raise TaskEnvironmentError(f"'{self.name}': {fault}")
         if self.name in task_names():
-            raise TaskEnvironmentError(f"A task '{self.name}' exists already. `rlbench-pin list` shows all; choose another name.")
+            raise TaskEnvironmentError(f"A task '{self.name}' exists already. Choose another name; `rlbench-pin list` shows all.")
         fill = {"name": self.name, "cls": camel_case(self.name), "title": self.name.replace("_", " ").capitalize()}
         pairs = [(self.out / f"{self.name}{end}", text.substitute(fill)) for end, text in ((".py", TASK), (".toml", SCENE))]
         with storing(self.out):

@@ -25,11 +25,11 @@ class PageOptions:
     """Options of commands that can serve a page."""
 
     live: bool = False
-    """Show it in a browser, in 3D and over time, until Ctrl-C."""
+    """Show a live 3D page in a browser until Ctrl-C."""
     port: int = 0
     """Port of the page on 127.0.0.1; 0 takes a free port."""
     browser: bool = True
-    """Open the page, where there is a browser."""
+    """Open the page in a browser if there is a screen."""
 
 
 def live_module() -> Any:
@@ -45,11 +45,11 @@ def check_port(page: Any) -> None:
     """Raise TaskEnvironmentError unless the port of a page is valid."""
     check_at_least(page, port=0)
     if page.port > _MAX_PORT:
-        raise TaskEnvironmentError(f"--port is {page.port}; ports go up to {_MAX_PORT}, and 0 takes a free one.")
+        raise TaskEnvironmentError(f"--port is {page.port}; it must be at most {_MAX_PORT}. Use 0 for a free port.")
 
 
 def announce(address: str, browser: bool) -> None:
-    """Print the address of a page, and open it if that is wanted and there is a screen; signals end the command from now on."""
+    """Print the address of a page, and open it if `browser` is set and there is a screen. Signals then end the command."""
     answer_signals()
     print(f"{address}  (Ctrl-C ends it)", flush=True)
     if browser and has_screen():

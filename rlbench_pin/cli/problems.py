@@ -1,4 +1,4 @@
-"""`rlbench-pin problems export TASK...`: motions of demonstrations as planning problems, each in a file of its own."""
+"""`rlbench-pin problems export TASK...`: write motions of demonstrations as planning problems, one file for each."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 class Problems:
     """Write motions of demonstrations as planning problems: arm, obstacles, grasped bodies, start and goal, as JSON.
 
-    A problem is a segment that is planned to a pose among obstacles. Segments that may touch anything (`ignore_collisions`),
-    or follow a curve, are left out; the last line for each task counts them.
+    A problem is a segment that is planned to a pose among obstacles. Segments that ignore collisions (`ignore_collisions`) or
+    follow a curve are left out; the last line for each task counts them.
     """
 
     action: tyro.conf.Positional[Literal["export"]]
@@ -29,14 +29,14 @@ class Problems:
     tasks: tyro.conf.Positional[SomeTasks] = ()
     """Task names, as `rlbench-pin list` prints them, separated by spaces or commas, `all`, or task files."""
     episodes: int = 5
-    """Demonstrations of each task."""
+    """Number of demonstrations of each task."""
     seed: int = 0
     """Seed of the first episode; episode i uses seed + i."""
     out: Path = Path("problems")
     """Folder for the files."""
 
     def run(self) -> int:
-        """Write the segments of demonstrations, print the numbers of problems and other segments; 1 when there is no problem."""
+        """Write the problems, print the numbers of problems and other segments; return 1 when there is no problem."""
         from rlbench_pin.tasks import find_task
 
         check_at_least(self, episodes=1, seed=0)

@@ -1,4 +1,4 @@
-"""Progress bars on stderr, and Ctrl-C that keeps finished work."""
+"""Progress bars on stderr, and a handler of Ctrl-C that keeps finished work."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from rlbench_pin.recording.record import RecordReport
 
 
 class RecordBar:
-    """Episodes done, their rate, and failed tries by cause, on stderr."""
+    """Episodes done, their rate, and failed attempts by cause, on stderr."""
 
     def __init__(self, what: str) -> None:
         self._bar: tqdm | None = None
         self._what = what
 
     def __call__(self, report: RecordReport) -> None:
-        """Show how far it is."""
+        """Show the progress."""
         if self._bar is None:
             self._bar = progress_bar(total=report.wanted, initial=report.found, unit="episode", desc=self._what)
         self._bar.update(report.found + report.recorded - self._bar.n)
@@ -35,7 +35,7 @@ class RecordBar:
         self._bar.set_postfix_str(", ".join(notes))
 
     def close(self) -> None:
-        """Leave the line as it is."""
+        """Close the bar; its last line stays."""
         if self._bar is not None:
             self._bar.close()
 
@@ -47,7 +47,7 @@ class CheckBar:
         self._bar: tqdm | None = None
 
     def __call__(self, progress: CheckProgress) -> None:
-        """Show how far the check is."""
+        """Show the progress of the check."""
         if self._bar is None:
             self._bar = progress_bar(total=progress.total, initial=progress.found, unit="trial", desc="check", smoothing=0.05)
         if progress.latest is not None:
@@ -55,7 +55,7 @@ class CheckBar:
         self._bar.update(progress.found + progress.done - self._bar.n)
 
     def close(self) -> None:
-        """Leave the line as it is."""
+        """Close the bar; its last line stays."""
         if self._bar is not None:
             self._bar.close()
 
@@ -70,7 +70,7 @@ def stopping_gently() -> Iterator[threading.Event]:
             interrupt(number, frame)
             return
         stop.set()
-        say("\nFinishing the running episodes; Ctrl-C again to abandon them.")
+        say("\nFinishing the running episodes. Press Ctrl-C again to stop at once.")
 
     before = signal.signal(signal.SIGINT, on_interrupt)
     try:
@@ -91,7 +91,7 @@ class EvaluationBar:
         self._what = what
 
     def __call__(self, progress: EvaluationProgress) -> None:
-        """Show how far it is."""
+        """Show the progress."""
         if self._bar is None:
             total, found = progress.wanted, progress.found
             self._bar = progress_bar(total=total, initial=found, unit="episode", desc=self._what)
@@ -104,6 +104,6 @@ class EvaluationBar:
         self._bar.set_postfix_str(", ".join(notes))
 
     def close(self) -> None:
-        """Leave the line as it is."""
+        """Close the bar; its last line stays."""
         if self._bar is not None:
             self._bar.close()

@@ -51,7 +51,7 @@ _BOOLEANS = ("true", "false")
 
 @dataclass(frozen=True)
 class KnownNames:
-    """Flags of RLBench's generators, accepted in place of ours. Underscores are equal to hyphens, lists may have commas."""
+    """Flags of RLBench's generators, accepted as aliases. Underscores and hyphens are equivalent; lists may have commas."""
 
     tasks: OnlyTasks = ()
     """Same as the task names."""
@@ -60,7 +60,7 @@ class KnownNames:
     processes: MaybeInt = None
     """Same as `--workers`."""
     episodes_per_task: MaybeInt = None
-    """Same as `--episodes` with `--per-variation`; with `--all-variations True` same as `--episodes` alone."""
+    """Same as `--episodes` with `--per-variation`; with `--all-variations True`, same as `--episodes` alone."""
     all_variations: MaybeBool = None
     """True spreads the episodes of a task over its variations, as `record` does; False counts them for each variation."""
 
@@ -75,27 +75,27 @@ class Record:
     """Plan demonstrations of tasks and write them to a dataset. Use `--resume` to continue after an interruption."""
 
     tasks: tyro.conf.Positional[AnyTasks] = ()
-    """Task names, as `rlbench-pin list` prints them, separated by spaces or commas, `all`, or task files; with `--resume`
-    alone, those recorded before."""
+    """Task names, as `rlbench-pin list` prints them, separated by spaces or commas, `all`, or task files. With `--resume` and no
+    name: the tasks recorded before."""
     protocol: MaybeProtocol = None
     """Protocol, such as peract18 or gembench, or a TOML file: fixes tasks, episodes, seeds, cameras, image size and arm.
     `rlbench-pin list --protocols` lists them."""
     split: Literal["train", "validation", "test"] = "train"
-    """Split of the protocol to record; `test` begins in the episodes of the evaluation, which are not for training."""
+    """Split of the protocol to record. `test` has the start states of the evaluation: do not train on it."""
     episodes: int = 10
     """Episodes of each task, spread evenly over its variations."""
     per_variation: bool = False
-    """Count episodes for each variation."""
+    """Record `--episodes` of each variation instead of each task."""
     variations: int = -1
     """Maximum number of variations of a task; -1 is all."""
     seed: int = 0
     """Seed of the recording. The same seed gives the same files for any number of workers."""
     workers: int = 1
-    """Worker processes; with 0 this process does the work."""
+    """Number of worker processes; 0 runs all in this process."""
     engine: EngineName = "processes"
     """Engine: processes of this machine, or a Ray cluster."""
     resume: bool = False
-    """Continue the recording in the folder, with its settings where no other is given."""
+    """Continue the recording in the folder. Settings that are not given are those of the recording."""
     trust_task_files: bool = False
     """Run the task files in the folder, for tasks that are neither installed nor named as files. Read them first."""
     image_size: Size = (128, 128)
@@ -107,9 +107,9 @@ class Record:
     compression: Compression = "gzip"
     """Compression: `gzip` gives smaller files, `lzf` is faster."""
     max_attempts: int = 10
-    """Attempts for each episode."""
+    """Maximum number of attempts for each episode."""
     renderer: RenderMode = "opengl3"
-    """`opengl3` draws shadows, `opengl` is faster without."""
+    """`opengl3` draws shadows; `opengl` draws none and is faster."""
     arm_max_velocity: float = 1.0
     """Limit of the speed along the joint-space path [rad/s]."""
     arm_max_acceleration: float = 4.0
@@ -117,22 +117,22 @@ class Record:
     robot: RobotName = "panda"
     """Name of the arm, or path of its TOML file."""
     paired: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ARM...", help_behavior_hint="")] = ()
-    """Arms, separated by spaces or commas: one dataset for each, in a folder of `--out` with its name, of those episodes that all
-    of them demonstrate at the same attempt of the same seed."""
+    """Arms, separated by spaces or commas. Each gets its own dataset, in a folder of `--out` with its name. An episode is stored
+    only if all arms demonstrate it at the same attempt of the same seed."""
     factors: Annotated[str, tyro.conf.arg(metavar="FACTOR:LEVEL+...", help_behavior_hint="(default: none)")] = ""
     """Factors of generalisation of all episodes, such as `light_color:2+table_texture:1`; `rlbench-pin factors` lists them."""
     disturb: Disturbances = ()
-    """Recovery demonstrations: one of these happens at a random moment of each episode, and the planner continues. `push`: the
-    gripper is moved aside by 3 cm; `slip`: the fingers open soon after a grasp; `stop`: the arm stops."""
+    """Disturbances for recovery demonstrations: one happens at a random time in each episode, and the planner continues. `push`
+    moves the gripper aside by 3 cm; `slip` opens the fingers soon after a grasp; `stop` stops the arm."""
     out: Path = DEFAULT_OUT
     """Folder of the dataset."""
     json: bool = False
     """Print the report as JSON."""
     known: tyro.conf.OmitArgPrefixes[KnownNames] = field(default_factory=KnownNames)
-    """Flags of other generators."""
+    """Flags of RLBench's generators."""
 
     def run(self) -> int:
-        """Record; 1 when episodes are missing at the end."""
+        """Record; return 1 when episodes are missing at the end."""
         if self.known.are_used:
             return self._in_our_names().run()
         check_at_least(self, workers=0)
@@ -178,7 +178,10 @@ class Record:
             if value is None:
                 continue
             if getattr(self, ours) not in (getattr(type(self)(), ours), value):
-                raise TaskEnvironmentError(f"--{ours} and --{theirs} name the same setting with two values. Give one of them.")
+                raise TaskEnvironmentError(
+                    f"--{ours} is {getattr(self, ours)} and --{theirs} is {value}, but both are the same setting. Leave one of "
+                    "them out."
+                )
             changes[ours] = value
         if known.all_variations is not None or known.episodes_per_task is not None:
             changes["per_variation"] = self.per_variation if known.all_variations else True
@@ -210,7 +213,7 @@ class Record:
         return with_defaults(Record, defaults)
 
     def with_protocol_defaults(self) -> type[Record]:
-        """Return this command with what its protocol fixes as defaults: other values are then those that the user gave.
+        """Return this command with the values of its protocol as defaults: all other values are then from the user.
 
         Raises:
             UnknownName: There is no such protocol, or it has no such split.
@@ -229,7 +232,7 @@ class Record:
         return load_protocol(self.protocol or "").for_split(self.split)
 
     def _fixed(self, protocol: Protocol) -> dict[str, Any]:
-        """Return the arguments of this command that a protocol fixes; only the first attempt begins where a test episode does."""
+        """Return the arguments that a protocol fixes. Only the first attempt has the start state of a test episode."""
         protocol.check_tasks_exist()
         split = protocol.split(self.split)
         return {
@@ -360,7 +363,7 @@ def print_report(report: RecordReport, out: Path, go_on: str, *, as_json: bool) 
 
 
 def as_dict(report: RecordReport) -> dict[str, object]:
-    """Plain values for JSON."""
+    """Return the report as plain values for JSON."""
     return {
         "wanted": report.wanted,
         "found": report.found,
@@ -380,7 +383,7 @@ def _text(report: RecordReport, out: Path) -> str:
     megabytes = report.num_bytes / 1e6
     lines = [
         f"{report.found + report.recorded} of {report.wanted} episodes in {out}: {report.recorded} recorded now "
-        f"({rate:.1f} a minute, {report.frames} frames, {megabytes:.1f} MB), {report.found} found there"
+        f"({rate:.1f} a minute, {report.frames} frames, {megabytes:.1f} MB), {report.found} recorded before"
     ]
     lines += [f"failed attempts: {', '.join(f'{n} x {cause}' for cause, n in report.causes.items())}"] if report.causes else []
     lines += [f"{death.item.name}: a worker died ({death.cause}) and was replaced" for death in report.deaths]

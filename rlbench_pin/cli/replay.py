@@ -15,7 +15,7 @@ class Replay:
     """Restore the start of stored episodes, repeat their joint-position actions, and print whether they succeed again."""
 
     files: tyro.conf.Positional[SomeFiles] = ()
-    """Episode files, or folders of datasets; of a dataset, all episodes in its manifests are replayed."""
+    """Episode files, or folders of datasets. All episodes in the manifests of a dataset are replayed."""
 
     task_file: Files = ()
     """Your own task files for tasks that are not installed; they replace those in the dataset."""
@@ -23,7 +23,7 @@ class Replay:
     """Run the task files in the dataset, for tasks that are not installed. Read them first."""
 
     def run(self) -> int:
-        """Print one line per episode; 1 when one does not succeed."""
+        """Print one line per episode; return 1 when one does not succeed."""
         from rlbench_pin.recording.replay import replay_stored
         from rlbench_pin.tasks import own_tasks
 
@@ -37,6 +37,8 @@ class Replay:
             failed += not result.reached
             print(f"{'reached' if result.reached else 'MISSED '}  {result.path}")
         if not replayed:
-            raise DatasetError(f"There are no episodes in {', '.join(map(str, self.files))}. `rlbench-pin record` makes some.")
+            raise DatasetError(
+                f"There are no episodes in {', '.join(map(str, self.files))}. Record some with `rlbench-pin record TASK`."
+            )
         print(f"{failed or 'none'} of {replayed} missed the goal")
         return 1 if failed else 0

@@ -1,4 +1,4 @@
-"""`rlbench-pin results FILE...`: tables, comparisons and an image of results files; `results verify` plays episodes again."""
+"""`rlbench-pin results FILE...`: print tables and comparisons of results files, draw plots, and play episodes again."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class ShowResults:
     any_limits: bool = False
     """Compare files whose episodes have different limits."""
     plot: MaybePath = None
-    """File of a plot: success by task, the files side by side; PNG or SVG."""
+    """PNG or SVG file for a plot of the success by task, with the files side by side."""
     markdown: bool = False
     """Print the tables in Markdown."""
     json: bool = False
@@ -66,10 +66,12 @@ class ShowResults:
 
         if not self.files:
             raise TaskEnvironmentError(
-                "No file was named. Use `rlbench-pin results FILE...`; `rlbench-pin evaluate` writes them."
+                "No file was named. Use `rlbench-pin results FILE...`; `rlbench-pin evaluate` writes results files."
             )
         if self.compare and len(self.files) < 2:
-            raise TaskEnvironmentError("--compare needs two files or more: the first is compared with each other file.")
+            raise TaskEnvironmentError(
+                f"--compare needs two files or more, but only '{self.files[0]}' was named. Name the files to compare with it."
+            )
         if self.plot is not None:
             check_plot(self.plot, len(self.files))
             check_file(self.plot)
@@ -185,14 +187,14 @@ class VerifyResults:
     file: ResultsFile
     """Results file, as `rlbench-pin evaluate` writes it."""
     sample: Share = "5%"
-    """Share of the episodes that are played, drawn at random; at least one."""
+    """Share of the episodes to play, drawn at random; at least one episode."""
     policy: PolicyName = ""
-    """Policy to play with, as for `evaluate`. Needed unless the file names `noop`, `random` or `expert`: no file can run code."""
+    """Policy, as for `evaluate`. Required unless the file names `noop`, `random` or `expert`: a file alone runs no code."""
     workers: int = 1
-    """Worker processes, each with a policy of its own; with 0 this process does the work."""
+    """Number of worker processes, each with its own policy; 0 runs all in this process."""
 
     def run(self) -> int:
-        """Print the episodes that differ; 1 when there are any."""
+        """Print the episodes that differ; return 1 when there are any."""
         from rlbench_pin.cli.progress import EvaluationBar
         from rlbench_pin.evaluation.results.records import read_results
         from rlbench_pin.evaluation.run.verify import verify_results
@@ -219,7 +221,7 @@ class VerifyResults:
         match = re.fullmatch(r"(\d+(?:\.\d+)?)\s*%", self.sample.strip())
         if match is None or not 0.0 < float(match[1]) <= 100.0:
             raise TaskEnvironmentError(
-                f"--sample {self.sample} is not a share. Use a percentage above 0 and up to 100, such as 5%."
+                f"--sample is {self.sample}, which is not a share. Use a percentage above 0 and up to 100, such as 5%."
             )
         return float(match[1]) / 100.0
 

@@ -1,4 +1,4 @@
-"""The table of commands; parse a command line, run the command, turn what it raises into exit codes."""
+"""The table of commands. Parses a command line, runs the command, and returns an exit code for each error."""
 
 from __future__ import annotations
 
@@ -80,11 +80,11 @@ def summary(command: type) -> str:
 
 
 def parse(words: Sequence[str]) -> Command:
-    """Return the command that `words` describe.
+    """Return the command of a command line.
 
     Raises:
-        UnknownName: No command is called so; names the nearest.
-        SystemExit: Help or the version was asked for and printed (0), or the words are no command line (2).
+        UnknownName: No command has this name; proposes the nearest name.
+        SystemExit: The help or the version was printed (0), or the arguments are not valid (2).
     """
     if list(words) == ["--version"]:
         print(f"rlbench-pin {__version__}")
@@ -116,14 +116,14 @@ def _parsed(commands: dict[str, Callable[..., object]], words: Sequence[str]) ->
 
 
 def run(words: Sequence[str], on_begin: Callable[[], None]) -> int:
-    """Run the command that `words` describe to its end and return the exit code.
+    """Run the command of a command line to its end and return the exit code.
 
     Args:
         words: The command line after `rlbench-pin`.
-        on_begin: Called between reading the words and beginning the work.
+        on_begin: Called after the words are parsed, before the work begins.
 
     Returns:
-        0 done, 1 failed, 2 misused, 130 interrupted, 141 nobody reads the output.
+        0 done, 1 failed, 2 wrong usage, 130 interrupted, 141 closed pipe.
     """
     try:
         command = parse(words)
@@ -152,24 +152,26 @@ def _after_flush(code: int) -> int:
         return code
     if isinstance(problem, BrokenPipeError):
         return PIPE_CLOSED
-    say(f"rlbench-pin: the output cannot be written: {problem.strerror or problem}.")
+    say(f"rlbench-pin: the output cannot be written: {problem.strerror or problem}. Use another file or disk.")
     return code or FAILED
 
 
 def _system_error(error: OSError | UnicodeError | MemoryError) -> str:
     if isinstance(error, MemoryError):
-        return "there is not enough memory."
+        return "there is not enough memory. Use fewer workers or smaller images, or free some memory."
     if isinstance(error, UnicodeError):
-        return f"a name is not valid text: {error}. Choose a name of ordinary characters."
+        return f"a name is not valid text: {error}. Choose a name with ASCII characters only."
     reason = error.strerror or str(error)
     if error.filename is None:
-        return f"the output cannot be written: {reason}." if error.errno in _WRITING else f"the system refused: {reason}."
+        if error.errno in _WRITING:
+            return f"the output cannot be written: {reason}. Use another file or disk."
+        return f"a system call failed: {reason}. Check the permissions and the free resources of this machine."
     return f"'{error.filename}': {reason}. Check that the file or folder exists and can be used."
 
 
 def _print_error(problem: object, code: int) -> int:
     try:
         print(f"rlbench-pin: {problem}", file=sys.stderr)
-    except OSError:  # nobody reads it
+    except OSError:  # the pipe is closed
         return code
     return code

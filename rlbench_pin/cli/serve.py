@@ -1,4 +1,4 @@
-"""`rlbench-pin serve POLICY`: a policy for evaluations in other environments, or on other machines."""
+"""`rlbench-pin serve POLICY`: serve a policy to evaluations in other Python environments or on other machines."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Address = Annotated[str, tyro.conf.arg(metavar="ADDRESS")]
 
 @dataclass(frozen=True)
 class Serve:
-    """Serve a policy at an address until Ctrl-C; `rlbench-pin evaluate` with that address elsewhere evaluates it."""
+    """Serve a policy at an address until Ctrl-C. `rlbench-pin evaluate` takes the address as its policy."""
 
     policy: tyro.conf.Positional[PolicyName] = ""
     """`module:factory`, `file.py:factory`, `sb3:FILE`, `lerobot:FOLDER`, or the name of a policy of this package."""
@@ -40,14 +40,16 @@ class Serve:
             raise TaskEnvironmentError("No policy was named. Use `rlbench-pin serve POLICY`, for example `my_policy.py:make`.")
         found = find_policy(self.policy)
         if found.place in ("socket", "websocket"):
-            raise TaskEnvironmentError(f"'{self.policy}' is the address of a server. Name the policy itself.")
+            raise TaskEnvironmentError(
+                f"'{self.policy}' is the address of a server, not a policy. Name the policy, such as `my_policy.py:make`."
+            )
         try:
             listener = listen(self.address, self.anywhere)
         except (ValueError, OSError) as error:
-            hint = "" if isinstance(error, ValueError) else " Is it in use? Choose another `--address`."
-            said = str(error).replace("or allow it", "or pass `--anywhere`")
-            raise TaskEnvironmentError(f"'{self.address}' cannot be listened at: {said.rstrip('.')}.{hint}") from error
-        sys.path.insert(0, os.getcwd())  # where `module:factory` is looked for, as with `python -m`
+            hint = "" if isinstance(error, ValueError) else " It may be in use: choose another `--address`."
+            said = str(error).replace("anywhere=True", "`--anywhere`")
+            raise TaskEnvironmentError(f"The address '{self.address}' cannot be used: {said.rstrip('.')}.{hint}") from error
+        sys.path.insert(0, os.getcwd())  # the import path of `module:factory`, as with `python -m`
         answer_signals()
         print(f"{self.policy} is served at {self.address}; Ctrl-C ends it", flush=True)
         serve_answers(lambda: answers_for(found.target), listener)

@@ -45,16 +45,16 @@ class ReinforcementLearning:
     tasks: tyro.conf.Positional[SomeTasks] = ()
     """Tasks to train, one after the other, each with its own model."""
     steps: int = 20_000
-    """Decisions of training for each task, 0.15 s each, rounded up to a multiple of `--checkpoint-steps`. A larger number
+    """Number of training decisions for each task, 0.15 s each, rounded up to a multiple of `--checkpoint-steps`. A larger number
     continues a finished training."""
     out: Path = Path("out/model")
     """Folder of the models, one for each task."""
     shaped: bool = False
     """Use the shaped reward of the task, if it has one; otherwise the reward is 1 at success."""
     demonstrations: int = 0
-    """Number of demonstrations that the planner makes first: the first policy imitates them, and SAC keeps them in its buffer."""
+    """Number of demonstrations that the planner makes first. The initial policy imitates them; SAC keeps them in its buffer."""
     seed: int = 0
-    """Seed of first weights, episodes, exploration and batches. On the CPU the same seed gives the same weights."""
+    """Seed of initial weights, episodes, exploration and batches. On the CPU the same seed gives the same weights."""
     workers: int = 1
     """Number of parallel environments, each in its own process if there are several. The result depends on this number."""
     device: Device = "cpu"
@@ -62,7 +62,7 @@ class ReinforcementLearning:
     episode_steps: MaybeInt = None
     """Maximum number of decisions of a training episode; default 30 for `reach_target` and 50 for other tasks."""
     checkpoint_steps: int = 2048
-    """Decisions between two checkpoints; PPO updates once per checkpoint. The result depends on this number."""
+    """Number of decisions between two checkpoints; PPO updates once per checkpoint. The result depends on this number."""
     plot: MaybePath = None
     """PNG or SVG file for the learning curves of all tasks; each task also has its own in its folder."""
     resume: bool = False
@@ -92,17 +92,17 @@ class FromDemonstrations:
     """Arguments of the baselines that learn from recorded demonstrations."""
 
     data: tyro.conf.Positional[SomeFolders] = ()
-    """Folders of datasets; key frames need no stored images: the demonstrations are replayed."""
+    """Folders of datasets. `key-frames` needs no stored images, because it replays the demonstrations."""
     out: Path = Path("out/model")
     """Folder of the models, one for each task."""
     tasks: OnlyTasks = ()
     """Tasks to train; default: all tasks of the datasets."""
     demos: int = -1
-    """Demonstrations of each task, spread over its variations; -1 is all."""
+    """Number of demonstrations of each task, spread over its variations; -1 is all."""
     steps: MaybeInt = None
-    """Batches for each task; when not given, 3000 of 128 ticks (cloning) or 1500 of 8 clouds (key-frames)."""
+    """Number of batches for each task. Default: 3000 of 128 ticks (cloning), or 1500 of 8 point clouds (key-frames)."""
     seed: int = 0
-    """Seed of first weights, batches and augmentation. On the CPU the same seed gives the same files."""
+    """Seed of initial weights, batches and augmentation. On the CPU the same seed gives the same files."""
     device: Device = "cpu"
     """Device of torch: `cpu`, `cuda`, `cuda:1`."""
     resume: bool = False
@@ -114,7 +114,7 @@ class Cloning(FromDemonstrations):
     """Learn joint commands from recorded demonstrations, from state or images."""
 
     cameras: OnlyCameras = ()
-    """Cameras to learn from in place of the state of the task."""
+    """Cameras whose images replace the state of the task as input."""
 
     def run(self) -> int:
         """Train."""
@@ -143,12 +143,12 @@ class Train:
     """The baseline."""
 
     def run(self) -> int:
-        """Do it."""
+        """Run the subcommand."""
         return self.action.run()
 
 
 def train_on_demonstrations(command: FromDemonstrations, baseline: str, **options: Any) -> int:
-    """Train one model after the other; 130 when it was interrupted.
+    """Train one model after the other; return 130 after an interruption.
 
     Args:
         command: The arguments of the command.
@@ -170,7 +170,7 @@ def train_on_demonstrations(command: FromDemonstrations, baseline: str, **option
     with stopping_gently() as stop:
         for task in tasks:
             if not _train_on_demonstrations(command, baseline, task, stop, options):
-                say("The same command with --resume goes on.")
+                say("Use the same command with --resume to continue.")
                 return INTERRUPTED
     name = baseline.replace("-", "_")
     print(f"{len(tasks)} models in {command.out}; the policy is {BASELINES}.{name}:policy?folder={command.out}")
@@ -205,7 +205,7 @@ def _show_loss(bar: tqdm) -> Callable[[int, float], None]:
 
 
 def train_rl(command: ReinforcementLearning, algorithm: str) -> int:
-    """Train one model after the other; 130 when it was interrupted.
+    """Train one model after the other; return 130 after an interruption.
 
     Args:
         command: The arguments of the command.
@@ -217,7 +217,7 @@ def train_rl(command: ReinforcementLearning, algorithm: str) -> int:
     tasks = named_tasks(checked_names(command.tasks, split_names, usage))
     check_at_least(command, steps=1, demonstrations=0, seed=0, workers=1, episode_steps=1, checkpoint_steps=8)
     if not command.resume and (held := [task for task in tasks if (command.out / task).exists()]):
-        raise TaskEnvironmentError(f"'{command.out / held[0]}' exists. Continue with --resume, or name another --out.")
+        raise TaskEnvironmentError(f"'{command.out / held[0]}' exists already. Continue with --resume, or name another --out.")
     if importlib.util.find_spec("stable_baselines3") is None:
         raise MissingExtra(f"`rlbench-pin train {algorithm}`", "stable_baselines3", "rl")
     if command.plot is not None:
@@ -227,7 +227,7 @@ def train_rl(command: ReinforcementLearning, algorithm: str) -> int:
     with stopping_gently() as stop:
         for task in tasks:
             if not _train_rl(learning, command, algorithm, task, stop):
-                say("The same command with --resume goes on.")
+                say("Use the same command with --resume to continue.")
                 return INTERRUPTED
     if command.plot is not None:
         curves = {f"{algorithm} {task}": learning.read_curve(command.out / task) for task in tasks}
@@ -257,7 +257,7 @@ def _show_success(bar: tqdm) -> Callable[[Any], None]:
         if progress.note:
             bar.set_postfix_str(progress.note)
         elif point is not None and point.success is not None:
-            looked = "" if point.validation is None else f", {100.0 * point.validation:.0f} % without exploring"
+            looked = "" if point.validation is None else f", {100.0 * point.validation:.0f} % without exploration"
             bar.set_postfix_str(f"success {100.0 * point.success:.0f} %{looked}", refresh=False)
         bar.update(progress.steps - bar.n)
 

@@ -1,4 +1,4 @@
-"""`rlbench-pin video TASK...`: videos of demonstrations by a camera that circles around the table."""
+"""`rlbench-pin video TASK...`: record videos of demonstrations with a camera that circles around the table."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Video:
     tasks: tyro.conf.Positional[SomeTasks] = ()
     """Task names, as `rlbench-pin list` prints them, separated by spaces or commas, `all`, or task files."""
     grid: bool = False
-    """Record all tasks side by side in one video, instead of one video each."""
+    """Record one video with all tasks side by side, instead of one video for each task."""
     variation: int = 0
     """Variation of the tasks."""
     seed: int = 0
@@ -40,19 +40,19 @@ class Video:
     size: Size = (1280, 720)
     """Width and height of the video of one task [px], even numbers."""
     speed: float = 0.005
-    """Angle that the camera moves in a tick [rad]."""
+    """Angle by which the camera moves in a control tick [rad]."""
     fps: int = 20
-    """Control ticks per second; 20 is real time."""
+    """Control ticks per second of the video; 20 is real time."""
     smooth: Literal[1, 2, 3] = 1
-    """Frames of each tick, taken between its physics steps: 3 makes a video with 60 frames per second."""
+    """Number of frames for each control tick, taken between physics steps; 3 gives 60 frames per second."""
     domain_randomization: bool = False
     """Change textures and lights every ten ticks."""
     textures_path: MaybePath = None
-    """Folder of textures for `--domain-randomization`; None is the set of the package."""
+    """Folder of textures for `--domain-randomization`. Default: the textures of the package."""
     renderer: Literal["cpu", "egl", "auto"] = "cpu"
     """Renderer: `cpu`, `egl`, or `auto` for EGL if it is available."""
     max_attempts: int = 10
-    """Attempts for each demonstration."""
+    """Maximum number of attempts for each demonstration."""
     out: Path = Path("out/video")
     """Folder of the videos."""
 
@@ -151,7 +151,7 @@ class Video:
 def _each_tick(  # type: ignore[no-untyped-def]
     task: TaskEnvironment, orbit: Orbit, add: Callable[[np.ndarray], None], bar: tqdm, smooth: int
 ):
-    """Take `smooth` images of every tick of the block, the last at its end, and repeat the very last for a second."""
+    """Take `smooth` images of every tick of the block, the last at its end, and repeat the last image of all for a second."""
     world = task.world
     every = round(world.control_dt / world.timestep) // smooth
     frame, steps, tick = 0, 0, -1

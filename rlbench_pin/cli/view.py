@@ -1,4 +1,4 @@
-"""`rlbench-pin view TASK`: an image of the events of a demonstration, or a page."""
+"""`rlbench-pin view TASK`: draw the events of a demonstration, or serve a live page."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ FORMATS = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG"}
 
 @dataclass(frozen=True)
 class View:
-    """Draw a contact sheet of a demonstration: reset, grasp, half way, success, and 1 s later, from a camera aimed at the task,
-    the five cameras of observations and `clear_robot_side`. With `--live`, serve a page: episodes of a task, or the stored
-    demonstrations of a dataset.
+    """Draw a contact sheet of a demonstration: reset, grasp, half way, success, and 1 s later. The images are from a camera aimed
+    at the task, the five observation cameras and `clear_robot_side`. With `--live`, serve a page with episodes of a task, or with
+    the stored demonstrations of a dataset.
     """
 
     task: tyro.conf.Positional[Viewed]
@@ -30,13 +30,13 @@ class View:
     seed: int = 0
     """Seed of the episode."""
     out: MaybePath = None
-    """PNG or JPEG to write; `out/view/<task>.png` by default."""
+    """PNG or JPEG file to write. Default: `out/view/<task>.png`."""
     size: int = 384
     """Side of the task view [px]; the other images have about half of it."""
     page: tyro.conf.OmitArgPrefixes[PageOptions] = field(default_factory=PageOptions)
     """Serve a page instead of drawing an image."""
     task_file: Files = ()
-    """With a dataset, your own task files for tasks that are not installed; they replace those in the dataset."""
+    """With a dataset: your own task files for tasks that are not installed; they replace those in the dataset."""
     trust_task_files: bool = False
     """Run the task files in the dataset, for tasks that are not installed. Read them first."""
 

@@ -1,6 +1,6 @@
-"""Evaluation of policies on sets of tasks, with statistics; the few-shot challenge; controllers on segments of demonstrations.
+"""Evaluation of policies on sets of tasks, with statistics, and the few-shot challenge.
 
-`__init__.pyi` lists the names. Each is imported when it is first used, so that a list of sets, or a table, needs no simulator.
+`__init__.pyi` lists the names. Each is imported at its first use, so that a list of sets or a table needs no simulator.
 """
 
 import lazy_loader as lazy

@@ -1,8 +1,7 @@
 """Compare the conventions of a policy with those that its mapping or action mode states, by its first actions at known poses.
 
-The first action of a trained policy is near the present pose. Its numbers are read in every convention that fits their count;
-the convention that puts the action nearest to the present pose is the one that the policy seems to use. That is a hint, not a
-proof.
+The first action of a trained policy is near the current pose. Its numbers are decoded in every convention with the same count of
+numbers. The policy seems to use the convention whose decoded action is nearest to the current pose. This is a hint, not a proof.
 """
 
 from __future__ import annotations
@@ -46,34 +45,34 @@ MOVES = (
     ((0.05, 0.12, -0.15), (30.0, -30.0, -40.0), False),
     ((0.02, -0.15, -0.08), (-30.0, -20.0, 40.0), True),
 )
-"""How far the tip is from the start pose along world axes [m], its turn about them (roll, pitch, yaw) [degrees], and whether the
-gripper is open. With these turns, a rotation that is read in a wrong layout is off by 42 degrees or more in the mean."""
+"""Displacement of the tip from the start pose along world axes [m], its rotation about them (roll, pitch, yaw) [degrees], and
+whether the gripper is open. With these rotations, decoding in a wrong layout gives a mean error of 42 degrees or more."""
 ABSOLUTE_LIMIT, RELATIVE_LIMIT = (0.5, np.radians(45.0)), (0.1, np.radians(15.0))
-"""Distance [m] and turn [rad] up to which a first action is near the present pose: a pose or joint positions, and a change of
-them or a velocity. The next key frame may be far."""
+"""Largest distance [m] and angle [rad] of a first action that is near the current pose: first for a pose or joint positions, then
+for a change of them or a velocity. The next key frame may be far."""
 DEGREE = 0.005
-"""Distance that counts as much as a turn of one degree, where conventions are sorted [m]."""
+"""Distance that counts as much as an angle of one degree when conventions are sorted [m]."""
 CLEAR = (0.02, np.radians(4.0))
-"""Beyond twice the distance and turn of the best, and this more, a convention is worse [m], [rad]."""
+"""A convention is worse than the best one if its distance or angle exceeds twice that of the best one by this [m], [rad]."""
 VELOCITY_TIME = 0.2
 """Time for which a velocity acts here [s]. In one control tick even wrong numbers move the arm little."""
 GRIPPERS = ((1.0, 0.0), (0.0, 1.0), (1.0, -1.0), (-1.0, 1.0))
 """Numbers of an open and of a closed gripper."""
 GRIPPER_LIMIT, GRIPPER_CLEAR = 0.25, 0.15
-"""Largest mean error of a gripper number that follows the gripper, and the distance to a worse convention; 1 is the way from
+"""Largest mean error of a gripper number that follows the gripper, and the difference to a worse convention; 1 is the range from
 closed to open."""
 MEETING = 0.03
-"""Three motions that pass one point within this distance lead to one place [m]."""
+"""Three motions whose lines pass one point within this distance lead to one point [m]."""
 SAME = 1e-6
 """Numbers that differ by less are the same."""
 
 
 @dataclass(frozen=True)
 class StatedConvention:
-    """What the numbers of an action mean, as a mapping or an action mode states."""
+    """Meaning of the numbers of an action, as a mapping or an action mode states it."""
 
     source: str
-    """What states it, such as `the mapping 'libero'`."""
+    """Source of the statement, such as `the mapping 'libero'`."""
     layout: ActionLayout
     """Layout of the numbers."""
     tells_gripper: bool = True
@@ -81,7 +80,7 @@ class StatedConvention:
     is_twist: bool = False
     """Whether a `delta_pose` is a velocity of the tip, which acts for `VELOCITY_TIME`."""
     in_mapping: bool = False
-    """Whether a mapping states it, whose keys can be changed."""
+    """Whether the source is a mapping, whose keys can be changed."""
 
     def name(self, layout: ActionLayout) -> str:
         """Return a layout in words."""
@@ -94,7 +93,7 @@ class StatedConvention:
 
 @dataclass(frozen=True, eq=False)
 class FirstAction:
-    """First action of a policy, and the pose at which it was asked for."""
+    """First action of a policy at a pose, and that pose."""
 
     joints: FloatArray
     """Joint positions, shape (n,), [rad]."""
@@ -110,32 +109,32 @@ class FirstAction:
 
 @dataclass(frozen=True, eq=False)
 class ArmReading:
-    """First actions, read in one convention."""
+    """First actions, decoded in one convention."""
 
     name: str
     """The convention in words."""
     layout: ActionLayout
     """The convention."""
     targets: tuple[FloatArray, ...]
-    """Tip poses (7,) that they ask for; empty where the numbers are no pose."""
+    """Tip poses (7,) of the actions; empty when the numbers are not a pose."""
     distance: float
-    """Mean distance to the present tip position [m]."""
+    """Mean distance to the current tip position [m]."""
     turn: float
-    """Mean angle to the present tip rotation [rad]."""
+    """Mean angle to the current tip rotation [rad]."""
 
     @property
     def score(self) -> float:
-        """Distance and turn together [m]."""
+        """Distance plus weighted angle [m]."""
         return self.distance + DEGREE * float(np.degrees(self.turn))
 
     @property
     def is_relative(self) -> bool:
-        """Whether it is a change or a velocity: small numbers, near the present pose whatever they mean in detail."""
+        """Whether it is a change or a velocity. Small numbers of these are near the current pose in every layout."""
         return self.layout.arm not in ("absolute_pose", "joint_positions")
 
     @property
     def is_near(self) -> bool:
-        """Whether the actions are near the present pose."""
+        """Whether the actions are near the current pose."""
         distance, turn = RELATIVE_LIMIT if self.is_relative else ABSOLUTE_LIMIT
         return self.distance <= distance and self.turn <= turn
 
@@ -146,14 +145,14 @@ class ArmReading:
 
 @dataclass(frozen=True)
 class GripperReading:
-    """Gripper numbers of first actions, read in one convention."""
+    """Gripper numbers of first actions, decoded in one convention."""
 
     opened: float
     """Number of an open gripper."""
     closed: float
     """Number of a closed gripper."""
     error: float
-    """Mean difference to the present state; 1 is the way from closed to open."""
+    """Mean difference to the current state; 1 is the range from closed to open."""
 
     @property
     def name(self) -> str:
@@ -163,20 +162,20 @@ class GripperReading:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What first actions say about the stated convention."""
+    """Result of the comparison with the stated convention."""
 
     text: str
-    """In words."""
+    """The result as text."""
     differs: bool = False
     """Whether the policy seems to use another convention."""
 
 
 @dataclass(frozen=True, eq=False)
 class ConventionReport:
-    """First actions of a policy in all conventions that fit."""
+    """First actions of a policy in all conventions with the right count of numbers."""
 
     stated: StatedConvention
-    """What the mapping or the action mode states."""
+    """Convention of the mapping or the action mode."""
     arm: tuple[ArmReading, ...]
     """Conventions of the arm's numbers, best first."""
     gripper: tuple[GripperReading, ...]
@@ -199,15 +198,15 @@ class ConventionReport:
 
 
 def compare_conventions(policy: str | Policy, task: str = "reach_target", robot: str = DEFAULT_ROBOT) -> ConventionReport:
-    """Ask a policy for one action at each of three known poses, and compare its conventions with the stated ones.
+    """Request one action from a policy at each of three known poses, and compare its conventions with the stated ones.
 
     Args:
         policy: Reference, see `find_policy`, or an object with the methods of `Policy`.
-        task: Name of a task that the policy knows, or a task file.
+        task: Name of a task that the policy was trained on, or a task file.
         robot: Name of the arm, or path of its TOML file.
 
     Raises:
-        PolicyReferenceError: There is no such policy.
+        PolicyReferenceError: The reference names no policy.
         PolicyFault: The policy failed, or its action has a wrong size.
         PolicyOfAnotherArm: The policy was made for other joints than those of the arm.
         TaskEnvironmentError: The arm cannot reach one of the poses in this task, or the policy's actions are torques.
@@ -235,7 +234,7 @@ def stated_convention(client: PolicyClient, runtime: Runtime) -> StatedConventio
         runtime: World and arm.
 
     Raises:
-        TaskEnvironmentError: The actions are torques, which name no pose.
+        TaskEnvironmentError: The actions are torques, which specify no pose.
     """
     if isinstance(client, WirePolicy):
         return StatedConvention(f"the mapping '{client.mapping.source}'", client.mapping.action, in_mapping=True)
@@ -259,8 +258,8 @@ def _arm_layout(arm: ArmActionMode) -> ActionLayout:
     if isinstance(arm, PoseMode):
         kind, frame = ("delta_pose", _frame(arm.frame)) if arm.is_relative else ("absolute_pose", "world")
         return ActionLayout(kind, rotation="quaternion_xyzw", frame=frame)
-    problem = f"The actions of the policy are those of {type(arm).__name__}, which name no pose"
-    raise TaskEnvironmentError(f"{problem}. Conventions are compared for poses, joint positions and velocities.")
+    problem = f"The policy has the arm action mode {type(arm).__name__}, whose actions specify no pose"
+    raise TaskEnvironmentError(f"{problem}. Use a policy with poses, joint positions or velocities as actions.")
 
 
 def _frame(frame: RelativeFrame) -> str:
@@ -289,18 +288,18 @@ def _first_actions(client: PolicyClient, task: TaskEnvironment, layout: ActionLa
             try:
                 seen, _, _ = task.step(delta)
             except InvalidActionError as error:
-                place = f"the place {position} m from its start pose in '{task.get_name()}'"
+                place = f"the position {position} m from its start pose in '{task.get_name()}'"
                 raise TaskEnvironmentError(f"The arm '{robot}' cannot reach {place}: {error} Use another task.") from error
         client.reset(instructions[0], replace(context, seed=number))
         values = _asked(client, seen)
         if len(values) not in (gripper_at + 1, gripper_at + 1 + mode.optional_values):
-            raise PolicyFault("wrong answer", f"an action of shape {values.shape}, where ({gripper_at + 1},) is needed.")
+            raise PolicyFault("wrong answer", f"an action has the shape {values.shape}; it must be ({gripper_at + 1},).")
         arm, tip = values[: layout.size - 1], runtime.robot.tip_pose()
         yield FirstAction(runtime.robot.joint_positions, tip, is_open, arm, float(values[gripper_at]))
 
 
 def _asked(client: PolicyClient, seen: Observation) -> FloatArray:
-    """Return the numbers of the next action as the policy gives them."""
+    """Return the numbers of the next action as the policy returns them."""
     return client.next_values(seen) if isinstance(client, WirePolicy) else client.act(seen)
 
 
@@ -308,10 +307,10 @@ def _asked(client: PolicyClient, seen: Observation) -> FloatArray:
 
 
 def compare_actions(stated: StatedConvention, actions: Sequence[FirstAction], model: RobotModel) -> ConventionReport:
-    """Read first actions in all conventions that fit, and compare the best with the stated one.
+    """Decode first actions in all conventions with the right count of numbers, and compare the best with the stated one.
 
     Args:
-        stated: What the mapping or the action mode states.
+        stated: Convention of the mapping or the action mode.
         actions: First actions at known poses.
         model: The arm, for the tip poses of joint positions.
     """
@@ -332,7 +331,7 @@ def compare_actions(stated: StatedConvention, actions: Sequence[FirstAction], mo
 
 
 def _fitting(stated: ActionLayout, count: int, joints: int) -> Iterator[ActionLayout]:
-    """Yield all layouts with a count of arm numbers; the arm of the stated one has its scales, others are in [m] and [rad]."""
+    """Yield all layouts with a count of arm numbers. The stated arm keeps its scales; other layouts are in [m] and [rad]."""
     for arm in ARMS:
         base = stated if arm == stated.arm else ActionLayout(arm, joints=joints)
         if not base.is_pose:
@@ -355,7 +354,7 @@ def _read(name: str, layout: ActionLayout, actions: Sequence[FirstAction], model
 
 
 def _target(layout: ActionLayout, action: FirstAction, model: RobotModel) -> FloatArray:
-    """Return the tip pose (7,) that an action asks for; for a velocity, that after `VELOCITY_TIME`."""
+    """Return the tip pose (7,) of an action; for a velocity, the pose after `VELOCITY_TIME`."""
     arm = layout.decode(np.append(action.arm, layout.gripper_open))[:-1]
     if layout.arm == "absolute_pose":
         return arm
@@ -377,9 +376,9 @@ def _read_gripper(stated: ActionLayout, actions: Sequence[FirstAction]) -> list[
 
 
 def _told_frame(readings: Sequence[ArmReading], actions: Sequence[FirstAction]) -> str:
-    """Return the frame in which the motions of a delta pose lead to one place, empty where that cannot be told.
+    """Return the frame in which the motions of a delta pose lead to one point; empty if this is undecided.
 
-    A delta has the same length in both frames, so its distance does not tell them apart.
+    A delta has the same length in both frames, so the distance does not distinguish them.
     """
     deltas = [reading for reading in readings if reading.layout.arm == "delta_pose" and reading.targets and reading.is_near]
     if not deltas:
@@ -392,7 +391,7 @@ def _told_frame(readings: Sequence[ArmReading], actions: Sequence[FirstAction]) 
 
 
 def _miss(starts: FloatArray, ends: FloatArray) -> float:
-    """Return how far straight motions (k, 3) are from one point ahead of all of them, root of the mean square [m]."""
+    """Return the root mean square distance of straight motions (k, 3) from one point ahead of all of them [m]."""
     lengths = np.linalg.norm(ends - starts, axis=1)
     if lengths.min() < 1e-3:
         return np.inf
@@ -408,7 +407,7 @@ def _miss(starts: FloatArray, ends: FloatArray) -> float:
 
 
 def _changes(old: ActionLayout, new: ActionLayout) -> dict[str, str]:
-    """Return key -> new value of what differs between two layouts."""
+    """Return key -> new value, for the keys that differ between two layouts."""
     keys = ["arm", *(["rotation"] if new.is_pose else []), *(["frame"] if new.arm == "delta_pose" else [])]
     return {key: getattr(new, key) for key in keys if getattr(new, key) != getattr(old, key)}
 
@@ -416,49 +415,49 @@ def _changes(old: ActionLayout, new: ActionLayout) -> dict[str, str]:
 def _arm_verdict(stated: StatedConvention, readings: Sequence[ArmReading], told: str, actions: Sequence[FirstAction]) -> Verdict:
     """Compare sorted readings with the stated convention."""
     if np.ptp([action.arm for action in actions], axis=0).max() < SAME:
-        return Verdict(f"cannot tell: it answers the same numbers at all {len(actions)} poses.")
+        return Verdict(f"undecided: the policy returns the same numbers at all {len(actions)} poses.")
     near = [reading for reading in readings if reading.is_near]
-    if any(reading.layout.arm == "absolute_pose" for reading in near):  # numbers of a place near the tip are no small changes
+    if any(reading.layout.arm == "absolute_pose" for reading in near):  # numbers of a pose near the tip are not small changes
         near = [reading for reading in near if not reading.is_relative]
     if not near:
         nearest = f"{readings[0].name} is the nearest"
-        return Verdict(f"cannot tell: its first actions are far from the present pose in each convention; {nearest}.")
+        return Verdict(f"undecided: the first actions are far from the current pose in each convention; {nearest}.")
     best = near[0]
     close = [reading for reading in near if reading.is_close_to(best)]
     if told:
         close = [reading for reading in close if reading.layout.arm != "delta_pose" or reading.layout.frame == told]
     rivals = [reading for reading in close if not (reading.is_relative and best.is_relative) and reading is not best]
     if rivals:
-        return Verdict(f"cannot tell: {best.name}, and {rivals[0].name}, are close.")
+        return Verdict(f"undecided: {best.name}, or {rivals[0].name}.")
     name = stated.name(stated.layout)
     chosen = next((reading for reading in close if reading.name == name), best)
     others = [_changes(chosen.layout, reading.layout) for reading in close if reading is not chosen]
     words = dict.fromkeys(f"{key} {value}" for other in others for key, value in list(other.items())[:1])
-    note = f" Not told apart from: {', '.join(words)}." if words else ""
+    note = f" Not distinguished from: {', '.join(words)}." if words else ""
     if chosen.name == name:
         return Verdict(f"agrees: {name}.{note}")
     hint = _advice(stated, _changes(stated.layout, best.layout))
-    return Verdict(f"seems to be {best.name}; {stated.source} says {name}: {hint}.{note}", differs=True)
+    return Verdict(f"seems to be {best.name}, but {stated.source} states {name}: {hint}.{note}", differs=True)
 
 
 def _gripper_verdict(stated: StatedConvention, readings: Sequence[GripperReading], actions: Sequence[FirstAction]) -> Verdict:
     """Compare sorted readings with the stated convention."""
     best, numbers = readings[0], ", ".join(f"{action.gripper:.3g}" for action in actions)
     if not stated.tells_gripper:
-        return Verdict("cannot tell: its number is a change.")
+        return Verdict("undecided: the gripper number is a change, not a state.")
     if best.error > GRIPPER_LIMIT:
         states = ", ".join("open" if action.is_open else "closed" for action in actions)
-        return Verdict(f"cannot tell: its number ({numbers}) does not follow the gripper ({states}).")
+        return Verdict(f"undecided: the gripper number ({numbers}) does not follow the gripper ({states}).")
     wanted = (stated.layout.gripper_open, stated.layout.gripper_closed)
     (own,) = (reading for reading in readings if (reading.opened, reading.closed) == wanted)
     if own.error <= best.error + GRIPPER_CLEAR:
         return Verdict(f"agrees: {own.name}.")
     hint = _advice(stated, {"gripper_open": best.opened, "gripper_closed": best.closed})
-    return Verdict(f"seems to be {best.name}; {stated.source} says {own.name}: {hint}.", differs=True)
+    return Verdict(f"seems to be {best.name}, but {stated.source} states {own.name}: {hint}.", differs=True)
 
 
 def _advice(stated: StatedConvention, changes: Mapping[str, str | float]) -> str:
     if not stated.in_mapping:
         return "convert the numbers in the policy's `act`, or use another action mode"
     entries = (f'`{key} = "{value}"`' if isinstance(value, str) else f"`{key} = {value:g}`" for key, value in changes.items())
-    return f"write {', '.join(entries)}"
+    return f"set {', '.join(entries)}"

@@ -1,7 +1,4 @@
-"""Sets of tasks by name (few-shot and multi-task sets, those of published protocols, tiers, families), and what words select.
-
-`sets.json` lists the sets.
-"""
+"""Named sets of tasks: few-shot and multi-task sets, sets of published protocols, tiers and families. `sets.json` lists them."""
 
 from __future__ import annotations
 
@@ -35,7 +32,7 @@ _COMMAND = "rlbench-pin list [--sets]"
 ALL = "all"
 """Selects all tasks."""
 WHOLE = "tasks"
-"""The part of a set that has no parts."""
+"""Name of the only part of a set without parts."""
 
 
 @dataclass(frozen=True)
@@ -47,11 +44,11 @@ class TaskSet:
     about: str
     """Description, one sentence."""
     tasks: tuple[str, ...]
-    """All its tasks, in the order of the public lists; those to train on come first."""
+    """All its tasks, in the order of the public lists; training tasks come first."""
     parts: Mapping[str, tuple[str, ...]]
-    """Part -> its tasks, such as `train` and `test`; empty where there are no parts."""
+    """Part, such as `train` and `test` -> its tasks; empty for a set without parts."""
     notes: str = ""
-    """Where the set comes from."""
+    """Origin of the set."""
 
 
 def task_sets() -> tuple[str, ...]:
@@ -66,7 +63,7 @@ def task_set(name: str) -> TaskSet:
         name: `FS10_V1`, `FS10_V1:train`, `FS10_V1:test`, `MT15_V1`, `PERACT18`, `tier1`, `doors`, ...
 
     Raises:
-        UnknownName: No set is called so, or it has no such part; proposes the nearest name.
+        UnknownName: No set has this name, or the set has no such part; proposes the nearest name.
     """
     contents = set_contents()
     known = (*contents, *(f"{s}:{part}" for s, held in contents.items() if len(held.parts) > 1 for part in held.parts))
@@ -84,25 +81,25 @@ def public_tasks() -> tuple[str, ...]:
 
 
 def variant_tasks() -> tuple[str, ...]:
-    """Return the names of the tasks that the PerAct dialect adds to them."""
+    """Return the names of the tasks that the PerAct dialect adds to the public tasks."""
     return tuple(_data()["variants"])
 
 
 def gembench_tasks() -> tuple[str, ...]:
-    """Return the names of the tasks that GemBench adds to them, in alphabetical order."""
+    """Return the names of the tasks that GemBench adds to the public tasks, in alphabetical order."""
     return tuple(_data()["gembench"])
 
 
 def task_families() -> tuple[str, ...]:
-    """Return the names of the sets that group tasks by what is done; each task is in one."""
+    """Return the names of the families, which group tasks by their kind of manipulation; each task is in one family."""
     return tuple(_data()["families"])
 
 
 def task_tier(task: str) -> int:
-    """Return how hard a public task is: 1 one motion, 2 one object or joint, 3 several stages, 4 long, precise or with tools.
+    """Return the tier of a public task: 1 one motion, 2 one object or joint, 3 several stages, 4 long, precise or with tools.
 
     Raises:
-        UnknownName: It is none of the 106 public tasks, which alone have a tier.
+        UnknownName: It is not one of the 106 public tasks; only these have a tier.
     """
     as_text(task, "task")
     for tier in range(1, 5):
@@ -113,7 +110,7 @@ def task_tier(task: str) -> int:
 
 @lru_cache(maxsize=1)
 def set_contents() -> dict[str, TaskSet]:
-    """Return name -> set, as the file has them."""
+    """Return name -> set, in the order of the file."""
     found = {}
     for name, content in (*_data()["sets"].items(), *_data()["families"].items()):
         parts = {part: tuple(names) for part, names in content.items() if part not in ("about", "notes")}
@@ -129,7 +126,7 @@ def _data() -> dict[str, Any]:
 
 
 def resolve_tasks(words: Sequence[str]) -> tuple[str, ...]:
-    """Return the tasks that words name, each once, in order.
+    """Return the task names of a list of words, each once, in order.
 
     Args:
         words: Names of tasks (`reach_target`, `ReachTarget`), files (`mine/slide_bolt.py`), sets (`FS10_V1`, `MT15_V1`, `tier1`),
@@ -137,7 +134,7 @@ def resolve_tasks(words: Sequence[str]) -> tuple[str, ...]:
 
     Raises:
         UnknownName: A word is neither a task nor a set; proposes the nearest name.
-        TaskError: A file holds no task.
+        TaskError: A file contains no task.
     """
     return tuple(dict.fromkeys(name for word in as_names(words, "words") for name in _named(word)))
 

@@ -1,6 +1,7 @@
-"""Our tasks as a benchmark of vla-eval. No other module imports vla-eval.
+"""The tasks of rlbench_pin as a benchmark of vla-eval. No other module imports vla-eval.
 
-Its configuration names `rlbench_pin.evaluation.vla_eval_benchmark:RlbenchPinBenchmark`; docs/policies.md has an example.
+The configuration of vla-eval names `rlbench_pin.evaluation.vla_eval_benchmark:RlbenchPinBenchmark`; docs/policies.md has an
+example.
 """
 
 from __future__ import annotations
@@ -28,21 +29,21 @@ class RlbenchPinBenchmark(StepBenchmark):
     success at any moment, `stable_success` that it still holds 1 s later with the arm stationary.
 
     Args:
-        mapping: Preset or TOML file: under which key which observation is sent, and what the numbers of an action mean.
+        mapping: Preset or TOML file with the keys of the observations and the meaning of the numbers of an action.
         protocol: Name of a protocol, such as `peract18`, or path of its TOML file. It fixes tasks, episodes and limits.
         tasks: Names of tasks, task files or sets, instead of a protocol.
-        episodes: Episodes of each task of `tasks`, spread evenly over its variations; None is 25. Give `episodes_per_task`
-            of vla-eval the same number.
+        episodes: Number of episodes of each task of `tasks`, spread evenly over its variations; None is 25. Set
+            `episodes_per_task` of vla-eval to the same number.
 
     Raises:
-        InvalidArgument: Neither `protocol` nor `tasks`, or both.
+        InvalidArgument: Neither `protocol` nor `tasks` is given, or both are.
         UnknownName: There is no such mapping, protocol or task; proposes the nearest name.
-        MappingError: The mapping is not one, or is for another arm.
+        MappingError: The mapping cannot be used, or is for another arm.
         ProtocolConflict: The mapping has other cameras, image sizes or actions than the protocol.
     """
 
     render_backends = frozenset({"cpu", "gpu"})
-    """Both: images are rendered on the CPU, whichever vla-eval asks for."""
+    """Both are accepted; images are always rendered on the CPU."""
 
     @classmethod
     def configure_render(cls, mode: str) -> dict[str, str]:
@@ -76,7 +77,7 @@ class RlbenchPinBenchmark(StepBenchmark):
         return StepResult(obs=seen, reward=float(end == "success"), done=end is not None, info={})
 
     def make_obs(self, raw_obs: Observation, task: dict[str, Any]) -> dict[str, Any]:
-        """Return an observation as the mapping says."""
+        """Return an observation with the keys of the mapping."""
         return self._host.mapping.encode(raw_obs, self._instruction)
 
     def get_step_result(self, step_result: StepResult) -> dict[str, Any]:
@@ -85,7 +86,7 @@ class RlbenchPinBenchmark(StepBenchmark):
         return {"success": end == "success", "stable_success": self._host.success_is_stable(), "end": end}
 
     def get_metric_keys(self) -> dict[str, str]:
-        """Return the metrics of which vla-eval computes means."""
+        """Return the metrics for which vla-eval computes means."""
         return {"success": "mean", "stable_success": "mean"}
 
     def get_metadata(self) -> dict[str, Any]:
@@ -96,11 +97,11 @@ class RlbenchPinBenchmark(StepBenchmark):
         }
 
     def get_action_spec(self) -> dict[str, DimSpec]:
-        """Return what the numbers of an action mean, for vla-eval's comparison with the server."""
+        """Return the specification of an action, which vla-eval compares with that of the server."""
         return _dim_specs(vla_eval_specs(self._host.mapping)["action_spec"])
 
     def get_observation_spec(self) -> dict[str, DimSpec]:
-        """Return what is observed, for vla-eval's comparison with the server."""
+        """Return the specification of an observation, which vla-eval compares with that of the server."""
         return _dim_specs(vla_eval_specs(self._host.mapping)["observation_spec"])
 
     def cleanup(self) -> None:

@@ -1,4 +1,4 @@
-"""Jobs in this process, in processes of this machine or, by `ray_engine.RayEngine`, in a Ray cluster."""
+"""Jobs in this process, in other processes of this machine, or in a Ray cluster (`ray_engine.RayEngine`)."""
 
 from rlbench_pin.processes.jobs import (
     Engine,

@@ -1,11 +1,11 @@
 """Child processes that run a module of this package and end with their owner: policies, learners, the builder's worlds.
 
-The owner starts one with `ChildProcess` and talks to it over a socket, usually in messages (`policy_server.Channel`) whose
+The owner starts a child with `ChildProcess` and communicates over a socket, usually with messages (`policy_server.Channel`) whose
 `receive(timeout)` sets the time limit. The module calls `connect_to_owner` first, then `limit_memory` where memory is limited.
 
-Between owner and module is a supervisor, this file run as a program. It is the subreaper of all descendants: a process that loses
-its parent becomes its child, also in a session of its own, without its environment. So it finds all of them and ends them when
-the module ends, when the owner asks for it, and when the owner is gone.
+A supervisor process runs between owner and module: this file, run as a program. It is the subreaper of all descendants: a process
+that loses its parent becomes a child of the supervisor, even in another session or with another environment. The supervisor
+therefore finds all descendants. It ends them when the module ends, when the owner requests it, and when the owner has ended.
 """
 
 from __future__ import annotations
@@ -28,28 +28,28 @@ from pathlib import Path
 from typing import IO
 
 KEPT = 16_384
-"""Bytes of the output of a child that are kept."""
+"""Number of bytes of a child's output that are kept."""
 LAST_LINES = 12
-"""Lines of them that `printed` returns."""
+"""Maximum number of lines that `printed` returns."""
 PATIENCE = 10.0
-"""Time that the supervisor has to end all descendants [s]; then it is killed."""
+"""Time limit for the supervisor to end all descendants [s]; then the supervisor is killed."""
 _SET_PDEATHSIG, _SET_CHILD_SUBREAPER = 1, 36
 """Options of prctl(2)."""
 
 
 class ChildProcess:
-    """A process in a session of its own, so that Ctrl-C in the terminal does not reach it. It ends with this process.
+    """A process in its own session, so that Ctrl-C in the terminal does not interrupt it. It ends with this process.
 
-    It runs `python -m MODULE SOCKET PIPE ARGUMENTS...` with the import path and the environment of this process. It reads
-    nothing from standard input; standard output and error are kept for `printed`.
+    It runs `python -m MODULE SOCKET PIPE ARGUMENTS...` with the import path and the environment of this process. Its standard
+    input is empty; the end of its standard output and error is kept for `printed`.
 
     Args:
-        module: The module that runs in it.
-        arguments: Its arguments.
+        module: Module to run.
+        arguments: Arguments of the module.
         variables: Further environment variables, which its descendants inherit.
 
     Attributes:
-        connection: This side of the socket. Closing it is left to the user.
+        connection: This side of the socket. The caller closes it.
         pid: Process id.
 
     Raises:
@@ -82,13 +82,13 @@ class ChildProcess:
         self._output = _Output(self._process.stdout)
 
     def end(self, patience: float = 0.0) -> str:
-        """End the process and its descendants. May be called again, and from other threads.
+        """End the process and its descendants. Several calls, also from other threads, are allowed.
 
         Args:
-            patience: How long it may take to end by itself first [s].
+            patience: Time to wait first for the process to end by itself [s].
 
         Returns:
-            A sentence with the exit code or signal if it ended by itself, else "".
+            A sentence with the exit code or signal if the process ended by itself, else "".
         """
         with self._lock:
             if self._ending is None:
@@ -151,7 +151,7 @@ def _describe(code: int) -> str:
 
 
 def connect_to_owner() -> tuple[socket.socket, list[str]]:
-    """Return the socket to the owner and the arguments of the module, and let this process end with its supervisor."""
+    """Return the socket to the owner and the arguments of the module. From now on this process ends with its supervisor."""
     supervisor, connection = int(sys.argv[1]), int(sys.argv[2])
     os.set_inheritable(connection, False)
     _prctl(_SET_PDEATHSIG, signal.SIGKILL)
@@ -161,7 +161,7 @@ def connect_to_owner() -> tuple[socket.socket, list[str]]:
 
 
 def limit_memory(more: int) -> None:
-    """Allow this process and its descendants so many bytes of address space beyond what it has now; no core dumps."""
+    """Limit the address space of this process and its descendants to the current size plus `more` bytes; disable core dumps."""
     status = Path("/proc/self/status").read_text(encoding="ascii")
     found = re.search(r"VmSize:\s+(\d+) kB", status)
     used = 0 if found is None else 1024 * int(found[1])
@@ -171,7 +171,7 @@ def limit_memory(more: int) -> None:
 
 def _prctl(option: int, value: int) -> None:
     if ctypes.CDLL(None, use_errno=True).prctl(option, value, 0, 0, 0) != 0:
-        raise OSError(ctypes.get_errno(), f"prctl({option}, {value}) is refused")
+        raise OSError(ctypes.get_errno(), f"prctl({option}, {value}) failed")
 
 
 # In the supervisor ------------------------------------------------------------------------------------------------------------

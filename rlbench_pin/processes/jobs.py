@@ -1,7 +1,7 @@
 """Jobs: items, a worker that makes the result of each, an engine that runs workers, and a journal to resume from.
 
-The results do not depend on the engine nor on the number of its workers. Workers write nothing: the process that calls `run_jobs`
-stores every result before it asks for the next one, so that a job can be resumed whenever it was killed.
+The results depend neither on the engine nor on the number of its workers. Workers write no files. The process that calls
+`run_jobs` stores every result before it requests the next one, so that a killed job can be resumed.
 """
 
 from __future__ import annotations
@@ -25,16 +25,16 @@ from rlbench_pin.errors import InvalidArgument, RlbenchPinError, StorageError
 from rlbench_pin.values import as_whole
 
 MAX_DEATHS = 3
-"""Workers that may die with one item before it is given up, unless the caller says otherwise."""
+"""Default number of workers that may die with one item before the item is given up."""
 MAX_DEATHS_IN_A_ROW = 10
-"""Workers that may die in a row, with no item finished in between, before the job ends."""
+"""Number of workers that may die in a row, with no finished item in between, before the job ends."""
 MAX_FAILED_STARTS = 3
-"""Workers that may die in a row before they begin their first item, before the job ends."""
+"""Number of workers in a row that may die before their first item begins, before the job ends."""
 _JOIN_TIMEOUT = 5.0  # [s]
 _STARTED = "started"
 """First message of a worker process."""
 POLL_INTERVAL = 0.5
-"""Longest wait for workers before `stop` is looked at again [s]."""
+"""Longest wait for workers before `stop` is checked again [s]."""
 
 ItemT = TypeVar("ItemT", bound=Hashable)
 ResultT = TypeVar("ResultT")
@@ -46,7 +46,7 @@ class Worker(Protocol[_ItemT, _ResultT]):
     """Makes the results of items, one after the other."""
 
     def make(self, item: _ItemT, /) -> _ResultT:
-        """Return the result of an item; it also describes the errors of the item."""
+        """Return the result of an item. The result also contains the errors of the item."""
         ...
 
     def close(self) -> None:
@@ -59,14 +59,14 @@ class WorkerDeath(Generic[ItemT]):
     """A worker died and was replaced."""
 
     item: ItemT
-    """The item that it was making; another worker makes it, unless it is given up."""
+    """The item that the worker was making. Another worker makes it again, unless it is given up."""
     cause: str
     """A signal or an exit code."""
 
 
 @dataclass(frozen=True)
 class GivenUp(Generic[ItemT]):
-    """An item with which too many workers died; it has no result."""
+    """An item that is given up because too many workers died with it; it has no result."""
 
     item: ItemT
     cause: str
@@ -76,16 +76,16 @@ class WorkersDie(RlbenchPinError):
     """Too many workers died in a row.
 
     Attributes:
-        causes: Signal or exit code of each.
+        causes: Signal or exit code of each worker.
     """
 
     def __init__(self, causes: Sequence[str]) -> None:
         self.causes = tuple(causes)
         counted = ", ".join(f"{n} x {cause}" for cause, n in Counter(causes).items())
         super().__init__(
-            f"{len(causes)} workers in a row ended without finishing anything ({counted}). Is there enough memory? "
+            f"{len(causes)} workers in a row ended without finishing an item ({counted}). Check the free memory. "
             "A script that starts workers needs `if __name__ == '__main__':`. "
-            "`--workers 0` works in this process and shows the error."
+            "`--workers 0` runs in this process and shows the error."
         )
 
 
@@ -106,10 +106,10 @@ class Engine(Protocol):
         """Yield the result of every item, in any order.
 
         Args:
-            worker: Makes a worker, in the process that uses it. It can be pickled, as items and results can.
+            worker: Makes a worker, in the process that uses it. It must be picklable, like items and results.
             items: The items to make.
             stop: When set, no further item begins.
-            max_deaths: Workers that may die with one item before it is given up.
+            max_deaths: Number of workers that may die with one item before the item is given up.
         """
         ...
 
@@ -193,7 +193,7 @@ class RetryPolicy(Generic[ItemT]):
 
 
 class ProcessEngine:
-    """Runs workers in processes of this machine; one that dies is replaced, and its item is made again.
+    """Runs workers in processes of this machine. A worker that dies is replaced, and its item is made again.
 
     Args:
         workers: Number of processes.
@@ -212,7 +212,7 @@ class ProcessEngine:
         stop: threading.Event,
         max_deaths: int = MAX_DEATHS,
     ) -> Events[ResultT, ItemT]:
-        """Yield results as they come."""
+        """Yield each result when it is finished."""
         queue, retries = deque(items), RetryPolicy[ItemT](max_deaths)
         workers = [_Process[ItemT, ResultT](worker) for _ in range(min(self.workers, len(queue)))]
         try:
@@ -323,7 +323,7 @@ def _one_thread() -> Iterator[None]:
 
 @contextmanager
 def ignore_interrupts() -> Iterator[None]:
-    """Start processes that ignore Ctrl-C in this block; the calling process receives it after the block."""
+    """Return a context in which started processes ignore Ctrl-C; the calling process receives Ctrl-C after the block."""
     resource_tracker.ensure_running()  # its start would unblock the signal
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
@@ -342,16 +342,16 @@ def run_jobs(
     stop: threading.Event | None = None,
     max_deaths: int = MAX_DEATHS,
 ) -> Iterator[ResultT | WorkerDeath[ItemT]]:
-    """Make the results of items that no journal contains; yield each after it was stored, and the workers that died.
+    """Make the results of items. Yield each result after it is stored, and each death of a worker.
 
     Args:
         items: The items, without those that were finished before.
         worker: Makes a worker, in the process that uses it.
         store: Stores a result, so that the item is not made again.
         lost: Returns the result of an item that was given up.
-        engine: Runs the workers; one process when None.
+        engine: Runs the workers; None uses one process.
         stop: When set, no further item begins; items that have begun are finished and stored.
-        max_deaths: Workers that may die with one item before it is given up.
+        max_deaths: Number of workers that may die with one item before the item is given up.
     """
     with closing((engine or ProcessEngine()).map(worker, items, stop or threading.Event(), max_deaths)) as events:
         for event in events:
@@ -371,10 +371,10 @@ class JournalInUse(RlbenchPinError):
 
 @contextmanager
 def exclusive(path: Path) -> Iterator[None]:
-    """Keep other processes from entering this block with the same journal; the system unlocks it when this process is killed.
+    """Lock a journal against other processes in this block. The system unlocks it when this process is killed.
 
     Raises:
-        JournalInUse: Another process is in such a block.
+        JournalInUse: Another process has locked the journal.
         StorageError: The disk cannot be written.
     """
     with _storing(path):
@@ -392,7 +392,7 @@ class Journal:
     """A file with a JSON object per line, one line per finished item.
 
     Args:
-        path: The file. A last line that was being written when its writer was killed is cut off.
+        path: The file. An incomplete last line, from a writer that was killed, is removed.
 
     Raises:
         StorageError: It cannot be read or written.
@@ -434,7 +434,7 @@ class Journal:
 
 
 def first_line(path: Path) -> dict[str, Any] | None:
-    """Return the first object of a journal that another process may be writing; None where there is none.
+    """Return the first object of a journal that another process may be writing; None if there is no such object.
 
     Raises:
         StorageError: It cannot be read.

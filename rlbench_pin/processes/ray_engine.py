@@ -19,13 +19,13 @@ except ImportError as _error:
 
 
 class RayEngine:
-    """Runs workers in actors of a Ray cluster; one that dies is replaced, and its item is made again.
+    """Runs workers in actors of a Ray cluster. An actor that dies is replaced, and its item is made again.
 
-    The cluster is the one that `ray.init` finds (`RAY_ADDRESS`), otherwise one on this machine, which ends with the job.
+    The cluster is the one that `ray.init` finds (`RAY_ADDRESS`). Otherwise a cluster on this machine is started for the job.
 
     Args:
-        workers: How many actors, one core each.
-        address: Address of a cluster; None lets Ray choose.
+        workers: Number of actors, one core each.
+        address: Address of a cluster; None leaves the choice to Ray.
     """
 
     def __init__(self, workers: int = 1, address: str | None = None) -> None:
@@ -38,7 +38,7 @@ class RayEngine:
         stop: threading.Event,
         max_deaths: int = MAX_DEATHS,
     ) -> Events[ResultT, ItemT]:
-        """Yield results as they come."""
+        """Yield each result when it is finished."""
         began = not ray.is_initialized()
         if began:
             ray.init(address=self.address, log_to_driver=False, logging_level="ERROR", include_dashboard=False)

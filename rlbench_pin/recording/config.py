@@ -1,4 +1,4 @@
-"""Settings of a recording, its work items, and `recording.json`, which stores the settings of a dataset."""
+"""Settings of a recording, its work items, and the file `recording.json` with the settings of a dataset."""
 
 from __future__ import annotations
 
@@ -58,9 +58,9 @@ class ImageConfig:
     image_size: tuple[int, int] = (128, 128)
     """Width and height of the images [px]."""
     renderer: RendererName = "cpu"
-    """The renderer; images of `cpu` are the same on every machine."""
+    """Renderer; `cpu` gives the same images on every machine."""
     render_mode: RenderMode = "opengl3"
-    """`opengl3` draws shadows, `opengl` is faster without."""
+    """`opengl3` draws shadows; `opengl` draws none and is faster."""
     compression: Compression = "gzip"
     """Compression: `gzip` gives smaller files, `lzf` is faster."""
 
@@ -91,11 +91,11 @@ class ImageConfig:
         return {f"{camera}_{product}": shapes[product] for camera in self.cameras for product in self.products}
 
     def environment(self, max_velocity: float = 1.0, max_acceleration: float = 4.0, robot: str = DEFAULT_ROBOT) -> Environment:
-        """Return an environment with these images and with the actions that demonstrations record.
+        """Return an environment with these images and with the action mode of recorded demonstrations.
 
         Args:
-            max_velocity: Cap on the speed of motions along the joint-space path [rad/s].
-            max_acceleration: Cap on how fast that speed changes [rad/s^2].
+            max_velocity: Limit of the speed along the joint-space path [rad/s].
+            max_acceleration: Limit of the acceleration along the joint-space path [rad/s^2].
             robot: Name of the arm, or path of its TOML file.
         """
         return make_environment(self.obs_config(), self.renderer, max_velocity, max_acceleration, robot)
@@ -108,25 +108,25 @@ class RecordConfig:
     tasks: tuple[str, ...]
     """Task names, or paths of task files."""
     episodes: int = 10
-    """Episodes of each task, spread evenly over its variations; of each variation with `per_variation`."""
+    """Number of episodes of each task, spread evenly over its variations; of each variation with `per_variation`."""
     per_variation: bool = False
-    """Count episodes for each variation."""
+    """Record `episodes` of each variation instead of each task."""
     variations: int = ALL_VARIATIONS
     """Maximum number of variations of a task; -1 is all."""
     draw_variations: bool = True
-    """Draw the variations without repeats, always the same ones; otherwise take the first ones."""
+    """Draw the variations at random without repetition, the same ones in every run; otherwise take the first ones."""
     seed: int = 0
-    """Seed of the recording; the seed of each episode follows from it, the task, the variation and the number."""
+    """Seed of the recording. The seed of an episode is a hash of it, the task, the variation and the number of the episode."""
     max_attempts: int = 10
-    """Attempts for each episode."""
+    """Maximum number of attempts for each episode."""
     max_velocity: float = 1.0
-    """Cap on the speed of motions along the joint-space path [rad/s]."""
+    """Limit of the speed along the joint-space path [rad/s]."""
     max_acceleration: float = 4.0
-    """Cap on how fast that speed changes [rad/s^2]."""
+    """Limit of the acceleration along the joint-space path [rad/s^2]."""
     robot: str = DEFAULT_ROBOT
     """Name of the arm, or path of its TOML file."""
     paired: tuple[str, ...] = ()
-    """Other arms: only what each of them demonstrates as well is stored, at the same attempt of the same seed."""
+    """Other arms. An episode is stored only if all of them also demonstrate it, at the same attempt of the same seed."""
     images: ImageConfig = field(default_factory=ImageConfig)
     """Images of the episodes."""
     factors: str = ""
@@ -134,10 +134,15 @@ class RecordConfig:
     disturb: tuple[Disturbance, ...] = ()
     """Disturbances of which one happens in each episode: `push`, `slip`, `stop`; none when empty."""
     listed: Mapping[str, tuple[tuple[int, int], ...]] = field(default_factory=dict)
-    """Task name -> variation and seed of each of its episodes, in place of those that the numbers above give; empty without."""
+    """Task name -> variation and seed of each of its episodes. For these tasks it replaces the numbers and the seed above."""
 
     def __post_init__(self) -> None:
-        """Raise InvalidArgument for a number that records nothing (also a TaskEnvironmentError)."""
+        """Check every value.
+
+        Raises:
+            InvalidArgument: A value cannot be used (also a TaskEnvironmentError).
+            UnknownName: An arm or a factor does not exist.
+        """
         as_seed(self.seed, "seed", InvalidArgument)
         object.__setattr__(self, "robot", robot_description(self.robot).reference)
         others = {robot_description(name).reference for name in as_names(self.paired, "paired", InvalidArgument)}
@@ -145,7 +150,7 @@ class RecordConfig:
         for name, least in (("episodes", 1), ("max_attempts", 1), ("variations", ALL_VARIATIONS)):
             as_whole(getattr(self, name), name, InvalidArgument, least=least, most=MOST)
         if self.variations == 0:
-            raise InvalidArgument("variations", 0, "records nothing", "Write -1 for all variations.")
+            raise InvalidArgument("variations", 0, "has to be -1 or at least 1", "Write -1 for all variations.")
         for name in ("max_velocity", "max_acceleration"):
             as_number(getattr(self, name), name, InvalidArgument, above=0.0)
         object.__setattr__(self, "factors", str(FactorSetting.of(as_text(self.factors, "factors", InvalidArgument))))
@@ -175,27 +180,27 @@ class WorkItem:
     attempts: tuple[int, ...]
     """Maximum number of attempts of the seed, until one succeeds."""
     source: str = ""
-    """An episode file with the same motion as the new one must have; none when empty."""
+    """Episode file whose motion the new episode must repeat; none when empty."""
     sha256: str = ""
     """SHA-256 of that file."""
     max_velocity: float = 1.0
-    """Cap on the speed of motions along the joint-space path [rad/s]."""
+    """Limit of the speed along the joint-space path [rad/s]."""
     max_acceleration: float = 4.0
-    """Cap on how fast that speed changes [rad/s^2]."""
+    """Limit of the acceleration along the joint-space path [rad/s^2]."""
     robot: str = DEFAULT_ROBOT
     """Name of the arm, or path of its TOML file."""
     paired: tuple[str, ...] = ()
-    """Other arms that have to solve the same attempt."""
+    """Other arms that must also solve the attempt."""
     task_digest: str = ""
     """SHA-256 of the files of the task; not compared when empty."""
     factors: str = ""
-    """Factors of generalisation; empty without."""
+    """Factors of generalisation; none when empty."""
     disturb: tuple[Disturbance, ...] = ()
     """Disturbances of which one happens."""
 
     @property
     def limits(self) -> tuple[float, float]:
-        """Limits of velocity and acceleration."""
+        """Limits of velocity [rad/s] and acceleration [rad/s^2]."""
         return self.max_velocity, self.max_acceleration
 
     @property
@@ -209,7 +214,7 @@ def plan_items(config: RecordConfig, tasks: Mapping[str, type[Task]] | None = No
 
     Args:
         config: Settings of the recording.
-        tasks: The tasks in place of those that `config` names: name or path for the workers -> class.
+        tasks: Name or path of the task, for the workers -> class; None finds the tasks that `config` names.
 
     Raises:
         UnknownName: A task does not exist.
@@ -219,7 +224,7 @@ def plan_items(config: RecordConfig, tasks: Mapping[str, type[Task]] | None = No
     with ImageConfig(products=()).environment(robot=config.robot) as environment:
         for name, task in tasks.items():
             running, files = environment.get_task(task), task_digest(task)
-            running.set_factors(config.factors)  # refuses a factor that the task cannot take
+            running.set_factors(config.factors)  # raises an error for a factor that cannot change the task
             count = running.variation_count()
             if task.get_name() in config.listed:
                 planned = _listed_items(config, name, task.get_name(), count)
@@ -247,7 +252,7 @@ def _listed_items(config: RecordConfig, task: str, name: str, count: int) -> lis
     items, indices = [], Counter[int]()
     for variation, seed in config.listed[name]:
         if variation >= count:
-            raise InvalidArgument(f"A listed variation of '{name}'", variation, f"has to be below {count}")
+            raise InvalidArgument(f"A listed variation of '{name}'", variation, f"has to be below {count}", "Correct the list.")
         items.append(_item(config, task, name, variation, indices[variation], seed))
         indices[variation] += 1
     return items
@@ -289,21 +294,21 @@ def _check_names(kind: str, names: Sequence[str], known: Sequence[str]) -> None:
 
 
 def read_recording(root: Path | str) -> RecordConfig:
-    """Return the settings that a folder was recorded with.
+    """Return the settings of the recording in a folder.
 
     Raises:
-        DatasetError: There are none, or they cannot be read.
+        DatasetError: There is no recording, or its settings cannot be read.
     """
     path = as_path(root, "root") / RECORDING
     if not path.exists():
         raise EpisodeFileError(
             path,
-            f"'{path}' does not exist, so there is no recording to resume. `rlbench-pin record TASK... --out {root}` begins one.",
+            f"'{path}' does not exist, so there is no recording to resume. Start one: `rlbench-pin record TASK... --out {root}`.",
         )
     try:
         content = parse_json(path.read_text(encoding="utf-8"))
         if not isinstance(content, dict):
-            raise ValueError("it is no table")
+            raise ValueError("it is not a table")
         if (version := content.pop("version", None)) != VERSION:
             raise ValueError(f"it has version {short(version)}, this package reads version {VERSION}")
         images = content.pop("images" if "images" in content else "pictures", None)  # earlier versions wrote `pictures`
@@ -314,8 +319,8 @@ def read_recording(root: Path | str) -> RecordConfig:
     except (OSError, ValueError, TypeError, RlbenchPinError) as error:
         raise EpisodeFileError(
             path,
-            f"'{path}' does not describe a recording: {error}. Delete it, and record with `--resume` again, naming the "
-            "tasks and settings: the stored episodes are found.",
+            f"'{path}' does not describe a recording: {error}. Delete it, then run `rlbench-pin record` with `--resume`, the "
+            "tasks and the settings. The stored episodes are kept.",
         ) from error
 
 

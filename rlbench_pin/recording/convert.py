@@ -1,17 +1,16 @@
 """Convert a demonstration to another action mode, and verify that its actions still reach the goal.
 
-`convert_demo` needs only the demonstration and follows the motion of the arm model. Actions relative to measured velocities, and
-torques, drift away from such a motion; `convert_by_playing` finds them by playing the demonstration again in the other mode. It
-computes every action from what is measured just before it, so that errors of motors and contacts are corrected instead of adding
-up. Since an episode repeats exactly from its start, the recorded actions have the same effect without feedback:
-`verify` plays them.
+`convert_demo` needs only the demonstration, and follows the motion of the arm model. Torques, and actions relative to measured
+velocities, drift away from such a motion. `convert_by_playing` finds them by playing the demonstration again in the other mode.
+It computes every action from the current measurement, so that errors of motors and contacts are corrected and do not add up. An
+episode repeats exactly from its start, so the recorded actions have the same effect without feedback; `verify` plays them.
 
 Torques are computed from the arm model, tick by tick. With the demonstrated next state (q_d, v_d) and measured (q, v),
 
     v_e = v_d + g (q_d - q - dt (v + v_d) / 2) / dt,    a = (v_e - v) / dt - b,    tau = M(q) a + h(q, v)             (1)
 
-where g is the share of the position error removed in a tick, and b is what loads that the model does not know added to the
-acceleration so far: after each tick, a share of (reached - expected velocity) / dt is added to it.
+where g is the share of the position error that a tick removes, and b is the acceleration from loads that are not in the model.
+After each tick, a share of (reached - expected velocity) / dt is added to b.
 """
 
 from __future__ import annotations
@@ -89,13 +88,13 @@ def convert_demo(
         action_mode: The mode to convert to.
         model: The arm that made the demonstration.
         dt: Its control tick [s].
-        robot: Another arm that is to do the same, from its home: it goes to the first pose of the tip that it reaches, before any
-            motion of the gripper, then its tip follows that of the demonstration. Where a joint would be too fast, a tick becomes
-            several.
+        robot: Another arm for the actions, which starts at its home. It moves to the first tip pose that it reaches, before any
+            motion of the gripper. Then its tip follows the tip of the demonstration. If a joint would be too fast, one tick
+            becomes several.
 
     Raises:
-        DemoError: The demonstration lacks what the conversion needs, or the tip of the other arm cannot follow.
-        InvalidActionError: The mode cannot express a demonstration.
+        DemoError: The demonstration lacks data, or the tip of the other arm cannot follow.
+        InvalidActionError: A demonstration cannot be converted to the mode.
     """
     as_record(action_mode, ActionMode, "action_mode")
     as_record(model, RobotModel, "model")
@@ -121,7 +120,8 @@ def _moments(demo: Demo) -> list[_Moment]:
         command = after.misc.get("joint_position_action")
         if before.joint_positions is None or before.joint_velocities is None or command is None:
             raise DemoError(
-                "The demonstration lacks joint positions, velocities or actions. Record it live with both switched on."
+                "The demonstration lacks joint positions, joint velocities or actions. Record it live, with both switched on in "
+                "the observations."
             )
         now = float(command[-1])
         target = np.asarray(command[:-1], dtype=float)
@@ -151,8 +151,8 @@ def _followed(moments: Sequence[_Moment], model: RobotModel, robot: RobotModel, 
             if first + len(path) == len(poses):
                 return _timed(moments[first:], path, robot, dt)
     raise DemoError(
-        f"The tip of the '{robot.description.name}' follows the demonstration to tick {reached} of {len(poses)} at most; "
-        "then it is out of reach or near a singularity. Try another seed."
+        f"The tip of '{robot.description.name}' follows the demonstration only to tick {reached} of {len(poses)}; "
+        "the next pose is out of reach or near a singularity. Try another seed."
     )
 
 
@@ -217,7 +217,10 @@ def _arm_action(mode: object, m: _Moment, model: RobotModel, dt: float) -> Float
         return _velocity_action(mode, m, _velocity(mode, m, model, dt), model)
     if isinstance(mode, PoseMode) and not isinstance(mode, ERJointViaIK):
         return _pose_action(mode, m, model)
-    raise InvalidActionError(f"A demonstration cannot be written as actions of {type(mode).__name__}.")
+    raise InvalidActionError(
+        f"A demonstration cannot be converted to actions of {type(mode).__name__}. Use JointPosition, JointVelocity, "
+        "EndEffectorVelocity or EndEffectorPoseViaIK; `convert_by_playing` also converts to JointTorque."
+    )
 
 
 def _velocity(mode: JointVelocity | EndEffectorVelocity, m: _Moment, model: RobotModel, dt: float) -> FloatArray:
@@ -264,17 +267,19 @@ def _finger_conversion(action_mode: ActionMode, model: RobotModel) -> Callable[[
     gripper = action_mode.gripper_action_mode
     if isinstance(gripper, GripperJointPosition):
         if not gripper.absolute_mode:
-            raise InvalidActionError("A demonstration says where the fingers go, not by how much; use absolute finger positions.")
+            raise InvalidActionError(
+                "A demonstration has absolute finger positions, not changes. Use GripperJointPosition(absolute_mode=True)."
+            )
         return lambda m: m.amount * model.description.gripper_open
     return lambda m: m.amount
 
 
 def verify(task: TaskEnvironment, demo: Demo, actions: Sequence[FloatArray]) -> bool:
-    """Whether `actions` reach the goal from the start of `demo`; refused actions count as failure.
+    """Return whether `actions` reach the goal from the start of `demo`; a refused action is a failure.
 
     Args:
-        task: The environment of the demonstration's task, whose action mode the actions are for.
-        demo: Gives the start.
+        task: The environment of the demonstration's task, with the action mode of the actions.
+        demo: Demonstration with the start state.
         actions: Actions, such as those of `convert_demo`.
     """
     as_record(task, TaskEnvironment, "task")
@@ -303,12 +308,12 @@ def convert_by_playing(task: TaskEnvironment, demo: Demo) -> list[FloatArray]:
     """Return the actions of a demonstration in the action mode of `task`, one for every frame after the first until success.
 
     Args:
-        task: The environment of the demonstration's task, in the mode to convert to; it is reset, and left at the end.
+        task: The environment of the demonstration's task, in the mode to convert to. It is reset, and is left in the last state.
         demo: A demonstration with joint positions and velocities, recorded live.
 
     Raises:
-        DemoError: The demonstration lacks what the conversion needs.
-        InvalidActionError: The mode cannot express a demonstration, or refused an action.
+        DemoError: The demonstration lacks data.
+        InvalidActionError: A demonstration cannot be converted to the mode, or an action was refused.
     """
     as_record(task, TaskEnvironment, "task")
     moments, runtime = _moments(demo), task.runtime

@@ -14,11 +14,11 @@ from rlbench_pin.scene.snapshot import WorldSnapshot
 
 
 class ProblemRecorder(Listener):
-    """Keeps every motion that is planned to a tip pose among obstacles as a planning problem.
+    """Collects planning problems: every motion that is planned to a tip pose among obstacles.
 
     Attributes:
         problems: The problems so far.
-        left_out: Reason why a planned motion is not a problem -> number of such motions.
+        left_out: Reason -> number of planned motions that are not problems for this reason.
     """
 
     def __init__(self) -> None:
@@ -32,7 +32,7 @@ class ProblemRecorder(Listener):
         self._prefix, self._segments = prefix, 0
 
     def on_update(self, snapshot: WorldSnapshot, seconds: float) -> None:
-        """Remember the world."""
+        """Keep the snapshot of the world."""
         self._world = snapshot
 
     def on_plan(self, request: PlanRequest, outcome: Plan | PlanningError, seconds: float) -> None:
@@ -40,7 +40,7 @@ class ProblemRecorder(Listener):
         if isinstance(outcome, PlanningError) or request.kind == "configuration" or self._world is None:
             return
         if request.kind == "curve" or request.ignore_collisions:
-            self.left_out["along curves" if request.kind == "curve" else "that may touch anything"] += 1
+            self.left_out["along curves" if request.kind == "curve" else "that ignore collisions"] += 1
             return
         world = WorldSnapshot(self._world.bodies, np.array(request.q_start), self._world.fingers, self._world.attached)
         poses = np.atleast_2d(np.asarray(request.goal, dtype=float))

@@ -1,7 +1,7 @@
 """Recording of demonstrations by several workers.
 
-Workers write nothing. The process that calls `record` stores every episode completely before it lists it, so that the dataset is
-consistent whenever that process is killed, and `resume` continues where it ended.
+Workers write no files. The process that calls `record` stores every episode completely before it adds it to the manifest. If that
+process is killed, the dataset is consistent, and `resume` continues the recording.
 """
 
 from __future__ import annotations
@@ -63,9 +63,9 @@ class ItemResult:
 
     item: WorkItem
     failures: tuple[str, ...]
-    """Causes of failed tries, each as `kind: message`."""
+    """Causes of failed attempts, each as `kind: message`."""
     data: bytes | None = None
-    """The bytes of the episode file, None when every try failed."""
+    """The bytes of the episode file; None when all attempts failed."""
     entry: EpisodeEntry | None = None
     """Its line of the manifest."""
 
@@ -172,7 +172,7 @@ def _task_of(item: WorkItem) -> type[Task]:
 
 
 def same_motion(demo: Demo, other: Demo) -> bool:
-    """Whether two demonstrations show the same joints at every instant, bit for bit."""
+    """Return whether two demonstrations have byte-identical joint positions in every frame."""
     joints, others = ([np.asarray(obs.joint_positions) for obs in d] for d in (demo, other))
     return len(joints) == len(others) and all(np.array_equal(a, b) for a, b in zip(joints, others))
 
@@ -182,27 +182,27 @@ class RecordReport:
     """The result of a recording so far."""
 
     wanted: int
-    """Episodes asked for."""
+    """Number of episodes of the recording."""
     found: int
-    """Episodes stored before."""
+    """Number of episodes that were stored before this run."""
     recorded: int = 0
-    """Episodes stored now."""
+    """Number of episodes that this run has stored."""
     failed: tuple[ItemResult, ...] = ()
-    """Episodes whose attempts all failed."""
+    """Episodes for which all attempts failed."""
     deaths: tuple[WorkerDeath[WorkItem], ...] = ()
     """Workers that died and were replaced."""
     causes: dict[str, int] = field(default_factory=dict)
     """Kind of failure -> number of attempts."""
     frames: int = 0
-    """Frames stored now."""
+    """Number of frames that this run has stored."""
     num_bytes: int = 0
-    """Bytes stored now."""
+    """Number of bytes that this run has stored."""
     seconds: float = 0.0
-    """Time it took [s]."""
+    """Wall-clock time of this run [s]."""
 
     @property
     def missing(self) -> int:
-        """Episodes that are not stored: failed, or not begun when the recording was stopped."""
+        """Number of episodes that are not stored: they failed, or had not begun when the recording was stopped."""
         return self.wanted - self.found - self.recorded
 
     def with_result(self, result: ItemResult) -> RecordReport:
@@ -233,13 +233,13 @@ def record(
     """Record demonstrations into a dataset folder, with a copy of the files of tasks that are not in the library.
 
     Args:
-        config: Which demonstrations.
-        root: Folder of the dataset, created when missing.
-        engine: The engine; one process when None.
-        resume: Continue the recording in the folder; otherwise it must not contain these tasks yet.
-        on_progress: Called with the report so far, first before anything was made.
-        stop: When set, no further episode is begun; running episodes are finished and stored.
-        trust_task_files: Whether task files in the folder may be run, for tasks that are named and not installed.
+        config: Settings of the recording.
+        root: Folder of the dataset; it is created if it does not exist.
+        engine: The engine; None uses one process.
+        resume: Continue the recording in the folder. When False, the folder must not contain episodes of these tasks.
+        on_progress: Called with the report so far, first before the first episode.
+        stop: When set, no further episode begins; running episodes are finished and stored.
+        trust_task_files: Whether task files in the folder may be run, for named tasks that are not installed.
 
     Raises:
         DatasetConflict: The folder contains these tasks or another recording, a task file changed, or it is in use.
@@ -260,7 +260,7 @@ def record(
 
 
 def check_work(engine: Engine | None, on_progress: OnProgress | None, stop: threading.Event | None, trust: bool) -> None:
-    """Raise InvalidValue for wrong arguments, before a folder is touched."""
+    """Raise InvalidValue for wrong arguments, before any file is written."""
     if engine is not None:
         as_record(engine, Engine, "engine")  # type: ignore[type-abstract]
     if stop is not None:
@@ -320,8 +320,8 @@ def _prepare(root: Path, config: RecordConfig, items: Sequence[WorkItem], tasks:
         if changed := [flag for flag in then if then[flag] != now[flag]]:
             recorded, given = (" ".join(f"{flag} {values[flag]}".strip() for flag in changed) for values in (then, now))
             raise DatasetConflict(
-                f"'{root}' is a recording with `{recorded}`, not with `{given}`. Leave these out and "
-                f"`rlbench-pin record --resume --out {root}` continues it, or choose another folder."
+                f"'{root}' was recorded with `{recorded}`, not with `{given}`. Continue it without these flags: "
+                f"`rlbench-pin record --resume --out {root}`. Or choose another folder."
             )
         config = replace(config, tasks=tuple(dict.fromkeys((*before.tasks, *config.tasks)))) if resume else config
     keep_tasks(root, tasks)
@@ -346,7 +346,7 @@ def _is_stored(root: Path, item: WorkItem, entry: EpisodeEntry | None) -> bool:
         return False
     path = episode_path(root, *item.key)
     if entry.random_seed != item.seed:
-        raise DatasetConflict(f"'{path}' shows seed {entry.random_seed}, but {item.seed} belongs there. Choose another folder.")
+        raise DatasetConflict(f"'{path}' has the seed {entry.random_seed} instead of {item.seed}. Choose another folder.")
     return path.is_file() and path.stat().st_size == entry.num_bytes
 
 
@@ -358,7 +358,8 @@ def _check_images(root: Path, items: Sequence[WorkItem], pending: set[tuple[str,
             if (found := stored_images(path)) != images.fields():
                 asked = images.fields()
                 raise DatasetConflict(
-                    f"'{path}' contains the images {found}, asked for are {asked}. Choose the same, or another folder."
+                    f"'{path}' contains the images {found}, but the new episodes would contain {asked}. Use the same images, or "
+                    "choose another folder."
                 )
 
 

@@ -1,4 +1,4 @@
-"""Replaying recorded actions: of a demonstration in memory, and of stored episodes."""
+"""Replay the recorded actions of a demonstration in memory, or of stored episodes."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ JOINT_TOLERANCE = 1e-3
 
 
 def replay_demo(task: TaskEnvironment, stored: Demo) -> Demo:
-    """Restore the start of a demonstration, repeat its joint-position actions, and observe again.
+    """Restore the start of a demonstration, repeat its joint-position actions, and return it with new observations.
 
     Args:
-        task: The environment of its task, with the cameras that are wanted and joint-position actions.
+        task: The environment of its task, with joint-position actions and the cameras of the new observations.
         stored: The demonstration, with joint positions.
 
     Raises:
-        DemoError: It has no actions, or the motion comes out otherwise than it was recorded.
+        DemoError: The demonstration has no actions, or the motion differs from the recorded motion.
     """
     as_record(task, TaskEnvironment, "task")
     _, first = task.reset_to_demo(stored)
@@ -67,7 +67,7 @@ def _compare(now: np.ndarray | None, then: np.ndarray | None, index: int, stored
     if error > JOINT_TOLERANCE:
         made = ", ".join(f"{name} {version}" for name, version in stored.versions.items())
         raise DemoError(
-            f"Neither its seed nor its actions give the demonstration again: at frame {index} a joint is {error:.4f} rad away. "
+            f"Neither the seed nor the actions reproduce the demonstration: at frame {index} a joint differs by {error:.4f} rad. "
             f"It was made with {made}. Use those versions, or record it again."
         )
 
@@ -88,8 +88,8 @@ def replay_stored(
     """Restore the start of stored episodes, repeat their joint-position actions, and yield the result of each.
 
     Args:
-        paths: Episode files, or folders of datasets; of a dataset, the episodes in the manifests.
-        own: Tasks whose files the user named, by task name; they take precedence.
+        paths: Episode files, or folders of datasets. All episodes in the manifests of a dataset are replayed.
+        own: Task name -> task class of the user; these replace tasks of the same name in the dataset.
         trust_task_files: Whether task files in a dataset may be run.
 
     Raises:

@@ -1,4 +1,4 @@
-"""Rerender stored demonstrations with other cameras. A demonstration follows from its seed, so a list of seeds is a dataset."""
+"""Rerender stored demonstrations with other cameras. A seed determines a demonstration, so a list of seeds is a dataset."""
 
 from __future__ import annotations
 
@@ -45,9 +45,9 @@ class EpisodeSeed:
     robot: str = DEFAULT_ROBOT
     """Name of the arm, or path of its TOML file."""
     factors: str = ""
-    """Factors of generalisation, such as `light_color:2`; empty without."""
+    """Factors of generalisation, such as `light_color:2`; none when empty."""
     disturb: tuple[Disturbance, ...] = ()
-    """Disturbances of which one happens."""
+    """Disturbances of which one happens; none when empty."""
 
     def __post_init__(self) -> None:
         """Raise InvalidArgument for factors or disturbances that do not exist."""
@@ -55,11 +55,11 @@ class EpisodeSeed:
         object.__setattr__(self, "disturb", as_disturbances(self.disturb))
 
     def check(self) -> None:
-        """Raise DatasetError or ValueError unless the task name and the numbers are valid, because paths are made of them."""
+        """Raise DatasetError or ValueError unless the task name and the numbers are valid: paths of files contain them."""
         checked_task_name(self.task)
         for name in ("variation", "episode", "seed", "attempt"):
             if not is_whole(value := getattr(self, name)):
-                raise ValueError(f"{name}={short(value)} of '{self.task}' is not a number from 0 on")
+                raise ValueError(f"{name}={short(value)} of '{self.task}' is not a whole number of at least 0")
         robot_description(self.robot)
 
 
@@ -67,8 +67,8 @@ def seeds_of(root: Path, tasks: Sequence[str] = ()) -> list[EpisodeSeed]:
     """Return the seeds of a dataset.
 
     Args:
-        root: Its folder; the manifests are enough.
-        tasks: Only these tasks; all by default.
+        root: Folder of the dataset; only its manifests are needed.
+        tasks: Only these tasks; all tasks when empty.
 
     Raises:
         DatasetError: A task is not stored, or an episode has no seed.
@@ -79,14 +79,14 @@ def seeds_of(root: Path, tasks: Sequence[str] = ()) -> list[EpisodeSeed]:
 
 
 def write_seeds(path: Path, seeds: Sequence[EpisodeSeed]) -> Path:
-    """Write a list of seeds: about forty bytes an episode instead of megabytes."""
+    """Write a list of seeds, about 40 bytes for each episode instead of megabytes, and return the path."""
     seeds = [as_record(seed, EpisodeSeed, "an entry of seeds") for seed in as_several(seeds, "seeds")]
     content = {"format": SEEDS_FORMAT, "version": VERSION, "episodes": [_written(seed) for seed in seeds]}
     return write_whole(as_path(path, "path"), (json.dumps(content, indent=1) + "\n").encode())
 
 
 def _written(seed: EpisodeSeed) -> dict[str, Any]:
-    """Return a seed as a table; factors and disturbances only where there are some."""
+    """Return a seed as a table, without empty factors and disturbances."""
     return {key: value for key, value in asdict(seed).items() if value not in ("", ())}
 
 
@@ -123,19 +123,21 @@ def rerender(
     own: OwnTasks | None = None,
     trust_task_files: bool = False,
 ) -> RecordReport:
-    """Record the demonstrations of a dataset again, with other images; an interrupted run is continued. Each is made again
-    from its seed. If the old file exists, the joints must move identically, bit for bit; otherwise its start is restored and
-    its actions repeated, and the joints must stay within 1 mrad of the old ones.
+    """Record the demonstrations of a dataset again, with other images. The same call continues an interrupted run.
+
+    Each demonstration is made again from its seed. If the old file exists, the new joint positions must be byte-identical to the
+    old ones. If they are not, the old start is restored and the old actions are repeated. Then the joint positions must be within
+    1 mrad of the old ones.
 
     Args:
-        source: Folder of the dataset (its manifests are enough), or a file with a list of seeds.
+        source: Folder of the dataset (only its manifests are needed), or a file with a list of seeds.
         out: Folder of the new dataset.
         images: Images of the new episodes.
-        tasks: Only these tasks; all by default.
-        engine: The engine; one process when None.
+        tasks: Only these tasks; all tasks when empty.
+        engine: The engine; None uses one process.
         on_progress: Same as for `record`.
         stop: Same as for `record`.
-        own: Tasks whose files the user named, by name; they take precedence.
+        own: Task name -> task class of the user; these replace tasks of the same name in the dataset.
         trust_task_files: Whether task files in the dataset may be run.
 
     Raises:
@@ -155,7 +157,7 @@ def rerender(
 
 def _check_apart(source: Path, out: Path) -> None:
     if source.is_dir() and source.resolve() == out.resolve():
-        raise DatasetConflict(f"'{out}' is the dataset to be rerendered. Choose another folder for the result.")
+        raise DatasetConflict(f"'{out}' is the dataset to rerender. Choose another folder for the result.")
 
 
 def _classes(source: Path, names: Sequence[str], own: OwnTasks | None, trust_task_files: bool) -> dict[str, type[Task]]:
@@ -192,7 +194,7 @@ def _items(source: Path, tasks: Sequence[str]) -> list[WorkItem]:
 
 def _at_least_one(source: Path, items: list[WorkItem]) -> list[WorkItem]:
     if not items:
-        raise DatasetError(f"'{source}' lists no episodes to rerender.")
+        raise DatasetError(f"'{source}' lists no episodes to rerender. Record some with `rlbench-pin record TASK`.")
     return items
 
 
@@ -202,7 +204,7 @@ def _item(seed: EpisodeSeed, source: str = "", sha256: str = "") -> WorkItem:
 
 
 def _common(root: Path) -> dict[str, Any]:
-    """Return the factors and the disturbances of all episodes that were recorded into a folder; none where it does not say."""
+    """Return the factors and disturbances of the recording in a folder; none if it has no recording file."""
     if not (as_path(root, "root") / RECORDING).exists():
         return {}
     config = read_recording(root)
@@ -215,5 +217,5 @@ def _entries(root: Path, tasks: Sequence[str]) -> list[tuple[str, EpisodeEntry]]
 
 def _seed(task: str, entry: EpisodeEntry, **more: Any) -> EpisodeSeed:
     if entry.random_seed is None:
-        raise DatasetError(f"'{entry.file}' of '{task}' has no seed, so it cannot be made again.")
+        raise DatasetError(f"'{entry.file}' of '{task}' has no seed, so it cannot be made again. Record the task again.")
     return EpisodeSeed(task, entry.variation, entry.episode, entry.random_seed, entry.attempt, entry.robot, **more)

@@ -1,4 +1,4 @@
-"""Videos of episodes: cameras that show the whole task or circle around it, grids of videos, recording of a running episode."""
+"""Videos of episodes: cameras that show the whole task or circle around it, grids of videos, and a recorder."""
 
 from __future__ import annotations
 
@@ -38,14 +38,14 @@ def points_to_show(world: World) -> FloatArray:
 
 @dataclass(frozen=True)
 class Orbit:
-    """A circle above the table, inside the room."""
+    """Circular path of a camera above the table, inside the room."""
 
     size: tuple[int, int] = (1280, 720)
     """Width and height [px]."""
     step: float = 0.005
     """Angle between two images [rad]."""
     start: float = 1.0
-    """First angle, from straight ahead of the robot towards its left [rad]."""
+    """First angle, 0 in front of the robot and positive to its left [rad]."""
     center: tuple[float, float, float] = (0.12, 0.0, 1.22)
     """Target of the camera [m]."""
     radius: float = 1.6
@@ -72,7 +72,7 @@ class Orbit:
         return replace(orbit, fov=max(field_of_view(each.view(0), points) for each in turned))
 
     def image(self, world: World, frame: int) -> np.ndarray:
-        """Return image number `frame` of the present world, uint8 (h, w, 3)."""
+        """Return image number `frame` of the world in its current state, uint8 (h, w, 3)."""
         return world.renderer.image(self.view(frame))
 
 
@@ -92,7 +92,7 @@ class Clip:
         self._frames.append(stream.getvalue())
 
     def frame(self, number: int) -> Image.Image:
-        """Return an image; after the end, the last one."""
+        """Return an image; a number after the end gives the last one."""
         return Image.open(io.BytesIO(self._frames[min(number, len(self) - 1)]))
 
 
@@ -135,7 +135,7 @@ def _font(name: str, width: float) -> ImageFont.ImageFont | ImageFont.FreeTypeFo
 
 
 def side_view(world: World) -> CameraView:
-    """Return the camera to the left of the robot whose image contains the arm and the whole task in their present poses."""
+    """Return a camera to the left of the robot whose image contains the arm and the whole task in their current poses."""
     return framed(EYE, points_to_show(world), VIDEO_SIZE)
 
 
@@ -165,7 +165,7 @@ class VideoRecorder:
             self._video.discard()
 
     def keep(self, path: Path) -> Path:
-        """Finish the video with a second of its last image and move it to `path`."""
+        """Append the last image for 1 s, finish the video, move it to `path`, and return `path`."""
         last = self._image()
         for _ in range(self._pause):
             self._video.add(last)

@@ -75,15 +75,15 @@ def test_a_good_task_passes() -> None:
             RepeatTrial(task="push_button", seed=0, variation=0, differing=("reset",)),
             "a reset or a demonstration does not repeat",
         ),
-        (replace(GOOD, demo=replace(DEMO, left_over=("pose of crumb",))), "an episode leaves something behind"),
-        (replace(NOOP, episode=replace(STILL, drift=0.0011)), "button/cap moves by itself"),
+        (replace(GOOD, demo=replace(DEMO, left_over=("pose of crumb",))), "an episode changes the next one"),
+        (replace(NOOP, episode=replace(STILL, drift=0.0011)), "button/cap moves without actions"),
         (replace(NOOP, episode=replace(STILL, penetration=0.0021)), "objects overlap at a reset"),
         (replace(NOOP, episode=replace(STILL, held=("cup",))), "the gripper holds an object at a reset"),
         (_words(3, ""), "variation 3 lacks instructions, or repeats one"),
         (_words(3, "Go.", "Go."), "variation 3 lacks instructions, or repeats one"),
         (_words(3, "Press button 1."), "variations (1, 3) have the same instructions"),
         (ReachTrial(task="push_button", seed=0, variation=0, error="KeyError: 'cup'"), "raises an error"),
-        (replace(GOOD, demo=None, failed=(FAILED,) * 10), "a seed failed every try"),
+        (replace(GOOD, demo=None, failed=(FAILED,) * 10), "all attempts of a seed failed"),
     ],
 )
 def test_each_fault_is_named(worse: Trial, fault: str) -> None:
@@ -132,7 +132,7 @@ def test_friction_only_has_a_floor() -> None:
     assert (report.friction_only.count, report.friction_only.of, report.faults) == (9, 10, ())
     assert [failure.cause for failure in report.failures] == ["friction only: DemoError: not reached"]
     report = summarise("push_button", [*_trials(20), *good[:8], dropped, replace(dropped, seed=8)])
-    assert report.faults == ("with friction only below 90%",)
+    assert report.faults == ("friction only below 90%",)
     none = FrictionTrial(task="push_button", seed=0, variation=0)
     report = summarise("push_button", [*_trials(20), none])
     assert report.friction_only.of == 0 and report.faults == ()
@@ -236,7 +236,7 @@ def test_the_page_shows_what_the_json_holds() -> None:
     assert "![push_button, sheet](images/push_button.jpg)" in text
     assert "| 1 | 100 % (65 to 100) | 7/7 | Press button 1. |" in text
     assert "| 1 | 20/20 | 40 ms | 40 ms | 3.00 s | 3.00 s | search 20 |" in text
-    slowest = text[text.index("## The slowest") :]
+    slowest = text[text.index("## Slowest tasks") :]
     assert slowest.index("`stack_blocks`") < slowest.index("`push_button`")
     assert "physics 80%" in slowest
 

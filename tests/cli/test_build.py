@@ -22,7 +22,7 @@ IGNORING = ("/bin/sh", "-c", "trap '' INT; exec \"$@\"", "sh")
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("push_button", "--task-file", "x.py"), "not both"),
+        (("push_button", "--task-file", "x.py"), "both name a task"),
         (("--task-file", "missing.py"), "There is no task file 'missing.py'"),
         (("Bad Name",), "Bad Name"),
         (("fresh", "--port", "-1"), "--port is -1"),
@@ -83,7 +83,7 @@ def test_what_was_not_saved_is_offered_again(tmp_path: Path, first: signal.Signa
             said = process.stdout.read()
         if ending == first:
             assert process.returncode == 130
-            assert f"the next opening offers it, from {tmp_path / '.fresh.draft'}" in said
+            assert f"the next start offers them from the draft {tmp_path / '.fresh.draft'}" in said
             assert [file.name for file in tmp_path.iterdir()] == [".fresh.draft"]
     assert sorted(file.name for file in tmp_path.iterdir()) == ["fresh.py", "fresh.toml"]
     assert "[[frame]]" in (tmp_path / "fresh.toml").read_text()

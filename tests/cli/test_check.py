@@ -64,7 +64,7 @@ def test_a_report_is_added_to(tmp_path: Path, capsys: Capture) -> None:
     table["tasks"]["close_door"] = table["tasks"]["push_button"] | {"mark": "of an earlier version"}
     file.write_text(json.dumps(table))
     assert main(["check", "reach_target", "push_button", *check]) == 0
-    assert "2 tasks, 1 of them as they were" in capsys.readouterr().out
+    assert "2 tasks, 1 of them unchanged" in capsys.readouterr().out
     tasks = json.loads(file.read_text())["tasks"]
     assert list(tasks) == ["push_button", "reach_target"]
     assert tasks["push_button"]["median_frames"] == -1
@@ -80,7 +80,7 @@ def test_what_is_no_report_is_not_added_to(tmp_path: Path, capsys: Capture, text
     file = tmp_path / "table.json"
     file.write_text(text)
     assert main(["check", "push_button", "--update", str(file)]) == 1
-    assert "it is no report of `rlbench-pin check`. Name another file" in capsys.readouterr().err
+    assert "it is not a report of `rlbench-pin check`. Name another file" in capsys.readouterr().err
     assert file.read_text() == text
 
 
@@ -212,7 +212,7 @@ def test_a_dead_worker_is_explained(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(run, "ProcessEngine", Dying)
     items = [Item("reach_target", "demos", (seed,), 1) for seed in (0, 1)]
-    with pytest.raises(RlbenchPinError, match="'demos' of 'reach_target'.* died.*continues from here"):
+    with pytest.raises(RlbenchPinError, match="'demos' of the check of 'reach_target'.* died.*continues from here"):
         run.run_trials(items, 2, TrialJournal(None, ["reach_target"]))
 
 

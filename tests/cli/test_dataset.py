@@ -90,7 +90,7 @@ def test_rerender_gives_the_same_motion_new_images(tmp_path: Path, capsys: Captu
         assert new.random_seed == old.random_seed
     larger = ("--workers", "0", "--cameras", "front", "--products", "rgb", "mask", "--image-size", "48", "32")
     assert exit_code("dataset", "rerender", str(source), "--out", str(outs[0]), *larger) == 1
-    assert "Choose the same, or another folder" in capsys.readouterr().err
+    assert "Use the same images, or choose another folder" in capsys.readouterr().err
     manifests = [(out / TASK / "manifest.json").read_bytes() for out in outs]
     assert manifests[0] == manifests[1] == manifests[2]
 
@@ -111,7 +111,7 @@ def test_rerender_follows_the_states_when_the_seed_does_not(tmp_path: Path, caps
     assert exit_code(*arguments, "--cameras", "wrist", "--image-size", "16", "16") == 1
     err = capsys.readouterr().err
     assert f"seed {lost.random_seed}" in err
-    assert "Neither its seed nor its actions" in err
+    assert "Neither the seed nor the actions" in err
     (path,) = episode_files(tmp_path / "out", TASK)
     replayed = read_demo(path)
     assert (replayed.random_seed, len(replayed)) == (nudged.random_seed, len(nudged))

@@ -27,7 +27,7 @@ def test_evaluate_a_policy(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     assert videos == [f"reach_target_{episodes[0]['seed']}_seconds.mp4"]
     assert videos[0] in printed
     assert main((*POLICY, str(out))) == 1
-    assert "is there already" in capsys.readouterr().err
+    assert "exists already" in capsys.readouterr().err
     assert main((*POLICY, str(out), "--resume")) == 0
 
 
@@ -75,7 +75,10 @@ def test_the_first_fault_of_each_kind_is_printed(tmp_path: Path, capsys: pytest.
     assert main(("results", out)) == 0
     for text in (printed, capsys.readouterr().out):
         assert (
-            text.count("First 'wrong answer' (reach_target, seed 9007199254740992): an action of shape (5,), where (8,) is") == 1
+            text.count(
+                "First 'wrong answer' (reach_target, seed 9007199254740992): an action has the shape (5,); it must be (8,)"
+            )
+            == 1
         )
     assert main(("results", out, "--json")) == 0
     (fault,) = json.loads(capsys.readouterr().out)["results"][0]["first_faults"]

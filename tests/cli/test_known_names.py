@@ -82,8 +82,8 @@ def test_our_own_flags_are_as_before(asked: dict[str, Any]) -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("--out", "here", "--save_path", "there"), "--out and --save_path name the same setting"),
-        (("--workers", "2", "--processes", "3"), "--workers and --processes"),
+        (("--out", "here", "--save_path", "there"), "--out is here and --save_path is there, but both are the same setting"),
+        (("--workers", "2", "--processes", "3"), "--workers is 2 and --processes is 3"),
         (("--arm_max_velocity", "0"), "max_velocity has to be a finite number > 0"),
         (("--renderer", "vulkan"), "opengl3"),
         (("--episodes_per_task", "0"), "episodes has to be a whole number"),
@@ -100,7 +100,7 @@ def test_help_shows_them_together(capsys: Capture) -> None:
     """In a group of their own, with what they stand for."""
     assert exit_code("record", "--help") == 0
     shown = capsys.readouterr().out
-    group = shown[shown.index("Flags of other generators") :]
+    group = shown[shown.index("Flags of RLBench's generators") :]
     assert all(name in group for name in ("--tasks", "--save-path", "--processes", "--episodes-per-task", "--all-variations"))
 
 

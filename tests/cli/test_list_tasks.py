@@ -67,7 +67,7 @@ def test_lists_are_filtered(capsys: pytest.CaptureFixture[str]) -> None:
     assert listed(capsys, "--family", "doors", "--tier", "1", "microwave") == ["close_microwave"]
     assert set(listed(capsys, "--set", "FS10_V1:test")) == set(task_set("FS10_V1:test").tasks)
     assert main(["list", "no such thing"]) == 0
-    assert "No task fits. Leave out a word" in capsys.readouterr().err
+    assert "No task matches. Leave out a word" in capsys.readouterr().err
     assert main(["list", "peract18"]) == 0
     assert "Use `--set PERACT18`" in capsys.readouterr().err
     for words, hint in ((["--tier", "7"], "tier"), (["--family", "door"], "doors"), (["--set", "FS10"], "FS10_V1")):

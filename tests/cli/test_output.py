@@ -31,7 +31,7 @@ def test_output_to_a_full_disk(words: tuple[str, ...]) -> None:
     with open("/dev/full", "wb") as full:
         done = subprocess.run([*PROGRAM, *words], stdout=full, stderr=subprocess.PIPE, timeout=120)
     assert done.returncode == 1
-    assert done.stderr == b"rlbench-pin: the output cannot be written: No space left on device.\n"
+    assert done.stderr == b"rlbench-pin: the output cannot be written: No space left on device. Use another file or disk.\n"
 
 
 def test_errors_that_nobody_reads() -> None:

@@ -91,7 +91,7 @@ def test_resuming_takes_the_recorded_settings(tmp_path: Path, capsys: Capture) -
     assert len(episode_files(tmp_path, TASK)) == 2
     capsys.readouterr()
     assert exit_code("record", TASK, "--resume", "--seed", "0", *out) == 1
-    assert "a recording with `--seed 7`, not with `--seed 0`" in capsys.readouterr().err
+    assert "was recorded with `--seed 7`, not with `--seed 0`" in capsys.readouterr().err
 
 
 def test_an_unknown_command_names_the_near_one(capsys: Capture) -> None:
@@ -162,7 +162,7 @@ def test_an_interrupt_finishes_what_is_under_way(tmp_path: Path) -> None:
     _, err = process.communicate(timeout=60)
     text = err.decode()
     assert process.returncode == 130
-    assert "Ctrl-C again to abandon" in text
+    assert "Press Ctrl-C again to stop at once" in text
     assert f"rlbench-pin record --resume --out {tmp_path} --workers 1" in text
     assert "Traceback" not in text
     assert task_faults(tmp_path, TASK) == []

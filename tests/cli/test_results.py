@@ -26,7 +26,7 @@ def test_tables(files: tuple[str, str], capsys: Captured) -> None:
     """One for each file, and all side by side."""
     assert main(["results", *files]) == 0
     text = capsys.readouterr().out
-    assert text.startswith("first\n\ntask ") and "\n\nsecond\n\ntask " in text and "Success, with its interval" in text
+    assert text.startswith("first\n\ntask ") and "\n\nsecond\n\ntask " in text and "Success, with its 95 % interval" in text
     assert "compared" not in text and "30 episodes of a task give wide intervals" in text
     assert main(["results", files[0], "--markdown"]) == 0
     assert "| reach_target " in capsys.readouterr().out
@@ -66,7 +66,7 @@ def test_two_files_of_one_policy_are_told_apart(files: tuple[str, str], tmp_path
         (["a", "none.json"], 1, "there is no such file"),
         (["a", "--plot", "x.pdf"], 1, "has to end with .png or .svg"),
         (["a", "other", "--compare"], 1, "only the second has tasks open_box"),
-        (["broken"], 1, "it was altered"),
+        (["broken"], 1, "it was changed"),
     ],
 )
 def test_what_cannot_be_used(

@@ -39,9 +39,9 @@ def test_a_page_is_served_until_interrupted() -> None:
     ("words", "said"),
     [
         (["view", "reach_target", "--live", "--out", "x.png"], "--out names an image"),
-        (["view", "reach_target", "--live", "--port", "70000"], "ports go up to 65535"),
+        (["view", "reach_target", "--live", "--port", "70000"], "it must be at most 65535"),
         (["view", "reach_targt", "--live"], "Did you mean 'reach_target'?"),
-        (["evaluate", "noop", "--tasks", "reach_target", "--live", "--workers", "2"], "Leave out --workers"),
+        (["evaluate", "noop", "--tasks", "reach_target", "--live", "--workers", "2"], "--workers is 2"),
     ],
 )
 def test_what_cannot_be_shown_is_refused(words: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:

@@ -43,18 +43,18 @@ FILE = Path(__file__).parent / "policies" / "policies_with_conventions.py"
     ("stated", "convention", "says"),
     [
         ("absolute", "absolute quaternion_xyzw", "agrees: absolute_pose, quaternion_xyzw."),
-        ("absolute", "absolute quaternion_wxyz", "seems to be absolute_pose, quaternion_wxyz; the action mode says"),
-        ("absolute", "world quaternion_xyzw", "seems to be delta_pose, quaternion_xyzw, world frame; the action mode says"),
-        ("absolute", "joint_positions", "seems to be joint_positions; "),
+        ("absolute", "absolute quaternion_wxyz", "seems to be absolute_pose, quaternion_wxyz, but the action mode states"),
+        ("absolute", "world quaternion_xyzw", "seems to be delta_pose, quaternion_xyzw, world frame, but the action mode states"),
+        ("absolute", "joint_positions", "seems to be joint_positions, but "),
         ("delta", "world quaternion_xyzw", "agrees: delta_pose, quaternion_xyzw, world frame."),
-        ("delta", "world quaternion_wxyz", "seems to be delta_pose, quaternion_wxyz, world frame; "),
-        ("delta", "tip quaternion_xyzw", "seems to be delta_pose, quaternion_xyzw, tip frame; "),
-        ("delta", "absolute quaternion_xyzw", "seems to be absolute_pose, quaternion_xyzw; "),
+        ("delta", "world quaternion_wxyz", "seems to be delta_pose, quaternion_wxyz, world frame, but "),
+        ("delta", "tip quaternion_xyzw", "seems to be delta_pose, quaternion_xyzw, tip frame, but "),
+        ("delta", "absolute quaternion_xyzw", "seems to be absolute_pose, quaternion_xyzw, but "),
         ("joints", "joint_positions", "agrees: joint_positions."),
-        ("joints", "joint_deltas", "seems to be joint_velocities; "),  # small numbers: not told apart from deltas
-        ("joints", "joint_velocities", "seems to be joint_velocities; "),
+        ("joints", "joint_deltas", "seems to be joint_velocities, but "),  # small numbers: not told apart from deltas
+        ("joints", "joint_velocities", "seems to be joint_velocities, but "),
         ("velocities", "joint_velocities", "agrees: joint_velocities."),
-        ("velocities", "joint_positions", "seems to be joint_positions; "),
+        ("velocities", "joint_positions", "seems to be joint_positions, but "),
     ],
 )
 def test_a_convention_is_recognised(stated: str, convention: str, says: str) -> None:
@@ -82,7 +82,7 @@ def test_how_far_the_first_action_is() -> None:
 def test_a_key_frame_may_be_far() -> None:
     """40 cm from the present pose, the rotation tells."""
     report = compare_conventions(Conventional("absolute", "absolute quaternion_wxyz", length=0.4))
-    assert report.arm_verdict.text.startswith("seems to be absolute_pose, quaternion_wxyz; ")
+    assert report.arm_verdict.text.startswith("seems to be absolute_pose, quaternion_wxyz, but ")
     report = compare_conventions(Conventional("absolute", "absolute quaternion_xyzw", length=0.4))
     assert report.arm_verdict.text == "agrees: absolute_pose, quaternion_xyzw."
 
@@ -92,10 +92,10 @@ def test_a_key_frame_may_be_far() -> None:
     [
         (1.0, 0.0, "agrees: 1 open, 0 closed."),
         (0.9, 0.2, "agrees: 1 open, 0 closed."),
-        (0.0, 1.0, "seems to be 0 open, 1 closed; the action mode says 1 open, 0 closed: convert"),
-        (1.0, -1.0, "seems to be 1 open, -1 closed; "),
-        (-1.0, 1.0, "seems to be -1 open, 1 closed; "),
-        (1.0, 1.0, "cannot tell: its number (1, 1, 1) does not follow the gripper (open, closed, open)."),
+        (0.0, 1.0, "seems to be 0 open, 1 closed, but the action mode states 1 open, 0 closed: convert"),
+        (1.0, -1.0, "seems to be 1 open, -1 closed, but "),
+        (-1.0, 1.0, "seems to be -1 open, 1 closed, but "),
+        (1.0, 1.0, "undecided: the gripper number (1, 1, 1) does not follow the gripper (open, closed, open)."),
     ],
 )
 def test_the_gripper_is_recognised(opened: float, closed: float, says: str) -> None:
@@ -110,7 +110,7 @@ def test_the_gripper_is_recognised(opened: float, closed: float, says: str) -> N
 def test_what_cannot_be_told(stated: str, convention: str) -> None:
     """Zeros are near nothing that moves with the pose, and noise is far from everything."""
     report = compare_conventions(Conventional(stated, convention))
-    assert report.arm_verdict.text.startswith("cannot tell: ") and report.gripper_verdict.text.startswith("cannot tell: ")
+    assert report.arm_verdict.text.startswith("undecided: ") and report.gripper_verdict.text.startswith("undecided: ")
     assert not report.differs
 
 
@@ -161,21 +161,21 @@ def test_a_gripper_number_that_is_a_change() -> None:
     """It cannot be compared with the present state."""
     policy = Conventional("joints", "joint_positions")
     policy.action_mode = MoveArmThenGripper(JointPosition(), GripperJointPosition(absolute_mode=False))
-    assert compare_conventions(policy).gripper_verdict.text == "cannot tell: its number is a change."
+    assert compare_conventions(policy).gripper_verdict.text == "undecided: the gripper number is a change, not a state."
 
 
 def test_actions_that_are_no_poses() -> None:
     """Torques are refused before the policy is asked."""
     policy = Conventional("joints", "zeros")
     policy.action_mode = MoveArmThenGripper(JointTorque(), Discrete())
-    with pytest.raises(TaskEnvironmentError, match="JointTorque, which name no pose"):
+    with pytest.raises(TaskEnvironmentError, match="JointTorque, whose actions specify no pose"):
         compare_conventions(policy)
     assert policy.resets == 0
 
 
 def test_a_wrong_count_of_numbers() -> None:
     """It is a fault of the policy, as in an evaluation."""
-    with pytest.raises(PolicyFault, match=r"shape \(10,\), where \(8,\) is needed"):
+    with pytest.raises(PolicyFault, match=r"shape \(10,\); it must be \(8,\)"):
         compare_conventions(Conventional("absolute", "absolute six_rows"))
 
 
@@ -213,8 +213,9 @@ def test_a_layout_that_a_mapping_confuses(stated: str, rotation: str, tmp_path: 
     if stated == rotation:
         assert report.arm_verdict.text == f"agrees: absolute_pose, {stated}." and not report.differs
     else:
-        says = f"seems to be absolute_pose, {rotation}; the mapping '{tmp_path / 'own.toml'}' says absolute_pose, {stated}: "
-        assert report.arm_verdict.text == f'{says}write `rotation = "{rotation}"`.' and report.differs
+        source = f"the mapping '{tmp_path / 'own.toml'}'"
+        says = f"seems to be absolute_pose, {rotation}, but {source} states absolute_pose, {stated}: "
+        assert report.arm_verdict.text == f'{says}set `rotation = "{rotation}"`.' and report.differs
 
 
 @pytest.mark.parametrize("frame", ["world", "tip"])
@@ -222,9 +223,11 @@ def test_the_frame_is_told_where_the_motions_lead_to_one_place(frame: str, tmp_p
     """The length of a delta is the same in both; of small turns, axis-angle and roll, pitch, yaw are the same, too."""
     report = of_server(f"{frame} axis_angle", 'arm = "delta_pose"\nframe = "world"', tmp_path)
     if frame == "world":
-        assert report.arm_verdict.text == "agrees: delta_pose, axis_angle, world frame. Not told apart from: rotation euler_rpy."
+        assert (
+            report.arm_verdict.text == "agrees: delta_pose, axis_angle, world frame. Not distinguished from: rotation euler_rpy."
+        )
     else:
-        assert 'says delta_pose, axis_angle, world frame: write `frame = "tip"`.' in report.arm_verdict.text
+        assert 'states delta_pose, axis_angle, world frame: set `frame = "tip"`.' in report.arm_verdict.text
     assert report.differs == (frame == "tip")
 
 
@@ -232,8 +235,8 @@ def test_scales_are_those_of_the_mapping(tmp_path: Path) -> None:
     """An absolute pose is in metres, whatever the factor of the deltas that the mapping states."""
     action = 'arm = "delta_pose"\nclip = 1.0\nscale = 0.05\nrotation_scale = 0.5\ngripper_open = -1.0\ngripper_closed = 1.0'
     report = of_server("absolute axis_angle", action, tmp_path)
-    assert 'write `arm = "absolute_pose"`.' in report.arm_verdict.text
-    assert report.gripper_verdict.text.endswith("write `gripper_open = 1`, `gripper_closed = 0`.")
+    assert 'set `arm = "absolute_pose"`.' in report.arm_verdict.text
+    assert report.gripper_verdict.text.endswith("set `gripper_open = 1`, `gripper_closed = 0`.")
     report = of_server("world axis_angle", action, tmp_path, opened=-1.0, closed=1.0)
     best = report.arm[0]
     assert not report.differs and best.distance == pytest.approx(0.05 * 0.02, abs=1e-4)

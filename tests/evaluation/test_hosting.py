@@ -179,7 +179,7 @@ def test_a_refused_action_counts_as_in_an_evaluation(host: EpisodeHost) -> None:
     assert [end for _, end in seen] == [None, None, "steps"]
     np.testing.assert_array_equal(seen[-1][0].gripper_pose, first.gripper_pose)
     assert not host.success_is_stable()
-    with pytest.raises(InvalidArgument, match="needs an episode that is under way"):
+    with pytest.raises(InvalidArgument, match="needs a running episode"):
         host.step({"actions": np.zeros(7)})
     host.close()
 
@@ -189,7 +189,7 @@ def test_a_refused_action_counts_as_in_an_evaluation(host: EpisodeHost) -> None:
     [
         ({"action": np.zeros(7)}, "has no 'actions'; its keys: action"),
         ({"actions": np.zeros(8)}, r"shape \(8,\).*has 7 numbers"),
-        ({"actions": np.zeros((2, 7))}, "several actions; one is played at a time"),
+        ({"actions": np.zeros((2, 7))}, "several actions. Send one at a time"),
         ({"actions": np.full(7, np.nan)}, "NaN or infinity"),
         ({"actions": "left"}, "is a str"),
         (None, "has no 'actions'; its keys: none"),
@@ -217,8 +217,8 @@ def test_episodes_that_do_not_exist_are_named(host: EpisodeHost) -> None:
 @pytest.mark.parametrize(
     ("protocol", "tasks", "episodes", "error", "says"),
     [
-        (None, None, None, InvalidArgument, "are needed without a protocol"),
-        ("peract18", ["reach_target"], None, InvalidArgument, "cannot be chosen with one"),
+        (None, None, None, InvalidArgument, "are required without a protocol"),
+        ("peract18", ["reach_target"], None, InvalidArgument, "not allowed with one"),
         ("peract18", None, 3, InvalidArgument, "which fixes them"),
         ("peract81", None, None, UnknownName, "Did you mean 'peract18'"),
         (None, ["reach_targt"], None, UnknownName, "Did you mean 'reach_target'"),

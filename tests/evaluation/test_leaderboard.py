@@ -79,5 +79,5 @@ def test_changed_protocols_and_files_are_refused(tmp_path: Path) -> None:
         checked(path)
     assert read_results(path).protocol == protocol
     path.write_text(path.read_text().replace('"steps": 3', '"steps": 4', 1))
-    with pytest.raises(ResultsFileError, match="altered"):
+    with pytest.raises(ResultsFileError, match="it was changed"):
         checked(path)

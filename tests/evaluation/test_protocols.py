@@ -114,7 +114,7 @@ def test_unknown_protocols(name: str, error: type[Exception], said: str) -> None
 def test_missing_tasks(tmp_path: Path, part: str) -> None:
     """A part with missing tasks is not evaluated; the error names them and the parts that are complete."""
     path = small_file(tmp_path, ("push_button", "push_a_bell"))
-    with pytest.raises(ProtocolTasksMissing, match="push_a_bell.*Complete parts: small:easy") as caught:
+    with pytest.raises(ProtocolTasksMissing, match="push_a_bell.*Use a complete part: small:easy") as caught:
         EvaluationConfig.of_protocol("noop", load_protocol(f"{path}{part}"))
     assert caught.value.complete == ("small:easy",)
     assert caught.value.missing == ("push_a_bell",)

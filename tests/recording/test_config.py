@@ -129,7 +129,7 @@ def test_a_setting_that_is_senseless_is_refused(tmp_path: Path, change: dict[str
     """With the name of the file and what to do instead."""
     content = {"version": 1, **asdict(FILED), **change}
     (tmp_path / "recording.json").write_text(json.dumps(content))
-    with pytest.raises(EpisodeFileError, match=r"recording\.json.*naming the tasks"):
+    with pytest.raises(EpisodeFileError, match=r"recording\.json.*the tasks and the settings"):
         read_recording(tmp_path)
 
 

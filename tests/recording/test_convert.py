@@ -106,5 +106,5 @@ def test_another_arm_follows_the_tip(arm: ArmActionMode) -> None:
         assert len(actions) > len(demo) - 1
         assert reaches_goal(other, actions)
         short = RobotModel(replace(other.runtime.model.description, base_pose=(5.0, 0.0, 0.75, 0.0, 0.0, 0.0, 1.0)))
-        with pytest.raises(DemoError, match="'ur5e' follows the demonstration to tick 0 of"):
+        with pytest.raises(DemoError, match="'ur5e' follows the demonstration only to tick 0 of"):
             convert_demo(demo, mode, task.runtime.model, robot=short)

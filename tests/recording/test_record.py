@@ -163,7 +163,7 @@ def test_a_folder_that_is_in_use_is_refused(tmp_path: Path, undisturbed: Path) -
     """Recording onto a dataset, with other settings, or beside a running recording, is an error that says what to do."""
     with pytest.raises(DatasetConflict, match="--resume"):
         record(CONFIG, undisturbed, engine=MadeUpEngine())
-    with pytest.raises(DatasetConflict, match="a recording with `--seed 0`, not with `--seed 1`"):
+    with pytest.raises(DatasetConflict, match="was recorded with `--seed 0`, not with `--seed 1`"):
         record(replace(CONFIG, seed=1), undisturbed, engine=MadeUpEngine(), resume=True)
     with pytest.raises(DatasetConflict, match="with `--products`, not with `--products rgb depth mask`"):
         record(replace(CONFIG, images=ImageConfig()), undisturbed, engine=MadeUpEngine(), resume=True)
@@ -188,7 +188,7 @@ def test_a_foreign_episode_in_the_place_of_one_is_refused(tmp_path: Path, undist
     """Files of another recording are never taken for those of this one, nor overwritten."""
     record(CONFIG, tmp_path, engine=MadeUpEngine())
     (tmp_path / "recording.json").unlink()
-    with pytest.raises(DatasetConflict, match="belongs there"):
+    with pytest.raises(DatasetConflict, match="instead of"):
         record(replace(CONFIG, seed=5), tmp_path, engine=MadeUpEngine(), resume=True)
 
 
@@ -201,7 +201,7 @@ def test_settings_come_back(undisturbed: Path, tmp_path: Path) -> None:
     with pytest.raises(DatasetError, match=r"recording\.json.*zoom"):
         read_recording(tmp_path)
     (tmp_path / "recording.json").write_text('{"version": 7}')
-    with pytest.raises(DatasetError, match=r"recording\.json.*version 7.*version 1.*Delete it.*naming the tasks"):
+    with pytest.raises(DatasetError, match=r"recording\.json.*version 7.*version 1.*Delete it.*the tasks and the settings"):
         read_recording(tmp_path)
 
 

@@ -1,4 +1,4 @@
-"""The few-shot challenge: learners meet unseen tasks, with 1, 5 or 20 demonstrations of each, and nothing else."""
+"""The few-shot challenge: learners adapt to unseen tasks from 1, 5 or 20 demonstrations of each."""
 
 from rlbench_pin.evaluation.challenge.config import (
     LEARNERS,

@@ -1,6 +1,6 @@
-"""Learners as the challenge sees them: in a subprocess, adapted again for each task, without what is withheld.
+"""Clients of learners. A learner runs in a subprocess and adapts to each task in a new process.
 
-Data withheld from learners are refused when they ask for them, and left out of observations.
+Some data are withheld from learners. A request for them is refused, and observations do not contain them.
 """
 
 from __future__ import annotations
@@ -23,25 +23,25 @@ from rlbench_pin.observation import Demo, Observation
 LEARNER_PROCESS = "rlbench_pin.evaluation.challenge.learner_process"
 """The module that runs in the process of a learner."""
 MESSAGE = 64 * 2**20
-"""Bytes of the frames of a demonstration from which on a message is sent."""
+"""A message with frames of a demonstration is sent when it has at least this number of bytes."""
 HIDDEN_FIELDS = ("task_low_dim_state", "ignore_collisions")
-"""Fields of observations that no learner is given."""
+"""Fields of observations that are withheld from learners."""
 HIDDEN_MISC = ("mask_names", "world_distances")
-"""Likewise, entries of `misc` beside those that no policy is given."""
+"""Entries of `misc` that are withheld from learners, in addition to those that are withheld from policies."""
 IMAGES = ("_rgb", "_depth", "_point_cloud")
 """Endings of the names of fields with images."""
 
 
 class LearnerClient(RemotePolicy):
-    """A learner in a process of its own, and the policy that it makes of demonstrations.
+    """A learner in its own process, and the policy that it makes from demonstrations.
 
     Args:
-        reference: What the learner is called.
+        reference: Reference of the learner.
         seed: Seed of the run.
-        time_limit: How long one answer of the policy may take [s].
-        start_limit: How long the learner may take to start [s].
-        adapt_limit: How long it may take to adapt [s].
-        known: What it asks for, where that is known; otherwise it is started to say so.
+        time_limit: Time limit of the policy for one answer [s].
+        start_limit: Time limit for the start of the learner [s].
+        adapt_limit: Time limit for the adaptation of the learner [s].
+        known: Settings of the learner; None starts the learner to get them.
     """
 
     def __init__(
@@ -57,50 +57,50 @@ class LearnerClient(RemotePolicy):
 
     @property
     def settings(self) -> PolicySettings:
-        """Settings that the learner asks for; the first access starts it.
+        """Settings of the learner; the first access starts it.
 
         Raises:
-            PolicySettingsError: It asks for what is withheld, or is not of this package.
+            PolicySettingsError: The settings request withheld data, or are not of this package.
         """
         return validate_settings(super().settings)
 
     def image_frames(self) -> ImageFrames:
-        """Return which frames of demonstrations need images; starts the learner when it is not there."""
+        """Return which frames of demonstrations need images; starts the learner if it is not running."""
         if self._channel is None:
             self._settings = self._begin()
         return self._wanted()
 
     def meta_train(self, tasks: Sequence[str], robot: str, limit: float) -> Mapping[str, Any] | None:
-        """Let the learner practise, and return what it has learned.
+        """Let the learner train on the meta-training tasks, and return the result of its `meta_train`.
 
         Args:
             tasks: Names of the tasks.
             robot: Name of the arm.
-            limit: How long it may take [s].
+            limit: Time limit [s].
 
         Raises:
-            PolicyFault: It failed.
+            PolicyFault: The learner failed.
         """
         if self._channel is None or self._settings is None:
             self._settings = self._begin()
         validate_settings(self._settings)
         learned = self._ask({"call": "meta_train", "tasks": list(tasks), "robot": robot}, limit)
         if learned is not None and not isinstance(learned, dict):
-            raise PolicyFault("wrong answer", f"`meta_train` returned a {type(learned).__name__}; it returns a map, or None.")
+            raise PolicyFault("wrong answer", f"`meta_train` returned a {type(learned).__name__}; it must return a map or None.")
         return learned
 
     def show(self, demonstrations: Callable[[], Iterator[Demo]], learned: Mapping[str, Any] | None) -> None:
         """Begin another task, in a new process.
 
         Args:
-            demonstrations: Reads the demonstrations that are shown.
-            learned: What was learned from meta-training tasks.
+            demonstrations: Reads the demonstrations of the task.
+            learned: Result of `meta_train`.
         """
         self.close()
         self._demonstrations, self._learned, self._unteachable = demonstrations, learned, None
 
     def reset(self, instruction: str, context: PolicyContext) -> None:
-        """Begin an episode; the learner adapts first when its process is new. Where that failed, it is not asked again."""
+        """Begin an episode. A learner in a new process adapts first; if the adaptation failed, it is not repeated."""
         if self._unteachable is not None:
             raise self._unteachable
         validate_settings(self.settings)
@@ -114,7 +114,7 @@ class LearnerClient(RemotePolicy):
         wants = self._ask({"call": "wants"}, self._start_limit)
         frames = wants.get("pictures") if isinstance(wants, dict) else None
         if frames not in get_args(ImageFrames):
-            self._fail("wrong answer", f"Its `pictures` is {frames!r}; it is 'all' or 'first'.")
+            self._fail("wrong answer", f"Its `pictures` is {frames!r}; it must be 'all' or 'first'.")
         return "first" if frames == "first" else "all"
 
     def _prepare(self) -> None:
@@ -159,7 +159,7 @@ def validate_settings(settings: PolicySettings) -> PolicySettings:
     """Return the settings of a learner.
 
     Raises:
-        PolicySettingsError: It asks for what the challenge withholds.
+        PolicySettingsError: The settings request data that the challenge withholds.
     """
     seen = settings.make_obs_config()
     cameras = {**seen.cameras(), **{name: extra.config for name, extra in seen.extra_cameras.items()}}
@@ -168,16 +168,16 @@ def validate_settings(settings: PolicySettings) -> PolicySettings:
     what = "task_low_dim_state" if seen.task_low_dim_state else what
     what = "model.world_distances" if seen.model.world_distances else what
     if what:
-        hint = "The challenge gives images, depth, point clouds and what the arm measures."
-        raise PolicySettingsError("What a learner observes", what, "is withheld in the challenge", hint)
+        hint = "Use colour images, depth, point clouds and measurements of the arm."
+        raise PolicySettingsError("An observation of a learner", what, "is withheld in the challenge", hint)
     return settings
 
 
 def visible_observation(observation: Observation, *, images: bool = True) -> dict[str, Any]:
-    """Return what a learner is given of an observation of a test task, as a map.
+    """Return the part of an observation of a test task that a learner gets, as a map.
 
     Args:
-        observation: All of it.
+        observation: The whole observation.
         images: Whether images are included.
     """
     sent = encode_observation(observation)
@@ -191,12 +191,12 @@ def visible_observation(observation: Observation, *, images: bool = True) -> dic
 
 
 def visible_context(context: PolicyContext, seed: int) -> PolicyContext:
-    """Return the context of a learner's policy: without the task, and with one seed for all episodes.
+    """Return the context of a learner's policy: without the task name, and with one seed for all episodes.
 
-    A seed for each episode would be a hash of task and number, from which the task could be found by trying all names.
+    A seed for each episode would be a hash of task name and number, which would reveal the task to a search over all names.
 
     Args:
-        context: Context of other policies.
+        context: Context for a policy that is not a learner's.
         seed: Seed of the run.
     """
     digest = hashlib.sha256(f"rlbench_pin challenge policy/{seed}".encode()).digest()

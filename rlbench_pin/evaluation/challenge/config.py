@@ -21,69 +21,69 @@ from rlbench_pin.values import as_choice, as_names, as_number, as_path, as_recor
 
 DATA = Path(__file__).with_name("splits.json")
 LEARNERS: Mapping[str, str] = {"nearest": "rlbench_pin.baselines.few_shot:Nearest"}
-"""Name -> `module:factory` of the learners that this package brings."""
-_FORMS = "`module:factory` or `file.py:factory`, with `?key=value&...` behind it for arguments"
+"""Name -> `module:factory` of the learners of this package."""
+_FORMS = "`module:factory` or `file.py:factory`, with `?key=value&...` after it for arguments"
 SHOTS = (1, 5, 20)
-"""Demonstrations of each task, as the challenge v1 has them."""
+"""Numbers of demonstrations of each task in version 1 of the challenge."""
 MAX_SHOTS = 1000
-"""Demonstrations of a task at most."""
+"""Maximum number of demonstrations of a task."""
 MIN_SECRET, MAX_SECRET = 16, 2**20
-"""Bytes of a secret."""
+"""Smallest and largest size of a secret [bytes]."""
 
 
 class ChallengeConflict(RlbenchPinError):
-    """Where a run of the challenge is to be written, there is another one."""
+    """The folder of a run of the challenge contains another run."""
 
     @classmethod
     def between(cls, path: Path, name: str, then: object, now: object) -> ChallengeConflict:
-        """Return the error that says what differs."""
+        """Return the error for a setting that differs."""
         return cls(
-            f"'{path}' is of a run with {name} = {shown(then)}, this is {name} = {shown(now)}. "
+            f"'{path}' belongs to a run with {name} = {shown(then)}, but this run has {name} = {shown(now)}. "
             "Choose another folder with `--out`."
         )
 
 
 class ChallengeStopped(RlbenchPinError):
-    """A run of the challenge was stopped before its end; what is done is kept."""
+    """A run of the challenge was stopped before its end; finished work is kept."""
 
     def __init__(self, stage: str, done: int, wanted: int, folder: Path) -> None:
         self.stage, self.done, self.wanted, self.folder = stage, done, wanted, folder
-        super().__init__(f"{stage}: {done} of {wanted} are done and kept in '{folder}'. Go on with `--resume`.")
+        super().__init__(f"{stage}: {done} of {wanted} are done and kept in '{folder}'. Continue with `--resume`.")
 
 
 class NoDemonstrations(RlbenchPinError):
-    """A task of the test could not be demonstrated often enough."""
+    """A test task has too few demonstrations, because the planner failed."""
 
     def __init__(self, task: str, seed: int, cause: str) -> None:
         self.task, self.seed, self.cause = task, seed, cause
         super().__init__(
-            f"There is no demonstration of '{task}' from seed {seed}: {cause} `rlbench-pin check {task}` shows how often that "
-            "happens; another `--seed` uses other demonstrations."
+            f"There is no demonstration of '{task}' from seed {seed}: {cause} Use another `--seed`, which has other "
+            f"demonstrations. `rlbench-pin check {task}` prints how often this happens."
         )
 
 
 def refuse_links(folder: Path) -> None:
-    """Raise ChallengeConflict where the folder of a run contains a link: the harness alone writes there, and follows none."""
+    """Raise ChallengeConflict if the folder of a run contains a link; only the run writes there, and it follows no links."""
     for inner, folders, files in os.walk(folder):
         for name in (*folders, *files):
             if (path := Path(inner, name)).is_symlink():
-                raise ChallengeConflict(f"'{path}' is a link. The folder of a run contains none; delete it.")
+                raise ChallengeConflict(f"'{path}' is a link, and the folder of a run must not contain links. Delete it.")
 
 
 @dataclass(frozen=True)
 class MetaSplit:
-    """Tasks to practise and tasks to be tested on, without any in common."""
+    """Meta-training tasks and meta-test tasks, with no task in common."""
 
     name: str
     about: str
     """Description, one sentence."""
     train: tuple[str, ...]
-    """The meta-training tasks: open, a learner may do with them what it likes."""
+    """The meta-training tasks, which a learner may use without restrictions."""
     test: tuple[str, ...]
-    """The meta-test tasks, of which a learner gets demonstrations alone."""
+    """The meta-test tasks. A learner gets only demonstrations of these."""
 
     def chosen(self, only: Sequence[str]) -> MetaSplit:
-        """Return the split with the test tasks to keep to; all when none is named."""
+        """Return the split with only these test tasks; with all test tasks when none is named."""
         names = as_names(only, "only")
         return MetaSplit(self.name, self.about, self.train, tuple(t for t in self.test if not names or t in names))
 
@@ -100,7 +100,7 @@ def meta_split(name: str) -> MetaSplit:
         name: `V1`, or a few-shot set: `FS10_V1`, `FS25_V1`, `FS50_V1`, `FS95_V1`.
 
     Raises:
-        UnknownName: No split is called so; proposes the nearest name.
+        UnknownName: No split has this name; proposes the nearest name.
     """
     if not isinstance(name, str) or name not in _contents():
         raise UnknownName("split of the challenge", name, meta_splits(), "rlbench-pin challenge splits")
@@ -116,28 +116,29 @@ def _contents() -> Mapping[str, MetaSplit]:
 
 
 def find_learner(reference: str) -> str:
-    """Return `module:factory` or `file.py:factory`, with arguments, of a learner, after checking that it exists.
+    """Check that a learner exists, and return its `module:factory` or `file.py:factory`, with arguments.
 
     Raises:
-        UnknownName: It is a single word, and no learner of this package is called so.
-        PolicyReferenceError: There is no such module, file or factory, or it has neither form.
+        UnknownName: The reference is a single word, and no learner of this package has this name.
+        PolicyReferenceError: There is no such module, file or factory, or the reference has neither form.
     """
     if not isinstance(reference, str) or not reference:
-        raise PolicyReferenceError(reference, f"names no learner; one is called {_FORMS}")
+        raise PolicyReferenceError(reference, f"names no learner; the form of a reference is {_FORMS}")
     name, _, query = reference.partition("?")
     if ":" not in name:
         if name not in LEARNERS:
             raise UnknownName("few-shot learner", name, tuple(LEARNERS))
         return f"{LEARNERS[name]}?{query}" if query else LEARNERS[name]
     if reference.startswith(("sb3:", "lerobot:", "unix:", "tcp:", "openpi:", "vla-eval:")):
-        raise PolicyReferenceError(reference, "is a policy, not a few-shot learner", f"One is called {_FORMS}.")
+        raise PolicyReferenceError(reference, "is a policy, not a few-shot learner", f"Use {_FORMS}.")
     return find_policy(reference).target
 
 
 def read_secret(path: Path | str) -> bytes:
-    """Return the secret in a file, all its bytes.
+    """Return all bytes of a file with a secret.
 
-    A host keeps the file until a challenge is over, then publishes it, so that everyone can compute all seeds again.
+    The host of a challenge keeps the file until the challenge is over. Then the host publishes it, so that everyone can compute
+    all seeds again.
 
     Raises:
         InvalidArgument: There is no such file, or it has fewer than 16 bytes or more than 1 MB.
@@ -147,54 +148,54 @@ def read_secret(path: Path | str) -> bytes:
         with path.open("rb") as file:
             secret = file.read(MAX_SECRET + 1)
     except OSError as error:
-        raise InvalidArgument("secret", str(path), f"cannot be read: {error.strerror}") from error
+        raise InvalidArgument("secret", str(path), f"cannot be read: {error.strerror}", "Check the path.") from error
     if not MIN_SECRET <= len(secret) <= MAX_SECRET:
-        hint = "`head -c 32 /dev/urandom > FILE` makes one."
+        hint = "Make one with `head -c 32 /dev/urandom > FILE`."
         raise InvalidArgument("secret", str(path), f"has to have {MIN_SECRET} to {MAX_SECRET} bytes", hint)
     return secret
 
 
 @dataclass(frozen=True, kw_only=True)
 class ChallengeConfig:
-    """Which learner, on which split, with how many demonstrations. The same settings give the same results.
+    """Learner, split and numbers of demonstrations of a run. The same settings give the same results.
 
     Raises:
         InvalidArgument: A number, a text or a switch cannot be used (also an InvalidValue).
         UnknownName: There is no such learner or split.
-        PolicyReferenceError: The reference leads to no learner.
+        PolicyReferenceError: The reference names no learner.
     """
 
     learner: str
     """`nearest`, or a reference to a learner of your own: `module:factory`, `file.py:factory`."""
     split: str = "V1"
-    """Which tasks are trained and tested on."""
+    """Name of the split, with its training tasks and test tasks."""
     shots: tuple[int, ...] = SHOTS
-    """Numbers of demonstrations of each test task; the fewer are the first of the more."""
+    """Numbers of demonstrations of each test task. A smaller number uses the first demonstrations of a larger one."""
     only: tuple[str, ...] = ()
-    """Test tasks to keep to; all of the split when none is named."""
+    """Only these test tasks; all test tasks of the split when empty."""
     episodes: int = 25
-    """Episodes of each test task, for each number of demonstrations; always the same ones."""
+    """Number of episodes of each test task; the episodes are the same for each number of demonstrations."""
     seed: int = 0
-    """Seed of the episodes of the test, and of the demonstrations."""
+    """Seed of the test episodes and of the demonstrations."""
     max_steps: int | None = None
-    """Actions of an episode at most; None leaves it to the learner and its action mode."""
+    """Maximum number of actions of an episode; None uses the number of the learner or of its action mode."""
     max_seconds: float = SECONDS
-    """Simulated time of an episode at most [s], with the Panda; slower arms have more."""
+    """Maximum simulated time of an episode with the Panda [s]. Arms with slower joints have a longer limit."""
     time_limit: float = 30.0
-    """Time that a policy has for one answer [s], of a clock on the wall."""
+    """Wall-clock time limit of a policy for one answer [s]."""
     start_limit: float = 300.0
-    """Time that a learner has to start [s]."""
+    """Time limit for the start of a learner [s]."""
     adapt_limit: float = 3600.0
-    """Time that a learner has to adapt to a task [s]."""
+    """Time limit for the adaptation of a learner to one task [s]."""
     train_limit: float = 1e6
-    """Time that a learner has to practise the meta-training tasks [s]."""
+    """Time limit for the training of a learner on the meta-training tasks [s]."""
     robot: str = DEFAULT_ROBOT
     """Name of the arm, or path of its TOML file."""
     secret: bytes = field(default=b"", repr=False)
     """Mixed into the seeds of demonstrations and episodes; empty for none. See `read_secret`."""
 
     def __post_init__(self) -> None:
-        """Check every value, and keep it as plain Python has it."""
+        """Check every value, and convert it to a plain Python type."""
         shots = (as_whole(k, "shots", InvalidArgument, least=1, most=MAX_SHOTS) for k in as_several(self.shots, "shots"))
         checked = {
             "learner": as_text(self.learner, "learner", InvalidArgument),
@@ -213,19 +214,19 @@ class ChallengeConfig:
         for name, value in checked.items():
             object.__setattr__(self, name, value)
         if not self.shots:
-            raise InvalidArgument("shots", (), "leaves nothing to test", "The challenge v1 has 1, 5 and 20.")
+            raise InvalidArgument("shots", (), "has to contain a number", "Version 1 of the challenge has 1, 5 and 20.")
         for task in self.only:
             as_choice(task, f"test task of {self.split}", meta_split(self.split).test)
         find_learner(self.learner)
 
     @property
     def secret_sha256(self) -> str:
-        """SHA-256 of the secret, "" without one. Results record it; never the secret."""
+        """SHA-256 of the secret; "" without a secret. Results contain this checksum, but never the secret."""
         return hashlib.sha256(self.secret).hexdigest() if self.secret else ""
 
     @property
     def drawing_seed(self) -> int:
-        """Seed from which those of demonstrations and episodes follow: `seed`, or with a secret its keyed hash, below 2^48.
+        """Seed that determines the seeds of demonstrations and episodes: `seed`, or with a secret its keyed hash, below 2^48.
 
         HMAC-SHA256 of `rlbench_pin challenge/SEED`, first 6 bytes, the highest first.
         """
@@ -238,7 +239,7 @@ class ChallengeConfig:
         return meta_split(self.split).chosen(self.only)
 
     def evaluation(self, shots: int) -> EvaluationConfig:
-        """Return the evaluation with so many demonstrations."""
+        """Return the settings of the evaluation with `shots` demonstrations."""
         return EvaluationConfig(
             policy=f"{self.learner}, {shots} shot{'s' if shots > 1 else ''}",
             tasks=self.tasks().test,

@@ -1,4 +1,4 @@
-"""Demonstrations of test tasks: made when they are needed, by any workers, and kept on disk with their seeds."""
+"""Demonstrations of test tasks: workers make them when they are needed, and a folder keeps them with their seeds."""
 
 from __future__ import annotations
 
@@ -32,21 +32,21 @@ class ShownItem:
 
     task: str
     index: int
-    """Number among those of its task."""
+    """Number of the demonstration of its task."""
     seed: int
 
 
 @dataclass(frozen=True)
 class MadeDemonstration:
-    """A demonstration that was made, or why there is none."""
+    """A demonstration, or the cause of its failure."""
 
     item: ShownItem
     variation: int = 0
     attempt: int = 0
     data: bytes = b""
-    """The bytes of its file; empty when every try failed."""
+    """The bytes of its file; empty when all attempts failed."""
     cause: str = ""
-    """Why the last try failed."""
+    """Cause of the failure of the last attempt."""
 
 
 class DemonstrationMaker:
@@ -54,7 +54,7 @@ class DemonstrationMaker:
 
     Args:
         config: The run.
-        settings: What the learner observes, which is what demonstrations hold.
+        settings: Settings of the learner; the demonstrations contain its observations.
         image_frames: Frames that contain images.
     """
 
@@ -64,7 +64,7 @@ class DemonstrationMaker:
         self._task: TaskEnvironment | None = None
 
     def make(self, item: ShownItem) -> MadeDemonstration:
-        """Make one demonstration, by as many tries as live demonstrations have."""
+        """Make one demonstration, with as many attempts as for live demonstrations."""
         cause = ""
         for attempt in range(MAX_DEMO_ATTEMPTS):
             try:
@@ -107,23 +107,23 @@ def remove_images(observation: Observation) -> None:
 
 
 def shown_variation(seed: int, count: int, index: int) -> int:
-    """Return the variation of demonstration `index`: in an order that the seed draws, each once before any comes again."""
+    """Return the variation of demonstration `index`, in a random order of the seed, each once before any is repeated."""
     order = np.random.default_rng((seed, index // count)).permutation(count)
     return int(order[index % count])
 
 
 class ShownDemonstrations:
-    """The demonstrations of a run on disk: a file for each, and beside those of a task a list of seeds and checksums.
+    """The demonstrations of a run on disk: one file for each, and for each task a list of seeds and checksums.
 
     Args:
-        folder: Where they lie.
+        folder: Folder of the demonstrations.
     """
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
 
     def missing(self, config: ChallengeConfig) -> list[ShownItem]:
-        """Return those that are still to be made."""
+        """Return the demonstrations that are still missing."""
         found: list[ShownItem] = []
         for task in config.tasks().test:
             kept = self._entries(task)
@@ -139,10 +139,10 @@ class ShownDemonstrations:
         on_done: Callable[[ShownItem], None],
         stop: threading.Event,
     ) -> int:
-        """Make what is missing, and return how many still are: none, unless `stop` was set.
+        """Make the missing demonstrations, and return how many are still missing: 0, unless `stop` was set.
 
         Raises:
-            NoDemonstrations: A task could not be demonstrated.
+            NoDemonstrations: The planner could not demonstrate a task.
             StorageError: The disk cannot be written to.
         """
         events = run_jobs(
@@ -155,10 +155,10 @@ class ShownDemonstrations:
         return len(self.missing(config))
 
     def read(self, task: str, count: int) -> Iterator[Demo]:
-        """Yield the first so many demonstrations of a task.
+        """Yield the first `count` demonstrations of a task.
 
         Raises:
-            DatasetError: One is missing or damaged.
+            DatasetError: A demonstration is missing or damaged.
         """
         entries = self._entries(task)
         for index in range(count):

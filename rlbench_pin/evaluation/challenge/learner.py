@@ -1,4 +1,4 @@
-"""Few-shot learners: they practise meta-training tasks, then adapt to demonstrations of an unseen task."""
+"""Few-shot learners: they train on meta-training tasks, then adapt to demonstrations of an unseen task."""
 
 from __future__ import annotations
 
@@ -25,32 +25,32 @@ ImageFrames = Literal["all", "first"]
 
 @dataclass(frozen=True)
 class Demonstration:
-    """A demonstration of an unseen task: what was said and what was seen, and nothing else."""
+    """A demonstration of an unseen task: only its instructions and observations."""
 
     instructions: tuple[str, ...]
-    """Sentences that say the same: what is done."""
+    """Sentences with the same meaning that describe the goal."""
     observations: tuple[Observation, ...]
-    """One per control tick, the first before any motion, with what the learner's `obs_config` asks for."""
+    """One observation per control tick, the first before any motion, with the data of the learner's `obs_config`."""
 
 
 @dataclass(frozen=True)
 class TrainingTask:
-    """A meta-training task. It is open: the name is known, and all of the package may be used on it."""
+    """A meta-training task. The learner gets its name, and may use the whole package on it."""
 
     name: str
     robot: str = "panda"
-    """Name of the arm of the test."""
+    """Name of the arm of the test episodes."""
 
     def demonstrations(self, count: int, obs_config: ObservationConfig, seed: int = 0) -> Iterator[Demo]:
-        """Plan demonstrations, and yield each as it is made; their variations are drawn.
+        """Plan demonstrations of all variations in order, and yield each when it is finished.
 
         Args:
-            count: How many.
-            obs_config: What they hold.
-            seed: Demonstration i begins from `seed + i`.
+            count: Number of demonstrations.
+            obs_config: Data of the observations.
+            seed: Demonstration i has the seed `seed + i` and the variation `seed + i` modulo the number of variations.
 
         Raises:
-            DemoError: One could not be made in ten tries.
+            DemoError: A demonstration failed in ten attempts.
         """
         with self.environment(expert_settings().make_action_mode(), obs_config) as task:
             for i in range(count):
@@ -59,56 +59,57 @@ class TrainingTask:
 
     @contextmanager
     def environment(self, action_mode: ActionMode, obs_config: ObservationConfig) -> Iterator[TaskEnvironment]:
-        """Open the task for the duration of a block, to practise in."""
+        """Return a context with an environment of the task."""
         with Environment(action_mode, obs_config=obs_config, robot_setup=self.robot) as environment:
             yield environment.get_task(self.name)
 
 
 class FewShotLearner(Protocol):
-    """Something that makes a policy from a few demonstrations.
+    """Interface of a learner, which makes a policy from a few demonstrations.
 
-    An attribute `max_steps` suggests how many actions an episode should have. An attribute `pictures = "first"` says that of each
-    demonstration only the first frame needs images, which saves gigabytes; otherwise all frames have them.
+    The optional attribute `max_steps` suggests the maximum number of actions of an episode. With the optional attribute
+    `pictures = "first"`, only the first frame of each demonstration has images, which saves gigabytes; otherwise all frames have
+    them.
 
     Attributes:
-        action_mode: What the actions of its policies mean; one of this package.
-        obs_config: What demonstrations hold and what its policies observe: neither masks, nor states of tasks, nor distances.
+        action_mode: Action mode of its policies; a mode of this package.
+        obs_config: Observations of demonstrations and of its policies. Masks, task states and distances are not allowed.
     """
 
     action_mode: ActionMode
     obs_config: ObservationConfig
 
     def meta_train(self, tasks: Sequence[TrainingTask]) -> Mapping[str, Any] | None:
-        """Practise, once, in a process of its own, and return what was learned: arrays, numbers, texts, lists and maps.
+        """Train on the meta-training tasks, and return the result: a map of arrays, numbers, texts, lists and maps, or None.
 
-        It goes to every process that adapts, by `recall`; None is nothing.
+        It is called once, in its own process. Every process that adapts gets the result by `recall`, unless it is None.
         """
         ...
 
     def recall(self, learned: Mapping[str, Any]) -> None:
-        """Take over what `meta_train` returned, before `adapt`; not called when that was None."""
+        """Load the result of `meta_train`. It is called before `adapt`, unless the result is None."""
         ...
 
     def adapt(self, demonstrations: Sequence[Demonstration]) -> Policy:
-        """Return a policy for the task that is shown, with the action mode and the observations of the learner.
+        """Return a policy for the demonstrated task, with the action mode and the observations of the learner.
 
-        A new process is started for each task and number of demonstrations, so that nothing of the others is remembered.
+        Each task and number of demonstrations has a new process, so that no state of other tasks remains.
         """
         ...
 
 
 def write_learned(path: Path, learned: Mapping[str, Any] | None) -> Path:
-    """Write what `meta_train` returned: a msgpack file with arrays, numbers and texts, nothing that can be run.
+    """Write the result of `meta_train` to a msgpack file with arrays, numbers and texts, but no code, and return the path.
 
     Raises:
-        WireError: It is not plain data, or more than 256 MB.
+        WireError: The result is not plain data, or is larger than 256 MB.
         StorageError: The disk cannot be written to.
     """
     return write_whole(path, pack({"learned": learned}))
 
 
 def read_learned(path: Path) -> Mapping[str, Any] | None:
-    """Return what `meta_train` returned; None is nothing.
+    """Return the result of `meta_train` in a file; None if there is no such file or no result.
 
     Raises:
         ChallengeConflict: The file is damaged.

@@ -1,9 +1,9 @@
 """The process of a learner: `python -m rlbench_pin.evaluation.challenge.learner_process SOCKET PIPE LEARNER`.
 
-The protocol is that of policies, with more questions before the first `reset`:
+The protocol is that of policies, with further requests before the first `reset`:
 
     {"call": "wants"}                                                   {"ok": {"pictures": "all" | "first"}}
-    {"call": "meta_train", "tasks": [names], "robot": name}             {"ok": what was learned, a map, or None}
+    {"call": "meta_train", "tasks": [names], "robot": name}             {"ok": the result, a map or None}
     {"call": "recall", "learned": map}                                  {"ok": None}
     {"call": "frames", "demonstration": number, "instructions": [texts], "observations": [maps]}     {"ok": None}
     {"call": "adapt"}                                                   {"ok": None}
@@ -28,7 +28,7 @@ Answer = dict[str, Any]
 
 
 class LearnerAnswers(Answers):
-    """Answers the questions of a challenge with one learner, and with the policy that it makes.
+    """Answers the requests of a challenge with one learner, and with the policy that it makes.
 
     Args:
         make: Makes the learner.
@@ -41,14 +41,14 @@ class LearnerAnswers(Answers):
         self._acting: Answers | None = None
 
     def to(self, question: Mapping[str, Any]) -> Answer:
-        """Return the answer to a question."""
+        """Return the answer to a request."""
         calls: dict[Any, Callable[[Mapping[str, Any]], Answer]] = {
             "wants": self._wants, "meta_train": self._meta_train, "recall": self._recall, "frames": self._frames,
             "adapt": self._adapt,
         }  # fmt: skip
         call = question.get("call")
         if call in ("reset", "act"):
-            missing = {"error": "There is no policy yet; `adapt` makes it.", "kind": "wrong question"}
+            missing = {"error": "There is no policy yet. Call `adapt` first.", "kind": "wrong question"}
             return missing if self._acting is None else self._acting.to(question)
         if call not in calls:
             return super().to(question)
@@ -72,7 +72,7 @@ class LearnerAnswers(Answers):
         tasks = [TrainingTask(name, question["robot"]) for name in question["tasks"]]
         learned = self._one_learner().meta_train(tasks)
         if learned is not None and not isinstance(learned, Mapping):
-            raise NoPolicy(f"`meta_train` returned a {type(learned).__name__}; it returns a map, or None.")
+            raise NoPolicy(f"`meta_train` returned a {type(learned).__name__}; it must return a map or None.")
         return {"ok": learned}
 
     def _recall(self, question: Mapping[str, Any]) -> Answer:
@@ -89,10 +89,10 @@ class LearnerAnswers(Answers):
         policy = learner.adapt([Demonstration(said, tuple(frames)) for said, frames in shown])
         lacking = [part for part in POLICY if not hasattr(policy, part)]
         if lacking:
-            raise NoPolicy(f"`adapt` returned a {type(policy).__name__}, which is not a policy: it has no {lacking[0]}.")
+            raise NoPolicy(f"`adapt` returned a {type(policy).__name__}, which is not a policy: it lacks `{lacking[0]}`. Add it.")
         mine, its = dict(settings_of(learner)), dict(settings_of(policy))
         if any(mine[name] != its[name] for name in ("action_mode", "observation")):
-            raise NoPolicy("The policy of `adapt` has another action mode or other observations than its learner.")
+            raise NoPolicy("The policy of `adapt` must have the action mode and the observations of its learner.")
         self._shown.clear()
         self._acting = Answers(lambda: policy, settings_of, decode_observation, decode_context)
         return {"ok": None}

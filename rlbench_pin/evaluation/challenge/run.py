@@ -1,6 +1,6 @@
-"""A run of the challenge: practise, make the demonstrations, test with each number of them; the learning curve.
+"""A run of the challenge: meta-training, demonstrations, tests with each number of demonstrations, and the learning curve.
 
-Each part is kept when it is done.
+Each finished part is kept on disk.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ HEAD, SUMMARY = "challenge.json", "summary.json"
 _LATER = ("shots", "time_limit", "start_limit", "adapt_limit", "train_limit")
 """Settings that may differ when a run is resumed."""
 DEMONSTRATIONS, LEARNED = "demonstrations", "learned.msgpack"
-"""Folder of demonstrations of test tasks, and file of what was learned from the others."""
+"""Folder of the demonstrations of test tasks, and file with the result of `meta_train`."""
 FORMAT = 1
 """Number of the format of the learning curve."""
 
@@ -53,17 +53,17 @@ class ChallengeProgress:
     stage: str
     """Current stage: `practising`, `demonstrations`, or `5 shots`."""
     wanted: int
-    """Jobs of this stage."""
+    """Number of jobs of this stage."""
     done: int
-    """Jobs that are done."""
+    """Number of finished jobs."""
     successes: int = 0
-    """Of the episodes done, with success."""
+    """Number of finished episodes with success."""
     latest: str = ""
-    """Task of the piece that was finished last."""
+    """Task of the last finished job."""
 
 
 OnProgress = Callable[[ChallengeProgress], None]
-"""Called with how far the run is."""
+"""Called with the progress of the run."""
 
 
 def run_challenge(
@@ -75,23 +75,24 @@ def run_challenge(
     on_progress: OnProgress | None = None,
     stop: threading.Event | None = None,
 ) -> LearningCurve:
-    """Let a learner take the challenge; write a results file for each number of demonstrations, and the learning curve.
+    """Run the challenge with a learner. Write a results file for each number of demonstrations, and return the learning curve.
 
     Args:
-        config: The run.
-        out: Its folder: `shots_1.json`, ..., `summary.json`, and demonstrations with their seeds.
+        config: Settings of the run.
+        out: Folder of the run: `shots_1.json`, ..., `summary.json`, and demonstrations with their seeds.
             Only this process writes there; links are refused.
-        engine: Runs the jobs; one process when None. The meta-training tasks are practised in one process.
-        resume: Go on with a run that did not end.
-        on_progress: Called with how far it is.
-        stop: When set, nothing more is begun; what is under way is finished and kept.
+        engine: Runs the jobs; None uses one process. Meta-training always uses one process.
+        resume: Continue an interrupted run.
+        on_progress: Called with the progress.
+        stop: When set, no further job begins; running jobs are finished and kept.
 
     Raises:
-        ChallengeConflict: There is another run in the folder, or this one, without `resume`.
-        ChallengeStopped: `stop` was set before all was done.
-        NoDemonstrations: A task of the test could not be demonstrated.
-        PolicyOfAnotherArm: The learner was made for other joints than those of the arm.
-        PolicySettingsError: The learner asks for what is withheld; PolicyFault: it does not start, or fails while it practises.
+        ChallengeConflict: The folder contains another run, or it contains this run and `resume` is False.
+        ChallengeStopped: `stop` was set before the end.
+        NoDemonstrations: The planner could not demonstrate a test task.
+        PolicyOfAnotherArm: The learner was made for the joints of another arm.
+        PolicySettingsError: The learner requests withheld data.
+        PolicyFault: The learner does not start, or fails in its meta-training.
         StorageError: The disk cannot be written to.
     """
     as_function(on_progress, "on_progress")
@@ -107,7 +108,7 @@ def run_challenge(
 
 @dataclass(frozen=True)
 class _Run:
-    """A run under way."""
+    """A run in progress."""
 
     config: ChallengeConfig
     folder: Path
@@ -116,7 +117,7 @@ class _Run:
     stop: threading.Event
 
     def done(self, resume: bool) -> LearningCurve:
-        """Do all that is not done yet, and return what came of it."""
+        """Do all remaining work, and return the learning curve."""
         config = self.config
         config.tasks()
         with ExitStack() as held:
@@ -124,7 +125,7 @@ class _Run:
             try:
                 held.enter_context(hold(self.folder))
             except DatasetConflict as error:
-                problem = f"Another run in '{self.folder}' is under way. Wait for it, or choose another one."
+                problem = f"Another run uses the folder '{self.folder}'. Wait until it ends, or choose another folder."
                 raise ChallengeConflict(problem) from error
             self.begin(resume)
             settings, image_frames = self.practise()
@@ -136,12 +137,12 @@ class _Run:
         return curve
 
     def begin(self, resume: bool) -> None:
-        """Write what the run is, or compare it with what is there."""
+        """Write the settings of the run, or compare them with those in the folder."""
         path, head = self.folder / HEAD, json.loads(json.dumps(self._head()))
         if path.is_file():
             if not resume:
                 raise ChallengeConflict(
-                    f"'{self.folder}' holds a run of the challenge. Go on with `--resume`, or choose another folder."
+                    f"'{self.folder}' contains a run of the challenge. Continue with `--resume`, or choose another folder."
                 )
             with storing(path):
                 then = json.loads(path.read_text(encoding="utf-8"))
@@ -152,7 +153,7 @@ class _Run:
         write_whole(path, (json.dumps(head, indent=1) + "\n").encode())
 
     def practise(self) -> tuple[PolicySettings, ImageFrames]:
-        """Let the learner practise, unless it has; return what it asks for, and which frames of demonstrations need images."""
+        """Run the meta-training unless it is done; return the learner's settings and the frames that need images."""
         path, tasks = self.folder / LEARNED, self.config.tasks().train
         with closing(open_learner(self.config)) as learner:
             wanted = learner.settings, learner.image_frames()
@@ -180,7 +181,7 @@ class _Run:
             raise ChallengeStopped("demonstrations", done, wanted, self.folder)
 
     def test(self, shots: int, settings: PolicySettings) -> Results:
-        """Test with so many demonstrations."""
+        """Evaluate with `shots` demonstrations."""
         refuse_links(self.folder)
         out, stage = self.folder / f"shots_{shots}.json", f"{shots} shot{'s' if shots > 1 else ''}"
 
@@ -207,14 +208,14 @@ class _Run:
 
 
 class ShotsRunner(EpisodeRunner):
-    """Plays episodes of test tasks; before the first of each, a new process of the learner adapts to it.
+    """Plays episodes of test tasks. Before the first episode of a task, a new process of the learner adapts to the task.
 
     Args:
-        challenge: The run.
-        folder: Where it keeps demonstrations, and what was learned.
-        shots: Demonstrations of each task.
-        settings: What the learner asks for.
-        config: What is evaluated.
+        challenge: Settings of the run.
+        folder: Folder of the run, with the demonstrations and the result of `meta_train`.
+        shots: Number of demonstrations of each task.
+        settings: Settings of the learner.
+        config: Settings of the evaluation.
     """
 
     def __init__(
@@ -229,8 +230,8 @@ class ShotsRunner(EpisodeRunner):
         """Play an episode.
 
         Args:
-            item: Which one.
-            around: Makes what is around it from its start to its end.
+            item: The episode.
+            around: Makes a context around the episode, from its start to its end.
         """
         if self._shown != item.name:
             refuse_links(self._folder)
@@ -264,27 +265,27 @@ class LearningCurve:
     learner: str
     split: str
     points: tuple[ShotsResult, ...]
-    """By rising number of demonstrations."""
+    """In ascending order of the number of demonstrations."""
     secret_sha256: str = ""
-    """SHA-256 of the secret of the run; "" without one."""
+    """SHA-256 of the secret of the run; "" without a secret."""
 
     def table(self) -> Table:
-        """Return it as a table, a row per task and one for the mean."""
+        """Return a table with a row per task and one for the mean."""
         head = ("task", *(f"{p.shots} shot{'s' if p.shots > 1 else ''}" for p in self.points))
         rates = [{task.task: task.success for task in point.summary.tasks} for point in self.points]
         rows = [(name, *(_cell(_estimate(of_point[name])) for of_point in rates)) for name in rates[0]] if rates else []
         rows.append(("mean over tasks", *(_cell(point.summary.success) for point in self.points)))
-        title = f"{self.learner} on the challenge {self.split}: success, with its interval of 95 %"
+        title = f"{self.learner} on the challenge {self.split}: success, with its 95 % interval"
         return Table(title, head, tuple(rows))
 
     def content(self) -> dict[str, Any]:
-        """Return it as plain data."""
+        """Return the results as plain data."""
         points = [{"shots": p.shots, "results_sha256": p.sha256, **_content(p.summary)} for p in self.points]
         secret = {"secret_sha256": self.secret_sha256} if self.secret_sha256 else {}
         return {"format": FORMAT, "learner": self.learner, "split": self.split, **secret, "points": points}
 
     def write(self, path: Path) -> Path:
-        """Write it as JSON.
+        """Write the results as JSON, and return the path.
 
         Raises:
             StorageError: The disk cannot be written to.
@@ -293,13 +294,13 @@ class LearningCurve:
 
 
 def learning_curve(learner: str, split: str, results: Mapping[int, Results], secret_sha256: str = "") -> LearningCurve:
-    """Return what came of a run.
+    """Return the learning curve of a run.
 
     Args:
-        learner: What the learner is called.
-        split: Which tasks it met.
-        results: Number of demonstrations -> the evaluation with so many.
-        secret_sha256: SHA-256 of the secret of the run; "" without one.
+        learner: Reference of the learner.
+        split: Name of the split.
+        results: Number of demonstrations -> results of the evaluation.
+        secret_sha256: SHA-256 of the secret of the run; "" without a secret.
     """
     learner, split = as_text(learner, "learner"), as_text(split, "split")
     as_record(results, Mapping, "results")  # type: ignore[type-abstract]

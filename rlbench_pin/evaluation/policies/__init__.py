@@ -1,4 +1,4 @@
-"""Policies: they act on observations, in this process, in a subprocess or behind a socket."""
+"""Policies, which map observations to actions, in this process, in a subprocess or behind a socket."""
 
 from rlbench_pin.evaluation.policies.adapters import FunctionPolicy, KeyFrame, KeyFramePolicy, Noop, Random
 from rlbench_pin.evaluation.policies.client import PolicyClient, open_policy

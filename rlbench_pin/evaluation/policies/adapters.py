@@ -1,4 +1,4 @@
-"""Simple policies: no-op, random, functions as policies, and the base class of agents that predict key frames."""
+"""Simple policies: no-op, random, an adapter for functions, and the base class of agents that predict key frames."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from rlbench_pin.values import as_flag, as_pose
 
 
 class Noop:
-    """Holds the joints and the gripper as they were at the start of the episode."""
+    """Keeps the joints and the gripper in their state at the start of the episode."""
 
     def __init__(self) -> None:
         self.action_mode = MoveArmThenGripper(JointPosition(), Discrete())
@@ -29,7 +29,7 @@ class Noop:
         self._still: np.ndarray | None = None
 
     def reset(self, instruction: str, context: PolicyContext) -> None:
-        """Forget where the arm was."""
+        """Begin an episode."""
         self._still = None
 
     def act(self, observation: Observation) -> np.ndarray:
@@ -41,7 +41,7 @@ class Noop:
 
 
 class Random:
-    """Draws each action uniformly between its bounds: joint positions [rad] and the gripper."""
+    """Samples each action uniformly between its bounds: joint positions [rad] and the gripper."""
 
     def __init__(self) -> None:
         self.action_mode = MoveArmThenGripper(JointPosition(), Discrete())
@@ -55,25 +55,25 @@ class Random:
         self._low, self._high = np.array(context.action_low), np.array(context.action_high)
 
     def act(self, observation: Observation) -> np.ndarray:
-        """Return the next draw, shape (n + 1,)."""
+        """Return the next random action, shape (n + 1,)."""
         return self._rng.uniform(self._low, self._high)
 
 
 class FunctionPolicy:
-    """A policy made of a function `observations -> action`.
+    """A policy that calls a function `observations -> action`.
 
-    The function is given what gymnasium's environments deliver: a dict of the fields that are switched on, numbers as float32 of
-    shape (n,), images as they are.
+    The function gets the observations of the gymnasium environments: a dict of the fields that are switched on, with numbers as
+    float32 of shape (n,), and unchanged images.
 
     Args:
-        function: What acts; an action is an array of shape (n,), as `action_mode` takes it.
-        action_mode: What actions mean.
-        obs_config: What the function is given.
-        begin: Called with the instruction at the start of each episode; None where nothing is remembered.
-        max_steps: Actions of an episode that it suggests.
+        function: Function that returns an action of `action_mode`, shape (n,).
+        action_mode: Action mode of the policy.
+        obs_config: Observations that the function gets.
+        begin: Called with the instruction at the start of each episode; None for a function without memory.
+        max_steps: Suggested maximum number of actions of an episode; None suggests no number.
 
     Raises:
-        PolicySettingsError: Action mode or observations are not of this package.
+        PolicySettingsError: The action mode or the observations are not of this package.
     """
 
     def __init__(
@@ -88,35 +88,35 @@ class FunctionPolicy:
         self.action_mode, self.obs_config, self.max_steps = action_mode, obs_config, max_steps
         for name, value in (("function", function), ("begin", begin)):
             if not callable(value) and not (name == "begin" and value is None):
-                raise InvalidValue(name, value, "has to be a function")
+                raise InvalidValue(name, value, "has to be a function", "Pass a callable object.")
         self._function, self._begin = function, begin
 
     def reset(self, instruction: str, context: PolicyContext) -> None:
-        """Tell the function that an episode begins."""
+        """Begin an episode: call `begin` with the instruction."""
         if self._begin is not None:
             self._begin(instruction)
 
     def act(self, observation: Observation) -> np.ndarray:
-        """Return what the function returns."""
+        """Return the action of the function, shape (n,)."""
         return np.asarray(self._function(as_dict(observation)))
 
 
 def as_dict(observation: Observation) -> dict[str, np.ndarray]:
-    """Return the fields of an observation that are there, numbers as float32 of shape (n,), images as they are."""
+    """Return the fields of an observation that are not None, numbers as float32 of shape (n,), images unchanged."""
     fields = {name: np.asarray(value) for name, value in vars(observation).items() if value is not None and name != "misc"}
     return {name: value if value.ndim > 1 else np.atleast_1d(value).astype(np.float32) for name, value in fields.items()}
 
 
 @dataclass(frozen=True, eq=False)
 class KeyFrame:
-    """Next pose of the gripper, and its action there."""
+    """The next pose of the tip, and the state of the gripper after the motion to it."""
 
     pose: np.ndarray
-    """Pose of the tip in the world, shape (7,): x, y, z [m], qx, qy, qz, qw; brought to unit length."""
+    """Pose of the tip in the world, shape (7,): x, y, z [m], qx, qy, qz, qw; the quaternion is normalised."""
     is_open: bool
-    """Whether the gripper is open afterwards."""
+    """Whether the gripper is open after the motion."""
     ignore_collisions: bool = False
-    """Whether the motion there may touch objects."""
+    """Whether the motion to the pose ignores collisions."""
 
     def __post_init__(self) -> None:
         """Raise InvalidValue for an invalid pose or truth value."""
@@ -126,13 +126,13 @@ class KeyFrame:
 
 
 class KeyFramePolicy(ABC):
-    """Base of agents that predict key frames: each call is a planned motion to a pose, then the gripper.
+    """Base class of agents that predict key frames. Each action plans a motion to a pose, then moves the gripper.
 
-    Subclasses say what comes next. A motion that is not found without collisions is planned with them.
+    Subclasses implement `predict`. If there is no collision-free motion, the motion is planned without collision checks.
 
     Args:
-        obs_config: What `predict` is given.
-        max_steps: Key frames of an episode that it suggests.
+        obs_config: Observations that `predict` gets.
+        max_steps: Suggested maximum number of key frames of an episode.
     """
 
     def __init__(self, obs_config: ObservationConfig, max_steps: int | None = 25) -> None:
@@ -141,7 +141,7 @@ class KeyFramePolicy(ABC):
         self.instruction = ""
 
     def reset(self, instruction: str, context: PolicyContext) -> None:
-        """Begin an episode; subclasses that remember something forget it here."""
+        """Begin an episode. Subclasses with memory reset it here."""
         self.instruction = instruction
 
     @abstractmethod
@@ -150,7 +150,7 @@ class KeyFramePolicy(ABC):
 
         Args:
             observation: The observation, with the arm stationary.
-            instruction: What to do.
+            instruction: The instruction of the episode.
         """
 
     def act(self, observation: Observation) -> np.ndarray:

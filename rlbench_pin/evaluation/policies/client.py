@@ -1,4 +1,4 @@
-"""Policies as an evaluation sees them: in this process, in a subprocess, or behind a socket."""
+"""Clients of policies: in this process, in a subprocess, or behind a socket."""
 
 from __future__ import annotations
 
@@ -32,61 +32,61 @@ from rlbench_pin.processes.child import ChildProcess
 from rlbench_pin.values import as_number
 
 GRACE = 5.0
-"""How long a process whose connection has ended may take to end [s]."""
+"""Time limit for a process to end after its connection has ended [s]."""
 CONNECT_LIMIT = 10.0
-"""How long connecting to a socket may take [s]."""
+"""Time limit for a connection to a socket [s]."""
 
 
 class PolicyClient(Protocol):
     """A policy that runs in this process, in a subprocess, or behind a socket.
 
-    A `PolicyFault` costs the episode. After one the policy is started again, or connected again, at the next `reset`.
+    A `PolicyFault` fails the episode. The next `reset` starts the policy again, or connects again.
     """
 
     @property
     def settings(self) -> PolicySettings:
-        """Settings that it asks for; the first access starts it."""
+        """Settings of the policy; the first access starts the policy."""
         ...
 
     def reset(self, instruction: str, context: PolicyContext) -> None:
         """Begin an episode.
 
         Raises:
-            PolicyFault: It crashed, hung or cannot be reached.
+            PolicyFault: The policy crashed, did not answer in time, or cannot be reached.
         """
         ...
 
     def act(self, observation: Observation) -> np.ndarray:
-        """Return the next action, float64 (n,), finite. How many numbers there are is for the caller to check.
+        """Return the next action, float64 (n,), finite. The caller checks n.
 
         Raises:
-            PolicyFault: It crashed, hung, cannot be reached, or what it returned is not an action.
+            PolicyFault: The policy crashed, did not answer in time, cannot be reached, or returned no action.
         """
         ...
 
     def close(self) -> None:
-        """End it; may be called again, and `reset` starts it anew."""
+        """End the policy. Several calls are allowed, and `reset` starts it again."""
         ...
 
 
 def open_policy(reference: str | Policy, *, time_limit: float = 30.0, start_limit: float = 300.0) -> PolicyClient:
-    """Return a policy, which starts when it is first asked for something.
+    """Return a client of a policy. The policy starts at the first access to its settings.
 
     Args:
-        reference: What it is called, see `find_policy`; or an object with the methods of `Policy`, which runs in this process.
-        time_limit: How long `reset` and `act` may take [s]. A policy in this process is not stopped.
-        start_limit: How long it may take to start and to say what it asks for [s].
+        reference: Reference, see `find_policy`, or an object with the methods of `Policy`, which runs in this process.
+        time_limit: Time limit for `reset` and `act` [s]. It does not apply to a policy in this process.
+        start_limit: Time limit for the start of the policy, until it has returned its settings [s].
 
     Raises:
-        UnknownName: No policy of this package is called so.
+        UnknownName: No policy of this package has this name.
         PolicyReferenceError: There is no such module, file or factory.
-        MissingExtra: The library that it needs is not installed.
+        MissingExtra: The library of the policy is not installed.
     """
     time_limit = as_number(time_limit, "time_limit", above=0.0, most=1e6)
     start_limit = as_number(start_limit, "start_limit", above=0.0, most=1e6)
     if not isinstance(reference, str):
         if isinstance(reference, type) or not isinstance(reference, Policy):
-            raise PolicyReferenceError(reference, f"is an object with reset, act, action_mode and obs_config, or {FORMS}")
+            raise PolicyReferenceError(reference, f"has to be an object with reset, act, action_mode and obs_config, or {FORMS}")
         return InProcessPolicy(reference)
     found = find_policy(reference)
     if found.place == "in-process":
@@ -102,13 +102,13 @@ def open_policy(reference: str | Policy, *, time_limit: float = 30.0, start_limi
 
 
 class InProcessPolicy:
-    """A policy in this process. Nothing can end it when it hangs, and its memory is ours.
+    """A policy in this process. It has no time limit, and it shares the memory of this process.
 
     Args:
         policy: The policy.
 
     Raises:
-        PolicySettingsError: Its action mode or what it observes is not of this package.
+        PolicySettingsError: Its action mode or its observations are not of this package.
     """
 
     def __init__(self, policy: Policy) -> None:
@@ -131,7 +131,7 @@ class InProcessPolicy:
         return validate_action(action)
 
     def close(self) -> None:
-        """Nothing was started."""
+        """Do nothing: no process was started."""
 
 
 def _crash(error: Exception) -> PolicyFault:
@@ -150,16 +150,16 @@ class Transport(Protocol):
         """Start or connect, and return the channel.
 
         Raises:
-            PolicyFault: It cannot be reached.
+            PolicyFault: The policy cannot be reached.
         """
         ...
 
     def close(self, patience: float = 0.0) -> str:
-        """End what was opened, and say how it ended; a policy that is not at fault is given `patience` [s]."""
+        """Close the connection, wait up to `patience` [s] for the policy to end by itself, and return a sentence how it ended."""
         ...
 
     def printed(self) -> str:
-        """Return the end of what the policy printed, empty where that is not known."""
+        """Return the last lines that the policy printed; empty if they are not available."""
         ...
 
 
@@ -167,9 +167,9 @@ class RemotePolicy:
     """A policy in another process, started or connected again after a fault.
 
     Args:
-        transport: Connection to it.
-        time_limit: How long `reset` and `act` may take [s].
-        start_limit: How long it may take until the policy is there and has said what it asks for [s].
+        transport: Connection to the policy.
+        time_limit: Time limit for `reset` and `act` [s].
+        start_limit: Time limit for the start of the policy, until it has returned its settings [s].
     """
 
     def __init__(self, transport: Transport, time_limit: float, start_limit: float) -> None:
@@ -179,22 +179,22 @@ class RemotePolicy:
 
     @property
     def settings(self) -> PolicySettings:
-        """Settings that the policy asks for; the first access starts it.
+        """Settings of the policy; the first access starts the policy.
 
         Raises:
-            PolicyFault: It cannot be started or reached.
-            PolicyReferenceError: The reference leads to no policy.
-            PolicySettingsError: What it asks for is not of this package.
+            PolicyFault: The policy cannot be started or reached.
+            PolicyReferenceError: The reference names no policy.
+            PolicySettingsError: The settings are not of this package.
         """
         if self._settings is None:
             self._settings = self._begin()
         return self._settings
 
     def reset(self, instruction: str, context: PolicyContext) -> None:
-        """Begin an episode; starts the policy when it is not there."""
+        """Begin an episode; starts the policy if it is not running."""
         known = self.settings
         if self._channel is None and self._begin() != known:
-            self._fail("wrong answer", "Started again, it asks for another action mode or other observations than before.")
+            self._fail("wrong answer", "After its restart it has another action mode or other observations than before.")
         self._prepare()
         self._ask({"call": "reset", "instruction": instruction, "context": encode_context(context)}, self._time_limit)
 
@@ -221,7 +221,10 @@ class RemotePolicy:
         self._channel = self._transport.open(self._start_limit)
         said = self._ask({"call": "hello", "version": VERSION}, max(0.1, end - time.monotonic()))
         if not isinstance(said, dict) or said.get("version") != VERSION:
-            self._fail("wrong answer", f"It does not speak version {VERSION} of the protocol.")
+            self._fail(
+                "wrong answer",
+                f"It lacks version {VERSION} of the protocol. Use the policy_server.py of this release.",
+            )
         try:
             return PolicySettings.of(*(said.get(name) for name in ("action_mode", "observation", "max_steps", "joint_names")))
         except BaseException:
@@ -229,10 +232,10 @@ class RemotePolicy:
             raise
 
     def _prepare(self) -> None:
-        """Tell the policy, which has just said what it asks for or has ended an episode, what it needs for the next one."""
+        """Send data that the policy needs before the next episode."""
 
     def _ask(self, question: dict[str, Any], limit: float) -> Any:
-        """Return what the policy answers, or end it and raise."""
+        """Return the answer of the policy, or end the policy and raise PolicyFault."""
         assert self._channel is not None
         call, end = question["call"], time.monotonic() + limit
         try:
@@ -244,13 +247,13 @@ class RemotePolicy:
             self._fail(self._transport.lost, f"The connection ended during `{call}`.", GRACE)
         except WireError as error:
             self._fail("wrong answer", str(error))
-        except BaseException:  # Ctrl-C: the answer would be taken for that to the next question
+        except BaseException:  # Ctrl-C: the answer would be mistaken for that to the next request
             self._drop()
             raise
         if "ok" in answer:
             return answer["ok"]
         return self._refused(
-            str(call), str(answer.get("error", "It says neither `ok` nor `error`."))[:LONGEST_DETAIL], answer.get("kind")
+            str(call), str(answer.get("error", "The answer has neither `ok` nor `error`."))[:LONGEST_DETAIL], answer.get("kind")
         )
 
     def _refused(self, call: str, problem: str, kind: object) -> NoReturn:
@@ -261,7 +264,7 @@ class RemotePolicy:
         self._fail("crashed" if kind == "crashed" else "wrong answer", problem)
 
     def _fail(self, kind: FaultKind, detail: str, patience: float = 0.0) -> NoReturn:
-        """End the policy and raise; one that is ending by itself is given `patience` [s], so that its exit code is known."""
+        """End the policy and raise PolicyFault. Wait up to `patience` [s] for it to end by itself, to get its exit code."""
         ended = self._drop(patience)
         raise PolicyFault(kind, f"{detail} {ended}" if patience and ended else detail, printed=self._transport.printed())
 
@@ -289,7 +292,7 @@ class SubprocessTransport:
         self._child: ChildProcess | None = None
 
     def open(self, timeout: float) -> Channel:
-        """Start the subprocess and return the channel to it; the policy in it is made at the first question."""
+        """Start the subprocess and return the channel to it. The subprocess makes the policy at the first request."""
         self.close()
         try:
             self._child = ChildProcess(self._module, [self._target])
@@ -298,7 +301,7 @@ class SubprocessTransport:
         return Channel(self._child.connection)
 
     def close(self, patience: float = 0.0) -> str:
-        """End the process and what it started, and say how it ended."""
+        """End the process and its descendants, and return a sentence how it ended."""
         return "" if self._child is None else self._child.end(patience)
 
     def printed(self) -> str:
@@ -322,13 +325,13 @@ class SocketTransport:
         """Connect.
 
         Raises:
-            PolicyFault: Nobody listens there.
+            PolicyFault: There is no server at the address.
         """
         try:
             return Channel(self._connected(min(timeout, CONNECT_LIMIT)))
         except (OSError, ValueError) as error:  # the latter for names that no host or socket can have
             problem = f"There is no connection to {self.reference}: {error.strerror if isinstance(error, OSError) else error}."
-            hint = f"Start it with `rlbench-pin serve POLICY --address {self.reference}`, or with `serve` of policy_server.py."
+            hint = f"Start it with `rlbench-pin serve POLICY --address {self.reference}`, or `serve` in policy_server.py."
             raise PolicyFault("unreachable", problem, hint) from error
 
     def _connected(self, timeout: float) -> socket.socket:
@@ -346,9 +349,9 @@ class SocketTransport:
         return connection
 
     def close(self, patience: float = 0.0) -> str:
-        """Return nothing: the server of the policy ends the connection."""
+        """Return an empty text: the server of the policy ends the connection."""
         return ""
 
     def printed(self) -> str:
-        """Return nothing: the output of the policy stays at its server."""
+        """Return an empty text: the server keeps the output of the policy."""
         return ""

@@ -1,7 +1,7 @@
-"""A directory of LeRobot, `pretrained_model` of a checkpoint, as a policy.
+"""A policy from the directory `pretrained_model` of a LeRobot checkpoint.
 
-This file needs numpy, torch and LeRobot alone: where LeRobot has an environment of its own, copy it there beside
-`policy_server.py` and serve `lambda: LeRobotPolicy(FOLDER)`. What is observed and done is named as in the exports of
+This file needs only numpy, torch and LeRobot. If LeRobot has its own Python environment, copy the file there with
+`policy_server.py`, and serve `lambda: LeRobotPolicy(FOLDER)`. Observations and actions have the names in the exports of
 `rlbench-pin dataset export lerobot`.
 """
 
@@ -18,21 +18,22 @@ STATE, IMAGES, ACTION = "observation.state", "observation.images.", "action"
 
 
 class LeRobotPolicy:
-    """A policy that LeRobot's own `lerobot-train` made from our export.
+    """A policy that `lerobot-train` of LeRobot trained on our export.
 
-    The state is joint positions [rad] and the gripper, 1 open; an action is the same, absolute. The gripper is clipped to 0..1.
+    The state is the joint positions [rad] and the gripper, 1 open. An action has the same numbers, absolute; the gripper is
+    clipped to 0..1.
 
     Args:
-        folder: With `config.json`, `model.safetensors`, and the files of its processors.
-        device: Where it computes; nothing is the GPU if there is one.
-        max_steps: Actions of an episode that it suggests.
+        folder: Folder with `config.json`, `model.safetensors`, and the files of the processors.
+        device: Device of torch; when empty, the GPU if there is one.
+        max_steps: Suggested maximum number of actions of an episode; None suggests no number.
 
     Attributes:
         action_mode: Plain data of the action mode.
-        obs_config: Plain data of what is observed.
+        obs_config: Plain data of the observations.
 
     Raises:
-        ValueError: It was trained on other observations or actions.
+        ValueError: The policy was trained on other observations or actions.
     """
 
     def __init__(self, folder: str, device: str = "", max_steps: int | None = None) -> None:
@@ -54,9 +55,9 @@ class LeRobotPolicy:
         )
 
     def reset(self, instruction: str, context: Any) -> None:
-        """Forget observations and actions that are left over."""
+        """Begin an episode: discard queued observations and actions."""
         if context.joints + 1 != self.joints:
-            raise ValueError(f"It moves {self.joints - 1} joints and a gripper; this arm has {context.joints}.")
+            raise ValueError(f"The policy moves {self.joints - 1} joints, but the arm has {context.joints}. Use another arm.")
         self._instruction = instruction
         self._policy.reset()
 
@@ -80,20 +81,22 @@ class LeRobotPolicy:
 
 
 def read_features(folder: Path) -> tuple[dict[str, tuple[int, int]], int]:
-    """Return camera -> width and height [px], and how many numbers an action has, from a directory's `config.json`.
+    """Return camera -> width and height [px], and the size of an action, from the `config.json` of a directory.
 
     Raises:
-        ValueError: It was trained on observations or actions that our exports do not have.
+        ValueError: The policy was trained on observations or actions that our exports do not have.
     """
     config = json.loads((folder / "config.json").read_text(encoding="utf-8"))
     inputs, outputs = config.get("input_features") or {}, config.get("output_features") or {}
     if ACTION not in outputs or len(outputs[ACTION]["shape"]) != 1:
-        raise ValueError(f"'{folder}' names no `{ACTION}` among its output features, so it was not trained on our export.")
+        raise ValueError(f"'{folder}' has no output feature `{ACTION}`. Train a policy on an export of rlbench_pin.")
     unknown = [name for name in inputs if name != STATE and not name.startswith(IMAGES)]
     if unknown:
-        raise ValueError(f"'{folder}' observes '{unknown[0]}'; exports have {STATE} and {IMAGES}CAMERA. Train on one of them.")
+        raise ValueError(f"'{folder}' observes '{unknown[0]}'; exports have {STATE} and {IMAGES}CAMERA. Train on an export.")
     joints = int(outputs[ACTION]["shape"][0])
     if STATE in inputs and list(inputs[STATE]["shape"]) != [joints]:
-        raise ValueError(f"'{folder}' has states of {inputs[STATE]['shape']} and {joints} numbers in actions; ours are alike.")
+        raise ValueError(
+            f"'{folder}' has states {inputs[STATE]['shape']} and actions [{joints}]; both must be equal. Train on an export."
+        )
     shapes = {name.removeprefix(IMAGES): feature["shape"] for name, feature in inputs.items() if name.startswith(IMAGES)}
     return {name: (int(shape[2]), int(shape[1])) for name, shape in shapes.items()}, joints

@@ -1,4 +1,4 @@
-"""Mappings of served policies: which of our observations go under which key, and what the numbers of their actions mean."""
+"""Mappings of served policies: the keys of observations, and the meaning of the numbers of actions."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from rlbench_pin.values import as_array, as_image_size, as_number, as_text, as_w
 
 _FOLDER = Path(__file__).parent / "mappings"
 LONGEST_CHUNK = 1000
-"""Actions of a chunk that may be played before the next request."""
+"""Maximum number of actions of a chunk that are played before the next request."""
 
 ROTATIONS: Mapping[str, int] = {
     "quaternion_xyzw": 4,
@@ -40,9 +40,9 @@ ROTATIONS: Mapping[str, int] = {
     "six_columns": 6,
     "six_interleaved": 6,
 }
-"""Layout of a rotation R, a matrix (3, 3) -> how many numbers it has. Angles are in [rad]; `euler_rpy` is Rz(yaw) Ry(pitch)
-Rx(roll). Six numbers are the first two rows (`six_rows`) or columns (`six_columns`) of R, one after the other; `six_interleaved`
-are the first two columns, row by row."""
+"""Layout of a rotation matrix R (3, 3) -> number of its values. Angles are in [rad]; `euler_rpy` is Rz(yaw) Ry(pitch) Rx(roll).
+Six numbers are the first two rows (`six_rows`) or columns (`six_columns`) of R, one after the other; `six_interleaved` are the
+first two columns, row by row."""
 ARMS: tuple[str, ...] = ("absolute_pose", "delta_pose", "joint_positions", "joint_deltas", "joint_velocities")
 """Meaning of the arm's numbers: a tip pose in the world, its change, joint positions, their changes, or joint velocities."""
 PRODUCTS: tuple[str, ...] = ("rgb", "depth", "point_cloud")
@@ -68,14 +68,14 @@ _STATES: Mapping[str, tuple[str, Callable[[Any], Any]]] = {
 STATES: tuple[str, ...] = tuple(_STATES)
 """Parts of a state vector: `joint_positions` [rad] and `joint_velocities` [rad/s], (n,); `task_low_dim_state`, the poses of
 objects of the task; `tip_position` (3,) [m] and the rotation of the tip, `tip_` and its layout; `fingers` (2,) [m], the second
-negative in `fingers_mirrored`; `gripper_open` (1,), 1 open and 0 closed; `gripper_closed`, the other way round."""
+negative in `fingers_mirrored`; `gripper_open` (1,), 1 open and 0 closed; `gripper_closed` (1,), 0 open and 1 closed."""
 _FIXED_SIZES = {"tip_position": 3, "fingers": 2, "fingers_mirrored": 2, "gripper_open": 1, "gripper_closed": 1}
 STATE_SIZES: Mapping[str, int] = {**_FIXED_SIZES, **{name: ROTATIONS[layout] for name, layout in _TIP.items()}}
-"""Part of a state vector -> how many numbers it has; joints and the state of a task are left out, as arms and tasks differ."""
+"""Part of a state vector -> number of its values. Joints and task states are not in the table, because their sizes differ."""
 
 
 class MappingError(PolicySettingsError):
-    """A mapping cannot be used: no such file, an unknown key, a wrong value, or a server that contradicts it."""
+    """A mapping cannot be used: a missing file, an unknown key, a wrong value, or a contradiction to the server."""
 
 
 # Rotations --------------------------------------------------------------------------------------------------------------------
@@ -106,7 +106,7 @@ def decode_rotation(values: np.ndarray, layout: str) -> np.ndarray:
     Six numbers are made orthonormal by Gram-Schmidt, the first three numbers first (arXiv 1812.07035).
 
     Raises:
-        ValueError: The numbers give no rotation: a quaternion or a direction of length 0.
+        ValueError: The numbers are not a rotation: a quaternion or a direction has length 0.
     """
     if layout.startswith("quaternion"):
         rotation = Rotation.from_quat(_unit(values if layout == "quaternion_xyzw" else np.roll(values, -1), "The quaternion"))
@@ -142,10 +142,10 @@ class ImageEntry:
     product: str = "rgb"
     """`rgb` uint8 (h, w, 3), `depth` float32 (h, w) [m], or `point_cloud` float32 (h, w, 3) in the world [m]."""
     image_size: tuple[int, int] = (256, 256)
-    """Width and height as rendered [px]."""
+    """Width and height of the rendered image [px]."""
     resize: int | None = None
-    """Side of the square that an rgb image is resized to [px], bilinear, with black bars where it is not square; None keeps
-    it."""
+    """Side of the square to which an rgb image is resized [px], bilinear, with black bars if it is not square; None does not
+    resize."""
 
     def __post_init__(self) -> None:
         """Raise InvalidValue or UnknownName for a wrong value."""
@@ -155,15 +155,17 @@ class ImageEntry:
         if self.resize is not None:
             as_whole(self.resize, "resize", least=1, most=LARGEST_IMAGE)
             if self.product != "rgb":
-                raise InvalidValue("resize", self.resize, f"is for rgb images, not for '{self.product}'", "Set `image_size`.")
+                raise InvalidValue(
+                    "resize", self.resize, f"is for rgb images, not for '{self.product}'", "Set `image_size` instead."
+                )
 
     @property
     def sent_size(self) -> tuple[int, int]:
-        """Width and height as sent [px]."""
+        """Width and height of the sent image [px]."""
         return self.image_size if self.resize is None else (self.resize, self.resize)
 
     def of(self, observation: Observation) -> np.ndarray:
-        """Return the image as it is sent, (h, w) or (h, w, 3), top row first."""
+        """Return the image that is sent, (h, w) or (h, w, 3), top row first."""
         image = np.asarray(getattr(observation, f"{self.camera}_{self.product}"))
         if self.resize is None or image.shape[:2] == (self.resize, self.resize):
             return np.ascontiguousarray(image)
@@ -173,29 +175,28 @@ class ImageEntry:
 
 @dataclass(frozen=True)
 class ActionLayout:
-    """What the numbers of an action mean: those of the arm in order, then the gripper."""
+    """Meaning of the numbers of an action: those of the arm, then the gripper."""
 
     arm: str
-    """One of `ARMS`. A pose is the position [m], then the rotation."""
+    """Meaning of the arm's numbers, one of `ARMS`. A pose is the position [m], then the rotation."""
     key: str = "actions"
     """Key of the chunk of actions in a reply."""
     rotation: str = "axis_angle"
     """Layout of the rotation of a pose, one of `ROTATIONS`."""
     frame: str = "world"
-    """Frame of a `delta_pose`: `world` adds the position along world axes and turns about them, `tip` does both in the tip
-    frame."""
+    """Frame of a `delta_pose`: `world` translates along world axes and rotates about them; `tip` does both in the tip frame."""
     motion: str = "ik"
-    """How a pose is reached: `ik` follows joint positions near the present ones, `planning` plans a motion (key frames)."""
+    """Motion to a pose: `ik` follows joint positions near the current ones, `planning` plans a motion (for key frames)."""
     joints: int = 7
-    """How many numbers the arm has where they are those of joints."""
+    """Number of joints of the arm, for numbers of joints."""
     scale: float = 1.0
     """Factor of a position to [m], or of joint numbers to [rad] or [rad/s]."""
     rotation_scale: float = 1.0
     """Factor of the rotation of a `delta_pose` to [rad]; for `axis_angle` and `euler_rpy`."""
     clip: float | None = None
-    """Arm numbers beyond -clip and clip mean the end, before they are scaled; None leaves them."""
+    """Arm numbers are clipped to -clip and clip before they are scaled; None does not clip."""
     gripper_open: float = 1.0
-    """Number of an open gripper; the gripper opens where the number is nearer to this one than to `gripper_closed`."""
+    """Number of an open gripper. The gripper opens if the number is nearer to this one than to `gripper_closed`."""
     gripper_closed: float = 0.0
     """Number of a closed gripper."""
 
@@ -212,11 +213,12 @@ class ActionLayout:
         if self.clip is not None:
             as_number(self.clip, "clip", above=0.0)
         if as_number(self.gripper_open, "gripper_open") == as_number(self.gripper_closed, "gripper_closed"):
-            raise InvalidValue("gripper_open", self.gripper_open, "has to differ from gripper_closed")
+            raise InvalidValue("gripper_open", self.gripper_open, "has to differ from gripper_closed", "Change one of them.")
         if self.rotation_scale != 1.0 and (self.arm != "delta_pose" or self.rotation not in ("axis_angle", "euler_rpy")):
-            raise InvalidValue("rotation_scale", self.rotation_scale, "is for a delta_pose with axis_angle or euler_rpy")
+            hint = "Leave it out, or change `arm` or `rotation`."
+            raise InvalidValue("rotation_scale", self.rotation_scale, "is for a delta_pose with axis_angle or euler_rpy", hint)
         if self.frame == "tip" and self.arm != "delta_pose":
-            raise InvalidValue("frame", self.frame, "is for a delta_pose; other actions are in the world or of joints")
+            raise InvalidValue("frame", self.frame, "is for a delta_pose", "Leave it out, or set `arm` to 'delta_pose'.")
 
     @property
     def is_pose(self) -> bool:
@@ -225,11 +227,11 @@ class ActionLayout:
 
     @property
     def size(self) -> int:
-        """How many numbers an action has."""
+        """Number of values of an action."""
         return (3 + ROTATIONS[self.rotation] if self.is_pose else self.joints) + 1
 
     def action_mode(self) -> MoveArmThenGripper:
-        """Return the action mode of what `decode` returns."""
+        """Return the action mode of the actions that `decode` returns."""
         absolute, frame = self.arm == "absolute_pose", cast(Any, "end effector" if self.frame == "tip" else "world")
         if not self.is_pose:
             kind = JointVelocity if self.arm == "joint_velocities" else JointPosition
@@ -245,7 +247,7 @@ class ActionLayout:
             values: The numbers of the server, finite, shape (size,).
 
         Raises:
-            ValueError: They give no rotation.
+            ValueError: The numbers are not a rotation.
         """
         arm, gripper = np.array(values[:-1], dtype=np.float64), float(values[-1])
         if self.clip is not None:
@@ -259,7 +261,7 @@ class ActionLayout:
 
 @dataclass(frozen=True)
 class PolicyMapping:
-    """A mapping between our observations and actions and those of a served policy. A dot in a key goes one map deeper."""
+    """A mapping between our observations and actions and those of a served policy. A dot in a key separates nested maps."""
 
     source: str
     """Name of the preset, or path of the file."""
@@ -268,13 +270,13 @@ class PolicyMapping:
     images: Mapping[str, ImageEntry]
     """Key -> image."""
     states: Mapping[str, tuple[str, ...]]
-    """Key -> parts of `STATES`, which are joined to one float32 vector."""
+    """Key -> parts of `STATES`, which are concatenated to one float32 vector."""
     action: ActionLayout
     """Layout of actions."""
     replan: int = 1
-    """How many actions of a chunk are played before the next request; a shorter chunk is played whole."""
+    """Number of actions of a chunk that are played before the next request; a shorter chunk is played completely."""
     max_steps: int | None = None
-    """Actions of an episode that it suggests; None leaves it to the evaluation."""
+    """Suggested maximum number of actions of an episode; None suggests no number."""
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -282,12 +284,12 @@ class PolicyMapping:
         return (self.instruction, *self.images, *self.states)
 
     def state_size(self, key: str) -> int | None:
-        """How many numbers the state under a key has; None where that depends on the arm or the task."""
+        """Return the size of the state under a key; None if it depends on the arm or the task."""
         sizes = [STATE_SIZES.get(part) for part in self.states[key]]
         return None if None in sizes else sum(size for size in sizes if size is not None)
 
     def obs_config(self) -> ObservationConfig:
-        """Return what is observed."""
+        """Return the observation settings of the mapping."""
         config = blank_observations()
         for parts in self.states.values():
             for part in parts:
@@ -300,7 +302,7 @@ class PolicyMapping:
         return config
 
     def encode(self, observation: Observation, instruction: str) -> dict[str, Any]:
-        """Return an observation as the server wants it: images, float32 vectors, and the instruction."""
+        """Return an observation with the keys of the server: images, float32 vectors, and the instruction."""
         encoded: dict[str, Any] = {}
         values: dict[str, Any] = {self.instruction: instruction}
         values |= {key: image.of(observation) for key, image in self.images.items()}
@@ -316,14 +318,14 @@ class PolicyMapping:
         return encoded
 
     def chunk(self, answer: object, most: int) -> np.ndarray:
-        """Return the first actions of a reply as they are, shape (up to `most`, size), for `action.decode`.
+        """Return the first actions of a reply, not decoded, shape (up to `most`, size); see `action.decode`.
 
         Args:
-            answer: The reply, a map with the key of the actions; or the actions alone, shape (size,) or (horizon, size).
-            most: How many are wanted; those beyond are not looked at.
+            answer: The reply, a map with the key of the actions; or only the actions, shape (size,) or (horizon, size).
+            most: Maximum number of actions; later ones are ignored.
 
         Raises:
-            ValueError: The key is missing, or under it is no array of this shape with finite numbers.
+            ValueError: The key is missing, or its value is not an array of this shape with finite numbers.
         """
         layout = self.action
         value: Any = answer.get(layout.key) if isinstance(answer, Mapping) else answer
@@ -335,7 +337,7 @@ class PolicyMapping:
         except InvalidValue as error:
             raise ValueError(f"'{layout.key}' is a {type(value).__name__}, not an array of numbers.") from error
         if chunk.ndim != 2 or len(chunk) == 0 or chunk.shape[1] != layout.size:
-            named = f"the mapping '{self.source}' has {layout.size} numbers for an action"
+            named = f"an action of the mapping '{self.source}' has {layout.size} numbers"
             raise ValueError(f"'{layout.key}' has the shape {np.shape(value)}; {named}.")
         bad = np.argwhere(~np.isfinite(chunk[:most]))
         if len(bad):
@@ -358,8 +360,8 @@ def load_mapping(name: str) -> PolicyMapping:
         name: A preset, such as `droid`, or the path of a TOML file.
 
     Raises:
-        UnknownName: No preset is called so; proposes the nearest name.
-        MappingError: The file is missing, or is not a mapping; names file, key and value.
+        UnknownName: No preset has this name; proposes the nearest name.
+        MappingError: The file is missing, or is not a mapping; the error names file, key and value.
     """
     name = as_text(name, "A mapping", MappingError)
     if name.endswith(".toml") or "/" in name:
@@ -381,7 +383,7 @@ def mapping_of(content: Mapping[str, Any], source: str) -> PolicyMapping:
 
     Args:
         content: The tables of the file.
-        source: What the file is called.
+        source: Name or path of the file, for errors.
 
     Raises:
         MappingError: An unknown key, or a wrong value.
@@ -394,14 +396,17 @@ def mapping_of(content: Mapping[str, Any], source: str) -> PolicyMapping:
     action = cast(ActionLayout, top.record("action", content["action"], ActionLayout))
     instruction = content.get("instruction", "prompt")
     if not isinstance(instruction, str) or not instruction:
-        raise MappingError(f"{source}: 'instruction'", instruction, "has to be the key of the instruction, a text")
+        raise MappingError(
+            f"{source}: 'instruction'", instruction, "has to be the key of the instruction, a text", "Example: 'prompt'."
+        )
     replan = top.count("replan", content.get("replan", 1), LONGEST_CHUNK)
     steps = content.get("max_steps")
     steps = None if steps is None else top.count("max_steps", steps, 1_000_000)
     mapping = PolicyMapping(source, instruction, images, states, action, replan, steps)
     for key in mapping.keys:
         if mapping.keys.count(key) > 1 or any(other.startswith(f"{key}.") for other in mapping.keys):
-            raise MappingError(f"{source}: '{key}'", mapping.keys, "is the key of two values, or of a value and a map")
+            problem = "is the key of two values, or of a value and a map"
+            raise MappingError(f"{source}: '{key}'", mapping.keys, problem, "Rename one of the keys.")
     sizes: dict[str, tuple[int, int]] = {}
     for key, image in images.items():
         if sizes.setdefault(image.camera, image.image_size) != image.image_size:
@@ -421,7 +426,9 @@ class _Table:
 
     def __post_init__(self) -> None:
         if not isinstance(self.content, Mapping):
-            raise MappingError(f"{self.source}: '{self.name}'", self.content, f"has to be a table of {', '.join(self.known)}")
+            raise MappingError(
+                f"{self.source}: '{self.name}'", self.content, f"has to be a table with keys of {', '.join(self.known)}"
+            )
         for key in self.content:
             if key not in self.known:
                 near = nearest_name(key, self.known)
@@ -433,7 +440,7 @@ class _Table:
         """Return a table with keys of the server."""
         value = self.content.get(key, {})
         if not isinstance(value, Mapping):
-            raise MappingError(f"{self.source}: '{key}'", value, "has to be a table with a key of the server for each value")
+            raise MappingError(f"{self.source}: '{key}'", value, "has to be a table, key of the server -> value")
         return value
 
     def record(self, name: str, value: object, kind: type[ImageEntry] | type[ActionLayout]) -> ImageEntry | ActionLayout:
@@ -441,7 +448,7 @@ class _Table:
         entries = dict(_Table(self.source, name, value, tuple(field.name for field in fields(kind))).content)
         needed = fields(kind)[0].name
         if needed not in entries:
-            raise MappingError(f"{self.source}: '{name}.{needed}'", None, "is missing")
+            raise MappingError(f"{self.source}: '{name}.{needed}'", None, "is missing", f"Add `{needed}` to the table.")
         if isinstance(entries.get("image_size"), list):
             entries["image_size"] = tuple(entries["image_size"])
         try:

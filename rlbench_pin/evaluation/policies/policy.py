@@ -1,4 +1,4 @@
-"""Policies and their errors: a policy gets an instruction, then returns one action after the other."""
+"""The interface of policies, and their errors. A policy gets an instruction, then returns one action after the other."""
 
 from __future__ import annotations
 
@@ -20,67 +20,67 @@ class PolicyContext:
     robot: str
     """Name of the arm, or path of its TOML file."""
     joints: int
-    """How many joints it has."""
+    """Number of joints of the arm."""
     action_low: tuple[float, ...]
-    """Lowest value of each number of an action."""
+    """Lower bound of each number of an action."""
     action_high: tuple[float, ...]
-    """Highest value of each number of an action."""
+    """Upper bound of each number of an action."""
     control_period: float
     """Time between two observations of an action mode that acts for one tick [s]."""
     max_steps: int
-    """Actions after which the episode is cut off."""
+    """Maximum number of actions of the episode."""
     seed: int
-    """For draws of the policy's own. It is a hash: the seed of the episode does not follow from it."""
+    """Seed for random numbers of the policy. It is a hash that does not reveal the seed of the episode."""
     task: str = ""
-    """Name of the task; empty where it is withheld."""
+    """Name of the task; empty if it is withheld."""
 
 
 @runtime_checkable
 class Policy(Protocol):
-    """Something that is evaluated.
+    """Interface of a policy.
 
-    An attribute `max_steps` suggests how many actions an episode should have. An attribute `joint_names` names the arm joints
-    that the policy was made for, in order; an evaluation with another arm is refused.
+    The optional attribute `max_steps` suggests the maximum number of actions of an episode. The optional attribute `joint_names`
+    contains the arm joints that the policy was made for, in order; an evaluation with another arm is refused.
 
     Attributes:
-        action_mode: What its actions mean; one of this package.
-        obs_config: What it wants to observe.
+        action_mode: Action mode of the policy; a mode of this package.
+        obs_config: Observations that the policy gets.
     """
 
     action_mode: ActionMode
     obs_config: ObservationConfig
 
     def reset(self, instruction: str, context: PolicyContext) -> None:
-        """Begin an episode: forget everything of the one before.
+        """Begin an episode: discard all state of the previous one.
 
         Args:
-            instruction: One sentence that says what to do.
-            context: The arm, the bounds of actions, and how long the episode may be.
+            instruction: One sentence that describes the goal.
+            context: The arm, the bounds of actions, and the limits of the episode.
         """
         ...
 
     def act(self, observation: Observation) -> np.ndarray:
-        """Return the next action, shape (n,), as `action_mode` takes it.
+        """Return the next action, shape (n,), in the form of `action_mode`.
 
         Args:
-            observation: What `obs_config` asks for. After a refused action it is that of the moment before.
+            observation: Observation with the data of `obs_config`. After a refused action it is the previous observation.
         """
         ...
 
 
 LONGEST_DETAIL = 2000
-"""So much of what a policy says about its fault is kept."""
+"""Maximum number of characters that are kept of the error of a policy."""
 FaultKind = Literal["crashed", "timed out", "wrong answer", "unreachable"]
-"""How a policy failed."""
+"""Kind of the failure of a policy."""
 
 
 class PolicyFault(RlbenchPinError):
-    """A policy failed. It costs the episode; the policy is started again, or connected again, at the next `reset`.
+    """A policy failed, and with it the episode. The next `reset` starts the policy again, or connects again.
 
     Args:
-        kind: How it failed.
-        detail: What happened; the same words when it happens again.
-        hint: What to do.
+        kind: Kind of the failure.
+        detail: Description of the failure; the same failure has the same text.
+        hint: The next step.
         printed: The last lines that the policy printed.
     """
 
@@ -100,7 +100,7 @@ _SENTENCES = {
 
 
 class PolicyReferenceError(InvalidValue):
-    """A reference names no policy that could be started."""
+    """A reference names no policy that can be started."""
 
     def __init__(self, reference: object, problem: str, hint: str = "") -> None:
         self.reference = reference
@@ -120,13 +120,13 @@ class PolicySettingsError(InvalidValue):
 
 
 class PolicyOfAnotherArm(PolicySettingsError):
-    """A policy was made for other joints than those of the arm.
+    """A policy was made for the joints of another arm.
 
     Args:
         joint_names: Joints of the policy.
-        robot: Name of the arm that was asked for.
+        robot: Name of the arm of the evaluation.
         owners: Names of the arms that have the joints of the policy.
-        needed: Joints of the arm that was asked for.
+        needed: Joints of the arm of the evaluation.
     """
 
     def __init__(self, joint_names: tuple[str, ...], robot: str, owners: tuple[str, ...], needed: tuple[str, ...]) -> None:

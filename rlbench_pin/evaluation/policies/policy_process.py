@@ -22,7 +22,7 @@ def settings_of(policy: Policy) -> Mapping[str, Any]:
 
 
 def answers_for(target: str) -> Answers:
-    """Return what answers for the policy that a reference names."""
+    """Return the object that answers requests for the policy of a reference."""
     return Answers(lambda: make_policy(target), settings_of, decode_observation, decode_context)
 
 

@@ -1,4 +1,4 @@
-"""References of policies: `noop`, `module:factory`, `sb3:FILE`, ... Nothing of a policy runs before `make_policy` is called."""
+"""References of policies: `noop`, `module:factory`, `sb3:FILE`, ... No code of a policy runs before `make_policy` is called."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ BUILT_IN: Mapping[str, str] = {
     "cloning": f"{_BASELINES}.cloning:policy",
     "key_frames": f"{_BASELINES}.key_frames:policy",
 }
-"""Name -> `module:factory` of the policies that this package brings."""
+"""Name -> `module:factory` of the policies of this package."""
 IN_PROCESS = ("noop", "random")
-"""Those that need no process of their own."""
+"""Built-in policies that run in the process of the worker."""
 EXPERT = "expert"
-"""The planner's own demonstrations; the evaluation plays them itself."""
+"""The policy that plays demonstrations of the planner; the evaluation plays it without a policy object."""
 FORMS = (
     "`module:factory`, `file.py:factory`, `sb3:FILE`, `ppo:FOLDER`, `sac:FOLDER`, `lerobot:FOLDER`, `unix:PATH`,"
     " `tcp://HOST:PORT`, `openpi://HOST:PORT?mapping=NAME` or `vla-eval://HOST:PORT?mapping=NAME`"
@@ -46,7 +46,7 @@ class Reference:
     """A reference and the place where its policy runs."""
 
     text: str
-    """As it was written."""
+    """The reference as it was written."""
     place: Literal["in-process", "subprocess", "socket", "websocket"]
     """Transport of the policy."""
     target: str
@@ -54,20 +54,20 @@ class Reference:
 
 
 def find_policy(reference: str) -> Reference:
-    """Return the target of a reference, after checking that it exists. Nothing of the policy is imported.
+    """Check that the target of a reference exists, and return it. The module of the policy is not imported.
 
     Args:
         reference: A name of `BUILT_IN`, `module:factory`, `file.py:factory`, `sb3:FILE`, `ppo:FOLDER`, `sac:FOLDER`,
-            `lerobot:FOLDER`, `unix:PATH` or `tcp://HOST:PORT`; but for the last two, `?key=value&...` may follow, arguments
-            of the factory. Or `openpi://HOST:PORT?mapping=NAME`, `vla-eval://HOST:PORT?mapping=NAME`.
+            `lerobot:FOLDER`, `unix:PATH` or `tcp://HOST:PORT`. Except for the last two, arguments of the factory may follow, as
+            `?key=value&...`. Or `openpi://HOST:PORT?mapping=NAME`, `vla-eval://HOST:PORT?mapping=NAME`.
 
     Raises:
-        UnknownName: It is a single word, and no policy of this package is called so.
-        PolicyReferenceError: There is no such module, file, factory, or it has none of these forms.
-        MissingExtra: The library that it needs is not installed.
+        UnknownName: The reference is a single word, and no policy of this package has this name.
+        PolicyReferenceError: There is no such module, file or factory, or the reference has none of these forms.
+        MissingExtra: The library of the policy is not installed.
     """
     if not isinstance(reference, str) or not reference or "\0" in reference:
-        raise PolicyReferenceError(reference, f"is called by a text such as {FORMS}")
+        raise PolicyReferenceError(reference, f"has to be a text such as {FORMS}")
     if reference.startswith(("unix:", "tcp:")):
         return _at_address(reference)
     if reference.startswith(tuple(f"{scheme}:" for scheme in SCHEMES)):
@@ -78,8 +78,8 @@ def find_policy(reference: str) -> Reference:
             return Reference(reference, "subprocess", find(reference, reference.removeprefix(kind)))
     name, _, query = reference.partition("?")
     if name == EXPERT:
-        hint = "`rlbench-pin evaluate expert` and `evaluate(...)` do that; as an object there is none."
-        raise PolicyReferenceError(reference, "needs the planner and the scene, so the evaluation plays it itself", hint)
+        hint = "Use `rlbench-pin evaluate expert` or `evaluate(...)`."
+        raise PolicyReferenceError(reference, "needs the planner and the scene, so it is not available as an object", hint)
     if name in BUILT_IN:
         target = f"{BUILT_IN[name]}?{query}" if query else BUILT_IN[name]
         return Reference(reference, "in-process" if name in IN_PROCESS else "subprocess", target)
@@ -95,12 +95,12 @@ def find_policy(reference: str) -> Reference:
 
 def _at_address(reference: str) -> Reference:
     if reference == "unix:":
-        raise PolicyReferenceError(reference, "needs the path of its socket", "Write `unix:PATH`.")
+        raise PolicyReferenceError(reference, "needs the path of a socket", "Write `unix:PATH`.")
     if reference.startswith("tcp:"):
         try:
             split_tcp(reference)
         except ValueError as error:
-            raise PolicyReferenceError(reference, f"has no such address: {error}") from error
+            raise PolicyReferenceError(reference, f"has no valid address: {error}") from error
     return Reference(reference, "socket", reference)
 
 
@@ -112,7 +112,9 @@ def _sb3(reference: str, rest: str) -> str:
     file, _, query = rest.partition("?")
     path = next((p for p in (Path(file), Path(f"{file}.zip")) if _is_file(p)), None)
     if path is None:
-        raise PolicyReferenceError(reference, f"needs a file that there is not: '{file}'", "`model.save(FILE)` makes one.")
+        raise PolicyReferenceError(
+            reference, f"needs the file '{file}', which does not exist", "Write one with `model.save(FILE)`."
+        )
     if importlib.util.find_spec("stable_baselines3") is None:
         raise MissingExtra("A policy `sb3:FILE`", "stable_baselines3", "rl")
     return _with_path("sb3:load", "file", path, query)
@@ -122,8 +124,8 @@ def _trained(reference: str, rest: str) -> str:
     folder, _, query = rest.partition("?")
     algorithm = reference.partition(":")[0]
     if not any(_is_file(path) for path in Path(folder).glob("*/settings.json")):
-        hint = f"`rlbench-pin train {algorithm} TASK --out {folder}` makes one, with a folder for each task."
-        raise PolicyReferenceError(reference, f"needs a folder with models, which '{folder}' is not", hint)
+        hint = f"Train models with `rlbench-pin train {algorithm} TASK --out {folder}`."
+        raise PolicyReferenceError(reference, f"needs models in '{folder}', which has none", hint)
     if importlib.util.find_spec("stable_baselines3") is None:
         raise MissingExtra(f"A policy `{algorithm}:FOLDER`", "stable_baselines3", "rl")
     arguments = f"folder={quote(str(Path(folder).resolve()))}&algorithm={algorithm}"
@@ -134,10 +136,10 @@ def _lerobot(reference: str, rest: str) -> str:
     folder, _, query = rest.partition("?")
     path = Path(folder)
     if not _is_file(path / "config.json"):
-        hint = "It is the folder `pretrained_model` of a checkpoint, in which `config.json` and `model.safetensors` lie."
-        raise PolicyReferenceError(reference, f"needs a folder with a `config.json`, which '{folder}' is not", hint)
+        hint = "Use the folder `pretrained_model` of a checkpoint, which contains `config.json` and `model.safetensors`."
+        raise PolicyReferenceError(reference, f"needs a `config.json` in '{folder}', which has none", hint)
     if importlib.util.find_spec("lerobot") is None:
-        hint = "Serve the policy from an environment that has it, and evaluate `unix:PATH`: docs/policies.md says how."
+        hint = "Serve the policy from a Python environment with it, and evaluate `unix:PATH`; docs/policies.md shows how."
         raise LibraryMissing("A policy `lerobot:FOLDER`", "lerobot", hint)
     return _with_path("lerobot_directory:LeRobotPolicy", "folder", path, query)
 
@@ -154,24 +156,24 @@ def _check_factory(reference: str) -> None:
     try:
         where, name, _ = split_reference(reference)
     except NoPolicy as error:
-        raise PolicyReferenceError(reference, f"is called in none of the known forms: {error}", f"They are {FORMS}.") from error
+        raise PolicyReferenceError(reference, f"has an unknown form: {error}", f"Use {FORMS}.") from error
     file: Path | None
     if where.endswith(".py"):
         file = Path(where)
         if not _is_file(file):
-            raise PolicyReferenceError(reference, f"needs a file that there is not: '{where}'", "Paths begin in this folder.")
+            raise PolicyReferenceError(reference, f"needs the file '{where}', which does not exist", "Check the path.")
     else:
         spec = _spec_of(where)
         if spec is None:
-            hint = "It has to be installed, or lie in this folder or on PYTHONPATH; `file.py:factory` names a file."
-            raise PolicyReferenceError(reference, f"needs a module that there is not: '{where}'", hint)
+            hint = "Install it, put it into this folder or on PYTHONPATH, or use `file.py:factory`."
+            raise PolicyReferenceError(reference, f"needs the module '{where}', which does not exist", hint)
         file = Path(spec.origin) if spec.has_location and spec.origin and spec.origin.endswith(".py") else None
     if file is not None:
         _check_name(reference, file, name)
 
 
 def _spec_of(dotted: str) -> ModuleSpec | None:
-    """Return where a module is, without importing its packages."""
+    """Return the spec of a module without importing its packages; None if there is no such module."""
     top, *rest = dotted.split(".")
     if not all(part.isidentifier() for part in (top, *rest)):
         return None
@@ -192,7 +194,7 @@ def _parsed(reference: str, file: Path) -> ast.Module:
     try:
         return ast.parse(file.read_bytes())
     except (SyntaxError, ValueError, OSError) as error:
-        raise PolicyReferenceError(reference, f"needs '{file}', which cannot be read: {error}") from error
+        raise PolicyReferenceError(reference, f"needs '{file}', which cannot be read: {error}", "Correct it.") from error
 
 
 def _defined(reference: str, file: Path) -> tuple[str, ...]:
@@ -222,7 +224,7 @@ def split_reference(reference: str) -> tuple[str, str, dict[str, Any]]:
     """Return module or file, factory, and keyword arguments of `module:factory?key=value&...`; values are JSON, or text.
 
     Raises:
-        NoPolicy: It has not this form.
+        NoPolicy: The reference does not have this form.
     """
     path, _, query = reference.partition("?")
     where, _, name = path.rpartition(":")
@@ -242,44 +244,44 @@ def _value(text: str) -> Any:
 
 
 POLICY = ("reset", "act", "action_mode", "obs_config")
-"""Methods of a policy."""
+"""Attributes that every policy has."""
 
 
 def make_policy(reference: str) -> Any:
-    """Import what a reference names, call it, and return the policy.
+    """Import the factory of a reference, call it, and return the policy.
 
     Raises:
-        NoPolicy: There is no such module or factory, or what it returns is not a policy.
+        NoPolicy: There is no such module or factory, or the factory does not return a policy.
     """
     return make_named(reference, "policy", POLICY)
 
 
 def make_named(reference: str, kind: str, parts: tuple[str, ...]) -> Any:
-    """Import what a reference names, call it unless it is an instance already, and return that.
+    """Import the target of a reference, call it unless it is an instance already, and return the object.
 
     Args:
         reference: `module:factory?key=value&...` or `file.py:factory?...`.
-        kind: What it is to be, one word.
-        parts: Attributes of such an object; two methods first.
+        kind: Kind of the object for errors, such as `policy`.
+        parts: Attributes that the object must have; two methods first.
 
     Raises:
-        NoPolicy: There is no such module or factory, or what it returns lacks a part.
+        NoPolicy: There is no such module or factory, or the object lacks an attribute.
     """
     where, name, arguments = split_reference(reference)
     module = _import_file(Path(where)) if where.endswith(".py") else importlib.import_module(where)
     if name not in vars(module) and not hasattr(module, name):
-        raise NoPolicy(f"'{where}' has no '{name}'.")
+        raise NoPolicy(f"'{where}' has no '{name}'. Check the spelling.")
     made = getattr(module, name)
     is_instance = any(callable(getattr(made, part, None)) for part in parts[:2])
     if callable(made) and not is_instance or isinstance(made, type):
         try:
             inspect.signature(made).bind(**arguments)
         except TypeError as error:
-            raise NoPolicy(f"'{where}:{name}' cannot be called so: {error}.") from error
+            raise NoPolicy(f"'{where}:{name}' does not accept these arguments: {error}.") from error
         made = made(**arguments)
     lacking = [part for part in parts if not hasattr(made, part)]
     if lacking:
-        raise NoPolicy(f"'{where}:{name}' gives a {type(made).__name__}, which is not a {kind}: it has no {lacking[0]}.")
+        raise NoPolicy(f"'{where}:{name}' returns a {type(made).__name__}, which is not a {kind}: it has no {lacking[0]}.")
     return made
 
 
@@ -288,7 +290,7 @@ def _import_file(path: Path) -> Any:
         raise NoPolicy(f"There is no file '{path}'.")
     folder = str(path.resolve().parent)
     if folder not in sys.path:
-        sys.path.insert(0, folder)  # as for a program that lies there
+        sys.path.insert(0, folder)  # as for a program in that folder
     spec = importlib.util.spec_from_file_location(path.stem, path)
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)

@@ -1,7 +1,7 @@
-"""Files of Stable-Baselines3 as policies, for models that were trained on `rlbench_pin.gym`.
+"""Policies from files of Stable-Baselines3, for models that were trained on `rlbench_pin.gym`.
 
-Such a file holds pickles: to load one runs the code in it. It says what is observed and how large actions are, but not what
-they mean.
+Such a file contains pickles: loading it runs the code in it. It contains the spaces of observations and actions, but not the
+action mode.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from rlbench_pin.evaluation.policies.settings import make_action_mode
 from rlbench_pin.observation import LOW_DIM, Observation
 
 _SIGNS = (("clip_range", "PPO"), ("target_policy_noise", "TD3"), ("target_entropy", "SAC"), ("gae_lambda", "A2C"))
-"""Setting that only one algorithm has -> its name; the first that is found."""
+"""Setting that only one algorithm has -> name of the algorithm; the first match counts."""
 TOLERANCE = 1e-5
-"""By which bounds of actions may differ, relatively: files hold them as float32."""
+"""Relative tolerance of bounds of actions, because files contain them as float32."""
 
 
 class Model(Protocol):
@@ -45,21 +45,21 @@ def load(
     """Load a model.
 
     Args:
-        file: The file that `model.save` wrote.
-        arm: Arm mode that it was trained with, such as `EndEffectorVelocity`, with its default settings; nothing is the action
-            mode that environments of `rlbench_pin.gym` have by default.
-        gripper: Gripper mode beside the arm mode.
-        algorithm: `PPO`, `A2C`, `SAC`, `TD3` or `DDPG`; nothing looks it up in the file.
-        deterministic: Whether the most likely action is taken instead of a drawn one.
-        device: Where it computes.
+        file: File that `model.save` wrote.
+        arm: Arm mode of the training, such as `EndEffectorVelocity`, with its default settings. When empty, the default action
+            mode of the environments of `rlbench_pin.gym`.
+        gripper: Gripper mode of the training; used if `arm` is given.
+        algorithm: `PPO`, `A2C`, `SAC`, `TD3` or `DDPG`. When empty, it is read from the file.
+        deterministic: Whether to take the most likely action instead of a random one.
+        device: Device of torch.
 
     Raises:
-        NoPolicy: It is no such file, or was trained on other observations.
+        NoPolicy: The file is not such a model, or the model was trained on other observations.
     """
     library = importlib.import_module("stable_baselines3")
     name = algorithm or _algorithm_of(file)
     if name not in ("PPO", "A2C", "SAC", "TD3", "DDPG"):
-        raise NoPolicy(f"There is no algorithm '{name}' with actions like ours; use PPO, A2C, SAC, TD3 or DDPG.")
+        raise NoPolicy(f"The algorithm '{name}' is not supported. Use PPO, A2C, SAC, TD3 or DDPG.")
     model: Model = getattr(library, name).load(file, device=device)
     parts = {"mode": "MoveArmThenGripper", "arm": arm, "gripper": gripper}
     return Sb3Policy(model, make_action_mode(parts if arm else {"mode": "JointPositionActionMode"}), deterministic)
@@ -72,21 +72,21 @@ def _algorithm_of(file: str) -> str:
             settings = json.loads(archive.read("data"))
         return next(name for sign, name in _SIGNS if sign in settings)
     except (zipfile.BadZipFile, KeyError, ValueError, StopIteration) as error:
-        raise NoPolicy(f"'{file}' is not a model of Stable-Baselines3 that is known here; `algorithm=` names another.") from error
+        raise NoPolicy(f"'{file}' is not a model of PPO, A2C, SAC or TD3. If it is one of DDPG, add `algorithm=DDPG`.") from error
 
 
 class Sb3Policy:
-    """A model of Stable-Baselines3, given what `rlbench_pin.gym` gave it.
+    """A policy with a model of Stable-Baselines3, which gets the observations of `rlbench_pin.gym`.
 
-    Actions between -1 and 1, as `gymnasium.wrappers.RescaleAction` makes them, are brought to the bounds of the action mode.
+    Actions between -1 and 1, as from `gymnasium.wrappers.RescaleAction`, are scaled to the bounds of the action mode.
 
     Args:
-        model: The model; its observation space is that of an environment of `rlbench_pin.gym`, or that flattened.
-        action_mode: What its actions mean.
-        deterministic: Whether the most likely action is taken.
+        model: The model. Its observation space is that of an environment of `rlbench_pin.gym`, possibly flattened.
+        action_mode: Action mode of the training.
+        deterministic: Whether to take the most likely action.
 
     Raises:
-        NoPolicy: It was trained on other observations.
+        NoPolicy: The model was trained on other observations.
     """
 
     def __init__(self, model: Model, action_mode: ActionMode, deterministic: bool = True) -> None:
@@ -99,32 +99,32 @@ class Sb3Policy:
     def _settings(self, spaces: object) -> ObservationConfig:
         if not isinstance(spaces, Mapping):
             if len(self._model.observation_space.shape or ()) != 1:
-                raise NoPolicy(f"It observes {self._model.observation_space}, which is not what `rlbench_pin.gym` gives.{_HINT}")
+                raise NoPolicy(f"The model observes {self._model.observation_space}, unlike `rlbench_pin.gym`.{_HINT}")
             return boxed_settings((), (1, 1))
         images = {name: _image_size(box.shape) for name, box in spaces.items() if name.endswith("_rgb")}
         unknown = [name for name in spaces if name not in LOW_DIM and name not in images]
         if unknown or len(set(images.values())) > 1:
-            raise NoPolicy(f"It observes '{(unknown or list(images))[0]}' in a way that `rlbench_pin.gym` does not.{_HINT}")
+            raise NoPolicy(f"The model observes '{(unknown or list(images))[0]}' unlike `rlbench_pin.gym`.{_HINT}")
         return boxed_settings([name.removesuffix("_rgb") for name in images], next(iter(images.values()), (1, 1)))
 
     def reset(self, instruction: str, context: PolicyContext) -> None:
         """Compare the bounds of actions.
 
         Raises:
-            NoPolicy: They are others than in training.
+            NoPolicy: The bounds are not those of the training.
         """
         low, high = (np.asarray(ends, dtype=float) for ends in (context.action_low, context.action_high))
         own_low, own_high = (np.asarray(ends, dtype=float) for ends in _bounds(self._model.action_space))
         mode = type(self.action_mode.arm_action_mode).__name__
         if own_low.shape != low.shape:
-            raise NoPolicy(f"Its actions have {own_low.size} numbers, those of {mode} on this arm have {low.size}.{_MODE}")
+            raise NoPolicy(f"The model's actions have {own_low.size} numbers, not {low.size} as {mode} on this arm.{_MODE}")
         unit = bool((own_low == -1.0).all() and (own_high == 1.0).all())
         if not unit and not (_same(own_low, low) and _same(own_high, high)):
-            raise NoPolicy(f"Its actions have other bounds than those of {mode} on this arm.{_MODE}")
+            raise NoPolicy(f"The model's actions have other bounds than those of {mode} on this arm.{_MODE}")
         self._scale = ((high + low) / 2.0, (high - low) / 2.0) if unit else None
 
     def act(self, observation: Observation) -> np.ndarray:
-        """Return what the model predicts, shape (n,)."""
+        """Return the action that the model predicts, shape (n,)."""
         action = np.asarray(self._model.predict(self._seen(observation), deterministic=self._deterministic)[0], dtype=float)
         if self._scale is not None:
             action = self._scale[0] + self._scale[1] * action
@@ -140,8 +140,8 @@ class Sb3Policy:
         return boxed("the observation", numbers, space.low, space.high)
 
 
-_HINT = " Write a factory that translates, and name it `module:factory`."
-_MODE = " Say what it was trained with: `sb3:FILE?arm=EndEffectorVelocity&gripper=Discrete`."
+_HINT = " Write a factory that converts the observations, and use `module:factory`."
+_MODE = " Pass the action mode of the training: `sb3:FILE?arm=EndEffectorVelocity&gripper=Discrete`."
 
 
 def _image_size(shape: tuple[int, ...]) -> tuple[int, int]:
@@ -157,7 +157,7 @@ def _fitted(name: str, value: object, box: Any) -> np.ndarray:
 def _bounds(space: Any) -> tuple[np.ndarray, np.ndarray]:
     low, high = getattr(space, "low", None), getattr(space, "high", None)
     if low is None or high is None:
-        raise NoPolicy(f"Its actions are {space}, not numbers between bounds.{_HINT}")
+        raise NoPolicy(f"The model's actions are {space}, not numbers between bounds.{_HINT}")
     return low, high
 
 

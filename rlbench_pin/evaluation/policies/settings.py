@@ -1,6 +1,6 @@
-"""The settings of a policy as plain data: its action mode and its observations. They go into results files and over sockets.
+"""The settings of a policy as plain data: its action mode and its observations. Results files and messages contain them.
 
-Of observations, only what is switched on or differs from its default is written; what is left out is off.
+Observations that are not in the data are off. Values that equal their default are left out.
 """
 
 from __future__ import annotations
@@ -41,18 +41,18 @@ from rlbench_pin.sim import Light, Lighting
 from rlbench_pin.values import as_names, as_whole
 
 LARGEST_IMAGE = 1024
-"""Pixels of a side of an image of a policy at most."""
+"""Maximum width and height of an image of a policy [px]."""
 LARGEST_OBSERVATION = 64_000_000
-"""Bytes of all images of an observation of a policy at most."""
+"""Maximum size of all images of an observation of a policy [bytes]."""
 
 
 @dataclass(frozen=True)
 class PolicySettings:
-    """Settings that a policy asks for. All values are JSON; action modes and noise are those of this package.
+    """Settings of a policy. All values are JSON data; action modes and noise are those of this package.
 
     Raises:
-        PolicySettingsError: The data name no action mode or observation, or a wrong value of one (also an InvalidValue); or
-            the images are larger than `LARGEST_IMAGE`, or together than `LARGEST_OBSERVATION`.
+        PolicySettingsError: An action mode or an observation does not exist, or has a wrong value (also an InvalidValue). Or an
+            image is larger than `LARGEST_IMAGE`, or all images together are larger than `LARGEST_OBSERVATION`.
     """
 
     action_mode: dict[str, Any]
@@ -60,12 +60,12 @@ class PolicySettings:
     observation: dict[str, Any] = field(default_factory=dict)
     """Observations: low-dimensional fields, and `cameras` with their products and sizes. Fields left out are off."""
     max_steps: int | None = None
-    """Actions of an episode that the policy suggests; None leaves it to the evaluation."""
+    """Suggested maximum number of actions of an episode; None suggests no number."""
     joint_names: tuple[str, ...] = ()
-    """Arm joints that the policy was made for, in order; empty where it works with any arm, or does not say."""
+    """Arm joints that the policy was made for, in order; empty for any arm."""
 
     def __post_init__(self) -> None:
-        """Fill in what was left out, so that equal settings are equal data."""
+        """Fill in default values, so that equal settings are equal data."""
         object.__setattr__(self, "action_mode", describe_action_mode(make_action_mode(self.action_mode)))
         object.__setattr__(self, "observation", describe_observations(make_observations(self.observation)))
         _check_images(make_observations(self.observation))
@@ -79,12 +79,12 @@ class PolicySettings:
 
         Args:
             action_mode: An action mode of this package, or its plain data.
-            obs_config: What it observes, or that as plain data.
-            max_steps: Actions of an episode that it suggests, or None.
-            joint_names: Arm joints that it was made for; empty or None where it does not say.
+            obs_config: Observations of the policy, or their plain data.
+            max_steps: Suggested maximum number of actions of an episode, or None.
+            joint_names: Arm joints that the policy was made for; empty or None for any arm.
 
         Raises:
-            PolicySettingsError: One of them is neither, or of the policy's own.
+            PolicySettingsError: An argument has another type, or is a custom class of the policy.
         """
         modes = action_mode if isinstance(action_mode, Mapping) else describe_action_mode(action_mode)  # type: ignore[arg-type]
         seen = obs_config if isinstance(obs_config, Mapping) else describe_observations(obs_config)  # type: ignore[arg-type]
@@ -95,17 +95,17 @@ class PolicySettings:
         """Return the settings of a policy from its attributes; `max_steps` and `joint_names` are optional.
 
         Raises:
-            PolicySettingsError: One of them cannot be used.
+            PolicySettingsError: An attribute cannot be used.
         """
         steps, joints = getattr(policy, "max_steps", None), getattr(policy, "joint_names", ())
         return cls.of(policy.action_mode, policy.obs_config, steps, joints)
 
     def plain(self) -> dict[str, Any]:
-        """Return the settings as plain data; without `joint_names` where there are none."""
+        """Return the settings as plain data, without `joint_names` if they are empty."""
         return {name: value for name, value in asdict(self).items() if name != "joint_names" or value}
 
     def check_robot(self, robot: str) -> None:
-        """Raise PolicyOfAnotherArm where the policy was made for other joints than those of an arm.
+        """Raise PolicyOfAnotherArm if the policy was made for the joints of another arm.
 
         Args:
             robot: Name of the arm.
@@ -120,7 +120,7 @@ class PolicySettings:
         return make_action_mode(self.action_mode)
 
     def make_obs_config(self) -> ObservationConfig:
-        """Return new settings of observations."""
+        """Return new observation settings."""
         return make_observations(self.observation)
 
 
@@ -140,14 +140,14 @@ GRIPPER_MODES: Mapping[str, type] = {kind.__name__: kind for kind in (Discrete, 
 ACTION_MODES: Mapping[str, type] = {kind.__name__: kind for kind in (MoveArmThenGripper, JointPositionActionMode)}
 """Name -> action mode that a policy may have."""
 DEEPEST = 4
-"""So many safety filters may be around an arm mode."""
+"""Maximum number of nested safety filters around an arm mode."""
 
 
 def describe_action_mode(mode: ActionMode) -> dict[str, Any]:
-    """Return an action mode as plain data: its class, those of its parts, and every parameter they were made with.
+    """Return an action mode as plain data: its class, the classes of its parts, and all their parameters.
 
     Raises:
-        PolicySettingsError: A part is a class of the policy's own. It would run beside the simulation, not with the policy.
+        PolicySettingsError: A part is a custom class of the policy. It would run in the process of the simulation.
     """
     described: dict[str, Any] = {"mode": _name_of(mode, ACTION_MODES, "action mode")}
     if isinstance(mode, MoveArmThenGripper):
@@ -164,7 +164,7 @@ def make_action_mode(described: Mapping[str, Any]) -> ActionMode:
     """Make an action mode from plain data; parameters that are left out have their defaults.
 
     Raises:
-        PolicySettingsError: The data name no mode, or a parameter that it has not, or one with a wrong value.
+        PolicySettingsError: The data name an unknown mode or parameter, or contain a wrong value.
     """
     kind = _kind_of(_table(described, "action_mode"), "mode", ACTION_MODES)
     if kind is JointPositionActionMode:
@@ -186,7 +186,7 @@ def parameters(kind: type) -> dict[str, Parameter]:
 def _name_of(mode: object, kinds: Mapping[str, type], what: str) -> str:
     name = type(mode).__name__
     if kinds.get(name) is not type(mode):
-        hint = f"Use one of {', '.join(kinds)}, and translate in the policy's `act` what your own mode would do."
+        hint = f"Use one of {', '.join(kinds)}, and convert the actions of your own mode in the policy's `act`."
         raise PolicySettingsError(f"The {what} of a policy", mode, "has to be one of this package", hint)
     return name
 
@@ -210,13 +210,13 @@ def _plain_setting(value: object) -> Any:
 def _make(kind: type, settings: object, what: str, depth: int = 0) -> Any:
     """Make a part from its class and its parameters."""
     chosen = dict(_entries(settings, parameters(kind), what))
-    with _errors_about(what, settings, f"makes no {kind.__name__}"):
+    with _errors_about(what, settings, f"cannot make a {kind.__name__}"):
         return _make_safe_arm(chosen, what, depth) if kind is SafeArm else kind(**chosen)
 
 
 def _make_safe_arm(chosen: dict[str, Any], what: str, depth: int) -> SafeArm:
     if depth >= DEEPEST:
-        raise PolicySettingsError(what, chosen, f"has more than {DEEPEST} safety filters around one mode")
+        raise PolicySettingsError(what, chosen, f"has more than {DEEPEST} safety filters around one mode", "Use one.")
     inner = _entries(chosen.get("mode"), ("mode", "mode_settings"), f"{what}.mode")
     arm = _make(_kind_of(inner, "mode", ARM_MODES), inner.get("mode_settings", {}), f"{what}.mode_settings", depth + 1)
     config = chosen.get("config")
@@ -244,21 +244,21 @@ def _kind_of(described: Mapping[str, Any], key: str, kinds: Mapping[str, type]) 
 _SPECIAL = ("cameras", "extra_cameras", "model", "lighting")
 IDENTITY = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 LEFT_OUT = ("record_gripper_closing", "record_ignore_collisions")
-"""Switches of demonstrations, which policies never see."""
+"""Switches of demonstrations, which do not apply to policies."""
 
 
 def blank_observations() -> ObservationConfig:
-    """Return settings with which nothing is observed."""
+    """Return settings with no observations."""
     config = ObservationConfig(joint_poses=False, record_ignore_collisions=False)
     config.set_all(False)
     return config
 
 
 def describe_observations(config: ObservationConfig) -> dict[str, Any]:
-    """Return what is observed as plain data.
+    """Return observation settings as plain data.
 
     Raises:
-        PolicySettingsError: A noise model, or the record itself, is of the policy's own; it would run beside the simulation.
+        PolicySettingsError: The settings or a noise model are a custom class, which would run in the process of the simulation.
     """
     _own(config, ObservationConfig, "obs_config")
     described = _differences(config, blank_observations(), (*LEFT_OUT, *_SPECIAL, *(f"{name}_camera" for name in CAMERAS)))
@@ -274,10 +274,10 @@ def describe_observations(config: ObservationConfig) -> dict[str, Any]:
 
 
 def make_observations(described: Mapping[str, Any]) -> ObservationConfig:
-    """Make the settings from plain data; what is left out is off.
+    """Make observation settings from plain data; observations that are left out are off.
 
     Raises:
-        PolicySettingsError: There is no such entry, or it has a wrong value.
+        PolicySettingsError: An entry does not exist, or has a wrong value.
     """
     config = blank_observations()
     known = (*(f.name for f in fields(ObservationConfig) if not f.name.endswith("_camera")), "cameras")
@@ -297,7 +297,7 @@ def make_observations(described: Mapping[str, Any]) -> ObservationConfig:
 
 
 def _check_images(config: ObservationConfig) -> None:
-    """Raise PolicySettingsError where the images of a policy take too much memory of the process that plays the episode."""
+    """Raise PolicySettingsError if the images of a policy need too much memory in the process that plays the episode."""
     cameras = {f"observation.cameras.{name}": camera for name, camera in config.cameras().items()}
     cameras |= {f"observation.extra_cameras.{name}.config": extra.config for name, extra in config.extra_cameras.items()}
     cameras = {name: camera for name, camera in cameras.items() if camera.is_used}
@@ -306,11 +306,11 @@ def _check_images(config: ObservationConfig) -> None:
         width, height = camera.image_size
         if max(width, height) > LARGEST_IMAGE:
             problem = f"is larger than {LARGEST_IMAGE} x {LARGEST_IMAGE} px"
-            raise PolicySettingsError(f"{name}.image_size", camera.image_size, problem, "Ask for a smaller image.")
+            raise PolicySettingsError(f"{name}.image_size", camera.image_size, problem, "Use a smaller image.")
         mask = 4 if camera.masks_as_one_channel else 12
         size += width * height * (3 * camera.rgb + 4 * camera.depth + 12 * camera.point_cloud + mask * camera.mask)
     if size > LARGEST_OBSERVATION:
-        problem = f"make {size / 1e6:.1f} MB an observation; {LARGEST_OBSERVATION / 1e6:.0f} MB is the most"
+        problem = f"have {size / 1e6:.1f} MB per observation; the maximum is {LARGEST_OBSERVATION / 1e6:.0f} MB"
         hint = "Reduce `image_size`, or leave products or cameras out."
         raise PolicySettingsError("The images of observation.cameras and extra_cameras", list(cameras), problem, hint)
 
@@ -320,8 +320,8 @@ def _check_images(config: ObservationConfig) -> None:
 
 def _own(value: object, kind: type, what: str) -> None:
     if type(value) is not kind:
-        hint = f"Use rlbench_pin's {kind.__name__}, and change in the policy's `act` what it observes."
-        raise PolicySettingsError(f"{what} of a policy", value, f"has to be a {kind.__name__} itself", hint)
+        hint = f"Use rlbench_pin's {kind.__name__}, and change the observation in the policy's `act`."
+        raise PolicySettingsError(f"{what} of a policy", value, f"has to be a {kind.__name__}, not a subclass", hint)
 
 
 def _differences(record: object, blank: object, without: tuple[str, ...] = ()) -> dict[str, Any]:
@@ -368,7 +368,7 @@ def _plain(value: object) -> Any:
     if type(value) in (Lighting, Light):
         return {f.name: _plain(getattr(value, f.name)) for f in fields(value)}  # type: ignore[arg-type]
     raise PolicySettingsError(
-        "What a policy observes", value, "has to be settings of this package", "Apply noise of your own in the policy's `act`."
+        "An observation of a policy", value, "has to have settings of this package", "Apply custom noise in the policy's `act`."
     )
 
 
@@ -388,7 +388,7 @@ def _entries(value: object, known: Iterable[str], what: str) -> Mapping[str, Any
 
 @contextmanager
 def _errors_about(what: str, value: object, problem: str) -> Iterator[None]:
-    """Turn what plain data can cause into a PolicySettingsError."""
+    """Raise errors from plain data as PolicySettingsError."""
     try:
         yield
     except PolicySettingsError:

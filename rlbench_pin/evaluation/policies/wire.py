@@ -16,18 +16,19 @@ from rlbench_pin.observation import FIELDS, Observation
 from rlbench_pin.values import as_array
 
 SENSED = ("mask_names", "joint_poses", "wrist_camera_matrix", *(field.name for field in fields(ModelObservationConfig)))
-"""Entries of `misc` that policies are given, beside what describes cameras. Neither variation nor all instructions are."""
+"""Entries of `misc` that policies get, in addition to those of cameras. Policies get neither the variation nor all
+instructions."""
 _CAMERA = re.compile(r"\w+_camera_(extrinsics|intrinsics|near|far)")
 
 
 def encode_observation(observation: Observation) -> dict[str, Any]:
-    """Return what a policy is given of an observation, as a map of arrays, numbers and names."""
+    """Return the part of an observation that a policy gets, as a map of arrays, numbers and names."""
     encoded: dict[str, Any] = plain(visible_fields(observation))
     return encoded
 
 
 def visible_fields(observation: Observation) -> dict[str, Any]:
-    """Return the fields that a policy is given of an observation; arrays are shared."""
+    """Return the fields of an observation that a policy gets; arrays are shared."""
     misc = {name: value for name, value in observation.misc.items() if name in SENSED or _CAMERA.fullmatch(name)}
     return {**{name: value for name, value in vars(observation).items() if value is not None}, "misc": misc}
 
@@ -42,7 +43,7 @@ def decode_observation(sent: Mapping[str, Any]) -> Observation:
 
 
 def plain(value: object) -> Any:
-    """Return a value as arrays, numbers, text, lists and maps; records become maps."""
+    """Return a value as arrays, numbers, text, lists and maps; dataclasses become maps."""
     if isinstance(value, Mapping):
         return {key: plain(item) for key, item in value.items()}
     if isinstance(value, tuple | list):
@@ -65,10 +66,10 @@ def decode_context(sent: Mapping[str, Any]) -> PolicyContext:
 
 
 def validate_action(action: object) -> np.ndarray:
-    """Return an action as float64, shape (n,). Whether n and the values fit is left to the action mode.
+    """Return an action as float64, shape (n,). The action mode checks n and the bounds.
 
     Raises:
-        PolicyFault: It is not a vector of finite numbers.
+        PolicyFault: The action is not a vector of finite numbers.
     """
     try:
         values = as_array(action, "An action")

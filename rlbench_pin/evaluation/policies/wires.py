@@ -1,6 +1,7 @@
 """Clients of policies that are served by openpi or vla-eval: msgpack over WebSocket, with a mapping of keys and actions.
 
-All that a server sends is untrusted: frames are bounded, arrays are checked before they are made, and nothing is unpickled.
+Data from a server are untrusted: the size of frames is limited, arrays are checked before they are made, and no data are
+unpickled.
 """
 
 from __future__ import annotations
@@ -41,51 +42,51 @@ from rlbench_pin.observation import Observation
 SCHEMES = ("openpi", "vla-eval")
 """Schemes of addresses."""
 LARGEST_FRAME = 64 * 2**20
-"""Bytes of a frame of a server at most."""
+"""Maximum size of a frame of a server [bytes]."""
 MOST_CONTAINERS = 100_000
-"""Maps and lists in a frame at most."""
+"""Maximum number of maps and lists in a frame."""
 CONNECT_LIMIT = 10.0
-"""How long connecting may take [s]."""
+"""Time limit for a connection [s]."""
 CLOSE_LIMIT = 2.0
-"""How long ending a connection may take [s]."""
+"""Time limit for the end of a connection [s]."""
 VLA_EVAL_VERSION = 1
 """Version of vla-eval's protocol."""
 _DTYPE = re.compile(r"[<>|=]?([biu][1248]|f[248])|\|?b1")
 _MOST_DIMENSIONS = 8
 _BROKEN = (1002, 1007, 1009)
-"""Close codes with which this side answers a broken or too long frame."""
+"""Close codes that this side sends after an invalid or too long frame."""
 
 
 @dataclass(frozen=True)
 class WireAddress:
-    """Address of a server, and how its policy is used."""
+    """Address of a server, and the mapping of its policy."""
 
     scheme: Literal["openpi", "vla-eval"]
-    """Messages that the server speaks."""
+    """Protocol of the server."""
     host: str
     """Host name, or IP address."""
     port: int
     """TCP port."""
     mapping: PolicyMapping
-    """Keys and layout of actions; `replan` of the reference is in it."""
+    """Keys and layout of actions, with `replan` of the reference."""
     token: str = ""
     """Key that is sent in the header `Authorization`; empty sends none."""
 
     def __str__(self) -> str:
-        """The address without its arguments, so that no token is shown."""
+        """Return the address without its arguments, so that the token is not shown."""
         return f"{self.scheme}://{f'[{self.host}]' if ':' in self.host else self.host}:{self.port}"
 
 
 def parse_address(reference: str) -> WireAddress:
-    """Return the address in `openpi://HOST:PORT?mapping=NAME&replan=N&token=TOKEN`, likewise `vla-eval://...`.
+    """Return the address in `openpi://HOST:PORT?mapping=NAME&replan=N&token=TOKEN`, or in the same form with `vla-eval`.
 
     Args:
-        reference: The reference. `mapping` is a preset or a TOML file; `replan` overrides that of the mapping; `token=env:NAME`
-            reads the token from an environment variable, so that it is not written to results files.
+        reference: The reference. `mapping` is a preset or a TOML file. `replan` replaces that of the mapping. `token=env:NAME`
+            reads the token from an environment variable, so that results files do not contain it.
 
     Raises:
-        PolicyReferenceError: No such address, an unknown or missing argument, or a wrong value.
-        UnknownName: No preset is called so; proposes the nearest name.
+        PolicyReferenceError: An invalid address, an unknown or missing argument, or a wrong value.
+        UnknownName: No preset has this name; proposes the nearest name.
         MappingError: The mapping file is missing, or is not a mapping.
         MissingExtra: The library `websockets` is not installed.
     """
@@ -95,7 +96,7 @@ def parse_address(reference: str) -> WireAddress:
         host, port = split_tcp(f"tcp://{place}")
     except ValueError:
         hint = f"Write `{scheme.rstrip(':')}://HOST:PORT?mapping=NAME`, such as `openpi://127.0.0.1:8000?mapping=libero`."
-        raise PolicyReferenceError(reference, "has no such address", hint) from None
+        raise PolicyReferenceError(reference, "has no valid address", hint) from None
     arguments = _arguments(reference, query)
     if "mapping" not in arguments:
         hint = f"Write `?mapping=NAME` with one of {', '.join(mapping_names())}, or `?mapping=FILE.toml`."
@@ -104,7 +105,7 @@ def parse_address(reference: str) -> WireAddress:
     if "replan" in arguments:
         text = arguments["replan"]
         if not text.isascii() or not text.isdigit() or not 1 <= int(text[:9]) <= LONGEST_CHUNK:
-            hint = f"It is how many actions of a chunk are played before the next request, 1 to {LONGEST_CHUNK}."
+            hint = f"Use the number of actions to play before the next request, 1 to {LONGEST_CHUNK}."
             raise PolicyReferenceError(reference, f"has a wrong `replan`: '{text}'", hint)
         mapping = replace(mapping, replan=int(text))
     _library()
@@ -116,7 +117,7 @@ def _arguments(reference: str, query: str) -> dict[str, str]:
     pairs = parse_qsl(query, keep_blank_values=True)
     found = dict(pairs)
     if query and len(found) != query.count("&") + 1:
-        raise PolicyReferenceError(reference, "has arguments that are not of the form `key=value&...`, each key once")
+        raise PolicyReferenceError(reference, "has arguments in another form than `key=value&...`, each key once")
     for key, value in pairs:
         if key not in known:
             near = nearest_name(key, known)
@@ -134,12 +135,13 @@ def _token(reference: str, text: str) -> str:
         return text
     token = os.environ.get(text.removeprefix("env:"), "")
     if not token:
-        raise PolicyReferenceError(reference, f"needs the environment variable '{text.removeprefix('env:')}', which is not set")
+        problem = f"needs the environment variable '{text.removeprefix('env:')}', which is not set"
+        raise PolicyReferenceError(reference, problem, "Set it to the token.")
     return token
 
 
 def _library() -> tuple[ModuleType, ModuleType]:
-    """Return the modules of `websockets` that are used: the client, and the errors."""
+    """Return two modules of `websockets`: the client, and the errors."""
     try:
         return importlib.import_module("websockets.sync.client"), importlib.import_module("websockets.exceptions")
     except ModuleNotFoundError as error:
@@ -164,15 +166,15 @@ def encode_vla_eval(message: object) -> bytes:
 def _array_map(value: object) -> dict[str, Any]:
     if isinstance(value, np.ndarray) and value.dtype.kind in "biuf":
         return {"__ndarray__": True, "data": value.tobytes(), "dtype": value.dtype.str, "shape": list(value.shape)}
-    raise WireError(f"A {type(value).__name__} cannot travel; arrays of numbers, numbers, text, lists and maps can.")
+    raise WireError(f"A {type(value).__name__} cannot be sent. Use arrays of numbers, numbers, text, lists and maps.")
 
 
 def decode_frame(frame: bytes) -> Any:
-    """Return the message in a frame of either wire.
+    """Return the message in a frame of openpi or vla-eval.
 
     Raises:
-        WireError: It is not msgpack, or has too many maps and lists, which take far more memory than their bytes; or it has an
-            array of objects, or one whose bytes do not have its shape.
+        WireError: The frame is not msgpack, or has too many maps and lists, which need far more memory than their bytes. Or it
+            contains an array of objects, or an array whose size does not match its shape.
     """
     containers = count()
 
@@ -198,18 +200,18 @@ def _from_map(found: dict[Any, Any]) -> Any:
     if isinstance(name, bytes):
         name = name.decode(errors="replace")
     if not isinstance(name, str) or not _DTYPE.fullmatch(name):
-        raise WireError(f"An array of the type {str(name)[:40]!r} is refused; numbers and truth values are taken.")
+        raise WireError(f"An array of the type {str(name)[:40]!r} is refused. Use numbers or truth values.")
     dtype = np.dtype(name)
     if "__npgeneric__" in parts:
         if not isinstance(data, bool | int | float):
-            raise WireError(f"A number of the type {name} is a {type(data).__name__}.")
+            raise WireError(f"A number of the type {name} has the value of a {type(data).__name__}.")
         return data
     shape = parts.get("shape")
     if not isinstance(shape, list) or len(shape) > _MOST_DIMENSIONS or not all(type(n) is int and n >= 0 for n in shape):
-        raise WireError("An array has no shape.")
+        raise WireError("An array has no valid shape.")
     if not isinstance(data, bytes) or len(data) != math.prod(shape) * dtype.itemsize:
         had = len(data) if isinstance(data, bytes) else 0
-        raise WireError(f"An array of {name} and shape {tuple(shape)} has {had} bytes.")
+        raise WireError(f"An array of {name} and shape {tuple(shape)} has the wrong size, {had} bytes.")
     return np.frombuffer(data, dtype).reshape(shape)
 
 
@@ -217,12 +219,12 @@ def _from_map(found: dict[Any, Any]) -> Any:
 
 
 class WirePolicy:
-    """A policy behind a WebSocket; connected again after a fault, or where the server has ended the connection.
+    """A policy behind a WebSocket. It connects again after a fault, or after the server has ended the connection.
 
     Args:
-        address: Where, with the mapping.
-        time_limit: How long `reset` and `act` may take [s].
-        start_limit: How long the server may take until it has said what it serves [s].
+        address: Address of the server, with the mapping.
+        time_limit: Time limit for `reset` and `act` [s].
+        start_limit: Time limit for the connection, until the server has sent its metadata [s].
     """
 
     def __init__(self, address: WireAddress, time_limit: float, start_limit: float) -> None:
@@ -244,7 +246,7 @@ class WirePolicy:
 
         Raises:
             PolicyFault: The server cannot be reached.
-            MappingError: The server says that its keys or actions are others than those of the mapping.
+            MappingError: The keys or actions of the server differ from those of the mapping.
         """
         if self._settings is None:
             self._connect()
@@ -253,7 +255,7 @@ class WirePolicy:
         return self._settings
 
     def reset(self, instruction: str, context: PolicyContext) -> None:
-        """Begin an episode; connects where there is no connection."""
+        """Begin an episode; connects if there is no connection."""
         _ = self.settings
         if self._connection is not None and self._connection.protocol.close_code is not None:
             self._drop()  # the server has ended it since the last episode
@@ -261,7 +263,7 @@ class WirePolicy:
             try:
                 self._connect()
             except MappingError as error:
-                self._fail("wrong answer", f"Connected again, it serves something else than before: {error}")
+                self._fail("wrong answer", f"After a new connection, its metadata differ from before: {error}")
         layout = self._mapping.action
         if not layout.is_pose and layout.joints != context.joints:
             self._fail(
@@ -277,7 +279,7 @@ class WirePolicy:
         self._in_episode = True
 
     def act(self, observation: Observation) -> np.ndarray:
-        """Return the next action of the chunk, or of a new one, float64 (n,)."""
+        """Return the next action of the chunk, or the first action of a new chunk, float64 (n,)."""
         values = self.next_values(observation)
         try:
             return validate_action(self._mapping.action.decode(values))
@@ -285,7 +287,7 @@ class WirePolicy:
             self._fail("wrong answer", f"An action cannot be used: {error}.")
 
     def next_values(self, observation: Observation) -> np.ndarray:
-        """Return the numbers of the next action as the server sends them, float64, shape (size of the mapping's action,)."""
+        """Return the numbers of the next action as the server sends them, float64, with the size of the mapping's action."""
         if self._connection is None:
             raise PolicyFault("unreachable", "It has ended.", "`reset` connects again.")
         if not self._chunk:
@@ -294,7 +296,7 @@ class WirePolicy:
         return self._chunk.pop(0)
 
     def close(self) -> None:
-        """End the connection; `reset` connects anew."""
+        """End the connection; `reset` connects again."""
         self._drop()
 
     # Messages
@@ -332,7 +334,7 @@ class WirePolicy:
     # Connection
 
     def _connect(self) -> None:
-        """Connect, and check what the server says about itself."""
+        """Connect, and check the metadata of the server."""
         client, errors = _library()
         address, end = self._address, time.monotonic() + self._start_limit
         self._in_episode, self._seq = False, 0
@@ -349,7 +351,7 @@ class WirePolicy:
             raise PolicyFault("timed out", f"{address} does not answer.", _START) from error
         except (OSError, ValueError, EOFError, errors.WebSocketException) as error:
             status = getattr(getattr(error, "response", None), "status_code", None)
-            hint = "Name its key with `token=`." if status in (401, 403) else _START
+            hint = "Pass its key with `token=`." if status in (401, 403) else _START
             said = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
             raise PolicyFault("unreachable", f"There is no connection to {address}: {said[:200].rstrip('.')}.", hint) from error
         left = max(0.1, end - time.monotonic())
@@ -359,7 +361,9 @@ class WirePolicy:
             hello = {"harness_version": "rlbench_pin", "protocol_version": VLA_EVAL_VERSION}
             said = self._payload(self._exchange("hello", left, self._frame("hello", hello)), "hello")
         if not isinstance(said, Mapping):
-            self._fail("wrong answer", f"The server sends a {type(said).__name__} when one connects, not a map of metadata.")
+            self._fail(
+                "wrong answer", f"The server sends a {type(said).__name__} at the start of a connection, not a map of metadata."
+            )
         try:
             (check_openpi if address.scheme == "openpi" else check_vla_eval)(self._mapping, said)
         except BaseException:
@@ -367,7 +371,7 @@ class WirePolicy:
             raise
 
     def _exchange(self, call: str, limit: float, frame: bytes | None = None, *, answered: bool = True) -> Any:
-        """Send a frame and return the message that comes back, or end the connection and raise."""
+        """Send a frame and return the answer, or end the connection and raise PolicyFault."""
         _, errors = _library()
         with _cut_off(self._connection, limit) as cut:
             try:
@@ -378,7 +382,7 @@ class WirePolicy:
                 if cut.is_set():
                     self._fail("timed out", f"`{call}` took longer than {limit:g} s.")
                 self._ended(call, error)
-            except BaseException:  # Ctrl-C: the answer would be taken for that to the next question
+            except BaseException:  # Ctrl-C: the answer would be mistaken for that to the next request
                 self._drop()
                 raise
         if isinstance(answer, str):
@@ -407,13 +411,13 @@ class WirePolicy:
         connection, self._connection = self._connection, None
         self._chunk, self._in_episode = [], False
         if connection is not None:
-            with contextlib.suppress(Exception), _cut_off(connection, CLOSE_LIMIT):  # whatever is wrong with it: it is given up
+            with contextlib.suppress(Exception), _cut_off(connection, CLOSE_LIMIT):  # the connection is not used again
                 connection.close()
 
 
 @contextlib.contextmanager
 def _cut_off(connection: Any, limit: float) -> Iterator[threading.Event]:
-    """Cut a connection off where the block takes longer than a limit [s]: sending has no limit of its own."""
+    """Shut a connection down if the block takes longer than a limit [s], because sending has no time limit."""
     cut = threading.Event()
 
     def stop() -> None:
@@ -462,17 +466,19 @@ _STATE_FORMATS = {
 
 
 def check_openpi(mapping: PolicyMapping, metadata: Mapping[Any, Any]) -> None:
-    """Compare a mapping with what a server of openpi says; most say nothing.
+    """Compare a mapping with the metadata of a server of openpi; most servers send none.
 
     Args:
         mapping: The mapping.
-        metadata: `action_dim`, `action_space`, `observation_keys`, `image_resolution` (height and width [px]) are compared.
+        metadata: Metadata. `action_dim`, `action_space`, `observation_keys` and `image_resolution` (height, width [px]) are
+            compared.
 
     Raises:
-        MappingError: They differ.
+        MappingError: The mapping contradicts the metadata.
     """
     if metadata.get("needs_session_id") is True:
-        raise MappingError("A server of openpi", True, "has to work without session numbers: 'needs_session_id' is not supported")
+        hint = "Use a server without session numbers."
+        raise MappingError("'needs_session_id' of the server of openpi", True, "is not supported", hint)
     _check(mapping, "action", "action_dim", metadata.get("action_dim"), mapping.action.size)
     space = metadata.get("action_space")
     if isinstance(space, str) and mapping.action.arm not in _ACTION_SPACES.get(space, (mapping.action.arm,)):
@@ -492,15 +498,16 @@ def check_vla_eval(mapping: PolicyMapping, hello: Mapping[Any, Any]) -> None:
 
     Args:
         mapping: The mapping.
-        hello: `protocol_version`, and `action_spec` and `observation_spec` where the server has them; formats that have no
-            fixed meaning, such as `raw`, are not compared.
+        hello: The answer, with `protocol_version`, and optionally `action_spec` and `observation_spec`. Formats without a fixed
+            meaning, such as `raw`, are not compared.
 
     Raises:
-        MappingError: They differ.
+        MappingError: The mapping contradicts the answer.
     """
     version = hello.get("protocol_version", VLA_EVAL_VERSION)
     if version != VLA_EVAL_VERSION:
-        raise MappingError("A server of vla-eval", version, f"has to speak version {VLA_EVAL_VERSION} of the protocol")
+        problem = f"has to have version {VLA_EVAL_VERSION} of the protocol"
+        raise MappingError("A server of vla-eval", version, problem, "Use another release of vla-eval.")
     action, layout = _specs(hello.get("action_spec")), mapping.action
     sizes = [spec.get("dims") for spec in action.values()]
     if sizes and all(type(size) is int and size > 0 for size in sizes):
@@ -520,9 +527,9 @@ def check_vla_eval(mapping: PolicyMapping, hello: Mapping[Any, Any]) -> None:
 
 
 def vla_eval_specs(mapping: PolicyMapping) -> dict[str, dict[str, dict[str, Any]]]:
-    """Return what a mapping says in the words of vla-eval, as its `hello` does: `action_spec` and `observation_spec`.
+    """Return a mapping in the format of vla-eval's `hello`: `action_spec` and `observation_spec`.
 
-    Each is name -> `name`, `dims` and `format`. Conventions for which vla-eval has no word are called as in our mappings.
+    Each is name -> `name`, `dims` and `format`. Conventions without a name in vla-eval have the name in our mappings.
 
     Args:
         mapping: The mapping.
@@ -561,7 +568,7 @@ def _check(mapping: PolicyMapping, where: str, what: str, said: object, ours: ob
 
 def _check_key(mapping: PolicyMapping, key: object) -> None:
     if key not in mapping.keys:
-        problem = f"lacks the key {str(key)[:80]!r}, which the server wants"
+        problem = f"lacks the key {str(key)[:80]!r}, which the server needs"
         raise MappingError(f"The mapping '{mapping.source}'", mapping.keys, problem, "Add it to the mapping, or use another.")
 
 

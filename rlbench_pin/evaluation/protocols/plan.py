@@ -12,7 +12,7 @@ Place = tuple[int, int, int]
 
 
 def split_places(protocol: Protocol, split: str) -> dict[str, list[Place]]:
-    """Return the episodes of a split for each task of the part that is used.
+    """Return the episodes of a split for each task of the selected part.
 
     Args:
         protocol: The protocol.
@@ -20,7 +20,7 @@ def split_places(protocol: Protocol, split: str) -> dict[str, list[Place]]:
 
     Raises:
         UnknownName: The protocol has no such split.
-        ProtocolConflict: The split has another part than the one that is used.
+        ProtocolConflict: The split has another part than the selected one.
     """
     protocol, chosen = protocol.for_split(split), protocol.split(split)
     found: dict[str, list[Place]] = {name: [] for name in protocol.task_names}
@@ -36,15 +36,15 @@ def split_places(protocol: Protocol, split: str) -> dict[str, list[Place]]:
 
 
 def check_policy(protocol: Protocol, policy: str, settings: PolicySettings) -> None:
-    """Check what a policy asks for. The policies `noop`, `random` and `expert` may be compared in every protocol.
+    """Check the settings of a policy against a protocol. Every protocol allows the policies `noop`, `random` and `expert`.
 
     Args:
         protocol: The protocol.
         policy: Reference of the policy.
-        settings: What it asks for. Fewer cameras than the protocol's are fine.
+        settings: Settings of the policy; it may use fewer cameras than the protocol.
 
     Raises:
-        ProtocolConflict: It asks for another action mode, other cameras or another image size.
+        ProtocolConflict: The policy has another action mode, other cameras or another image size.
     """
     if policy.partition("?")[0] in (*IN_PROCESS, EXPERT):
         return

@@ -1,4 +1,4 @@
-"""A protocol: the content of its TOML file, checked, with the errors of protocols. Nothing here needs a simulator."""
+"""A protocol: the checked content of its TOML file, and the errors of protocols. This module needs no simulator."""
 
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ from rlbench_pin.values import (
 )
 
 SPLITS = ("train", "validation", "test")
-"""Splits of a protocol: demonstrations to train on, those to choose a model with, and the episodes of the evaluation."""
+"""Splits of a protocol: training demonstrations, validation demonstrations, and the episodes of the evaluation."""
 TASK, VARIATION = "task", "variation"
 PROTOCOLS_COMMAND = "rlbench-pin list --protocols"
 LARGEST_SEED = 2**48
 """Largest seed of a split."""
 MOST_EPISODES = 100_000
-"""Episodes of a split at most, for one task or variation and one seed."""
+"""Maximum number of episodes of a split, for one task or variation and one seed."""
 _FOLDER = Path(__file__).parent
 
 
@@ -51,7 +51,7 @@ class ProtocolError(EvaluationError):
 
 
 class ProtocolFileError(ProtocolError):
-    """A file is missing, or its content is not a protocol; `path` says which."""
+    """A file is missing, or its content is not a protocol; `path` is the file."""
 
     def __init__(self, path: Path | str, problem: str) -> None:
         self.path, self.problem = Path(path), problem
@@ -59,7 +59,7 @@ class ProtocolFileError(ProtocolError):
 
 
 class ProtocolTasksMissing(ProtocolError, TaskEnvironmentError):
-    """A protocol names tasks that do not exist here.
+    """A protocol names tasks that are not installed.
 
     Attributes:
         missing: Names of the tasks.
@@ -70,8 +70,8 @@ class ProtocolTasksMissing(ProtocolError, TaskEnvironmentError):
         self.protocol, self.missing, self.complete = protocol, tuple(missing), tuple(complete)
         near = [nearest_name(name, known) for name in self.missing]
         names = ", ".join(f"{name} (did you mean {other}?)" if other else name for name, other in zip(self.missing, near))
-        parts = f"Complete parts: {', '.join(self.complete)}." if self.complete else "`rlbench-pin list` lists the tasks."
-        super().__init__(f"The protocol '{protocol}' names tasks that do not exist here: {names}. {parts}")
+        parts = f"Use a complete part: {', '.join(self.complete)}." if self.complete else "`rlbench-pin list` lists the tasks."
+        super().__init__(f"The protocol '{protocol}' names tasks that are not installed: {names}. {parts}")
 
 
 class ProtocolConflict(ProtocolError, TaskEnvironmentError):
@@ -92,7 +92,7 @@ class ProtocolConflict(ProtocolError, TaskEnvironmentError):
 
 
 def _words(setting: str, value: object) -> str:
-    """Return a setting with its value; a setting that is a flag of a command as that is typed."""
+    """Return a setting with its value; a flag of a command is in the form of the command line."""
     if isinstance(value, bool) and setting.startswith("--"):
         return f"`{setting}`" if value else f"`--no-{setting[2:]}`"
     values = " ".join(map(str, value)) if isinstance(value, tuple | list) else str(value)
@@ -110,11 +110,11 @@ class ProtocolTask:
     name: str
     """Task name."""
     variations: tuple[int, ...]
-    """Its variations in the protocol; a number n means the first n."""
+    """Its variations in the protocol; a number n means the first n variations."""
     title: str = ""
-    """Name in the published tables; the task name when left out."""
+    """Name in the published tables; the task name when empty."""
     part: str = ""
-    """Part of the protocol, such as a level; empty where it has none."""
+    """Part of the protocol, such as a level; empty for a protocol without parts."""
 
     def __post_init__(self) -> None:
         name = _name(self.name, "The name of a task")
@@ -144,9 +144,9 @@ class Split:
     episodes: int
     """Episodes of each task, or of each variation, for each seed."""
     seeds: tuple[int, ...] = (0,)
-    """Seeds of recordings, or of evaluations in the split `test`; with several, all episodes are repeated with each."""
+    """Seeds of recordings, or of evaluations in the split `test`; with several seeds, all episodes are repeated with each."""
     part: str = ""
-    """Part of the protocol whose tasks the split has; all when empty."""
+    """Part of the protocol with the tasks of the split; all parts when empty."""
 
     def __post_init__(self) -> None:
         as_whole(self.episodes, "episodes of a split", least=1, most=MOST_EPISODES)
@@ -159,7 +159,7 @@ class Split:
 
 @dataclass(frozen=True)
 class Protocol:
-    """All that a protocol fixes: tasks with variations, episodes of the splits, cameras, actions and limits.
+    """A protocol: tasks with variations, episodes of the splits, cameras, action modes and limits.
 
     Raises:
         InvalidValue: A value cannot be used.
@@ -168,7 +168,7 @@ class Protocol:
 
     name: str
     version: int
-    """Raised with every change of the content."""
+    """Version; it increases with every change of the content."""
     cameras: tuple[str, ...]
     """Cameras that a policy may use."""
     image_size: tuple[int, int]
@@ -184,13 +184,13 @@ class Protocol:
     episodes_of: str
     """`task`: episodes are counted for a task and spread over its variations; `variation`: for each variation."""
     tasks: tuple[ProtocolTask, ...]
-    """In the order of the published tables."""
+    """Tasks, in the order of the published tables."""
     splits: Mapping[str, Split]
-    """`test`, and `train` and `validation` where there are such."""
+    """Name of a split -> split: `test`, and optionally `train` and `validation`."""
     about: str = ""
-    """One sentence."""
+    """Description, one sentence."""
     source: str = ""
-    """Publication."""
+    """Publication of the protocol."""
     robot: str = "panda"
     """Name of the arm."""
     tell_task: bool = False
@@ -198,9 +198,9 @@ class Protocol:
     factors: tuple[str, ...] = ()
     """Settings of factors, such as `friction:colosseum`, with which the test episodes are repeated."""
     initial_states: Mapping[str, str] = field(default_factory=dict)
-    """Task -> SHA-256 of the initial states of its test episodes, as `scripts/write_protocol_states.py` computes it."""
+    """Task -> SHA-256 of the initial states of its test episodes, from `scripts/write_protocol_states.py`."""
     part: str = ""
-    """The part that is used; the whole protocol when empty."""
+    """The selected part; the whole protocol when empty."""
 
     def __post_init__(self) -> None:
         tasks = tuple(as_record(task, ProtocolTask, "A task") for task in as_several(self.tasks, "tasks"))
@@ -232,16 +232,16 @@ class Protocol:
 
     def _check_tasks(self) -> None:
         if not self.tasks:
-            raise InvalidValue("tasks", self.tasks, "name no task")
+            raise InvalidValue("tasks", self.tasks, "name no task", "Add at least one task.")
         places = [(task.name, variation) for task in self.tasks for variation in task.variations]
         if twice := [place for place in places if places.count(place) > 1] if len(set(places)) < len(places) else []:
-            raise InvalidValue("tasks", twice[0], "name this variation of a task twice")
+            raise InvalidValue("tasks", twice[0], "name this variation of a task twice", "Remove one of them.")
         for part in (self.part, *(split.part for split in self.splits.values())):
             if part:
                 as_choice(part, f"part of the protocol '{self.name}'", self.parts)
         test = self.split("test")
         if test.part:
-            raise InvalidValue("splits.test.part", test.part, "cannot be set", "`--protocol NAME:PART` chooses one.")
+            raise InvalidValue("splits.test.part", test.part, "cannot be set", "Select a part with `--protocol NAME:PART`.")
         starts = sorted(test.seeds)
         if any(after - before < test.episodes for before, after in zip(starts, starts[1:])):
             hint = f"Episode i of seed s has evaluation seed s + i: choose seeds at least {test.episodes} apart."
@@ -249,7 +249,7 @@ class Protocol:
 
     @property
     def label(self) -> str:
-        """Name as a command takes it: `peract18`, `gembench:L1`."""
+        """Name with the selected part, such as `peract18` or `gembench:L1`."""
         return f"{self.name}:{self.part}" if self.part else self.name
 
     @property
@@ -259,17 +259,17 @@ class Protocol:
 
     @property
     def selected(self) -> tuple[ProtocolTask, ...]:
-        """Tasks of the part that is used, in order."""
+        """Tasks of the selected part, in order."""
         return tuple(task for task in self.tasks if self.part in ("", task.part))
 
     @property
     def task_names(self) -> tuple[str, ...]:
-        """Names of the tasks of the part that is used, each once, in order."""
+        """Names of the tasks of the selected part, each once, in order."""
         return tuple(dict.fromkeys(task.name for task in self.selected))
 
     @property
     def episodes(self) -> int:
-        """Test episodes of the part that is used."""
+        """Number of test episodes of the selected part."""
         test = self.split("test")
         return (
             test.episodes
@@ -281,7 +281,7 @@ class Protocol:
         """Return the protocol with one of its parts selected.
 
         Raises:
-            UnknownName: It has no such part.
+            UnknownName: The protocol has no such part.
         """
         return replace(self, part=part)
 
@@ -294,7 +294,7 @@ class Protocol:
         return self.splits[as_choice(name, f"split of the protocol '{self.name}'", tuple(self.splits))]
 
     def for_split(self, name: str) -> Protocol:
-        """Return the protocol with the part selected that a split has.
+        """Return the protocol with the part of a split selected.
 
         Raises:
             UnknownName: The protocol has no such split.
@@ -307,7 +307,7 @@ class Protocol:
         return self.of_part(part or self.part)
 
     def check_tasks_exist(self) -> None:
-        """Raise ProtocolTasksMissing when a task of the part that is used does not exist."""
+        """Raise ProtocolTasksMissing if a task of the selected part is not installed."""
         known = set(usable_task_names())
         if missing := [name for name in self.task_names if name not in known]:
             parts = [self.of_part(part) for part in self.parts]
@@ -315,12 +315,12 @@ class Protocol:
             raise ProtocolTasksMissing(self.label, missing, complete, () if self.name in protocol_names() else known)
 
     def check_agrees(self, given: Mapping[str, object], fixed: Mapping[str, object], tasks: str = "--tasks") -> None:
-        """Raise ProtocolConflict where a setting has another value than the protocol fixes; it is named as a flag.
+        """Raise ProtocolConflict if a setting differs from its value in the protocol; the error names the flag.
 
         Args:
             given: Setting -> value.
             fixed: Setting -> value of the protocol.
-            tasks: How tasks are given to the command.
+            tasks: Name of the argument for tasks, for the error.
         """
         for setting, wanted in fixed.items():
             if given[setting] != wanted:
@@ -328,7 +328,7 @@ class Protocol:
                 raise ProtocolConflict(self.label, flag, given[setting], wanted)
 
     def content(self) -> dict[str, Any]:
-        """Return the whole protocol as plain data, as its file has it."""
+        """Return the whole protocol as plain data, in the form of its file."""
         plain = {name: getattr(self, name) for name in _KEYS if name not in ("tasks", "splits")}
         plain["cameras"], plain["image_size"] = list(self.cameras), list(self.image_size)
         plain["factors"] = list(self.factors)
@@ -346,7 +346,7 @@ class Protocol:
         return hashlib.sha256(text.encode()).hexdigest()
 
     def record(self) -> dict[str, Any]:
-        """Return what a results file records: name, part, version, SHA-256 and content."""
+        """Return the data for a results file: name, part, version, SHA-256 and content."""
         return {
             "name": self.name,
             "part": self.part,
@@ -360,7 +360,7 @@ class Protocol:
         """Return the protocol of a results file.
 
         Raises:
-            InvalidValue, UnknownName: It is not what `record` returns, or it was altered.
+            InvalidValue, UnknownName: The data are not from `record`, or were changed.
         """
         table = _entries(record, ("name", "part", "version", "sha256", "content"), "protocol")
         protocol = replace(protocol_of(table.get("content")), part=as_text(table.get("part"), "protocol.part"))
@@ -391,17 +391,17 @@ def _table(value: object, what: str) -> Mapping[str, Any]:
 
 
 def _entries(value: object, known: Sequence[str], what: str, needed: Sequence[str] = ()) -> dict[str, Any]:
-    """Return a table that has no other keys than those known, and all that are needed."""
+    """Return a table, after a check that it has only known keys and all needed keys."""
     table = dict(_table(value, what))
     for name in table:
         as_choice(name, f"key of {what}", known)
     if missing := [name for name in needed if name not in table]:
-        raise InvalidValue(what, list(table), f"lacks {', '.join(missing)}")
+        raise InvalidValue(what, list(table), f"lacks {', '.join(missing)}", "Add the missing keys.")
     return table
 
 
 def protocol_of(content: object) -> Protocol:
-    """Return the protocol that plain data describe, as a TOML file or `Protocol.content` has them.
+    """Return the protocol of plain data, from a TOML file or from `Protocol.content`.
 
     Raises:
         InvalidValue, UnknownName: A key is missing or unknown, or a value cannot be used.
@@ -431,10 +431,10 @@ def load_protocol(name: str) -> Protocol:
     """Return a protocol.
 
     Args:
-        name: `peract18`, `gembench`, `gembench:L1`, or the path of a TOML file, also with `:PART`.
+        name: `peract18`, `gembench`, `gembench:L1`, or the path of a TOML file, optionally with `:PART`.
 
     Raises:
-        UnknownName: No protocol is called so, or it has no such part; proposes the nearest name.
+        UnknownName: No protocol has this name, or it has no such part; proposes the nearest name.
         ProtocolFileError: The file is missing, or is not a protocol.
     """
     text = as_text(name, "protocol")

@@ -1,4 +1,4 @@
-"""Comparison of two policies on the same episodes: episodes that only one of them solves, per task and in all."""
+"""Comparison of two policies on the same episodes: episodes that only one of them solves, per task and for all tasks."""
 
 from __future__ import annotations
 
@@ -19,76 +19,76 @@ Measure = Literal["success", "stable"]
 """Measure: success, or stable success."""
 _FIELDS: dict[Measure, str] = {"success": "success", "stable": "lasts"}  # of an episode, by measure
 IMPLIED = ("episodes", "seed", "variations", "time_limit")
-"""Limits that may differ: the episodes themselves say the first three, and the last is of a clock on the wall."""
+"""Limits that may differ: the first three follow from the episodes, and the last is a wall-clock limit."""
 _SHOWN = 3
 _Episodes = dict[tuple[str, int, int], EpisodeRecord]
 _ADVICE = "Evaluate both with the same `--tasks`, `--episodes` and `--seed`; `--common` compares the episodes that both have."
-_LIMITS_ADVICE = "Evaluate both with the same limits; `--any-limits` compares them nevertheless."
-_VERSIONS_ADVICE = "Evaluate the one with the older version again with this release; docs/versions.md says what a version is."
+_LIMITS_ADVICE = "Evaluate both with the same limits, or compare them with `--any-limits`."
+_VERSIONS_ADVICE = "Evaluate the older version again with this release; docs/versions.md explains versions."
 
 
 @dataclass(frozen=True)
 class Pairs:
-    """How the episodes of one task, or of all, went for two policies."""
+    """Outcomes of two policies on the episodes of one task, or of all tasks. A pair is one episode played by both."""
 
     both: int
-    """Pairs in which both succeeded."""
+    """Number of pairs in which both succeeded."""
     only_first: int
-    """Pairs in which the first alone did."""
+    """Number of pairs in which only the first succeeded."""
     only_second: int
-    """Pairs in which the second alone did."""
+    """Number of pairs in which only the second succeeded."""
     neither: int
-    """Pairs in which none did."""
+    """Number of pairs in which neither succeeded."""
 
     @property
     def of(self) -> int:
-        """All pairs."""
+        """Number of all pairs."""
         return self.both + self.only_first + self.only_second + self.neither
 
     @property
     def difference(self) -> float:
-        """Rate of the second less that of the first."""
+        """Success rate of the second minus that of the first."""
         return (self.only_second - self.only_first) / self.of if self.of else 0.0
 
     @property
     def p(self) -> PValues:
-        """Of McNemar's test."""
+        """p-values of McNemar's test."""
         return mcnemar(self.only_first, self.only_second)
 
 
 @dataclass(frozen=True)
 class TaskComparison:
-    """Two policies on one task."""
+    """Comparison of two policies on one task."""
 
     task: str
     pairs: Pairs
     p_holm: float
-    """Exact p-value, corrected for as many tests as there are tasks."""
+    """Exact p-value, corrected by Holm's method for the number of tasks."""
 
     @property
     def significant(self) -> bool:
-        """Whether the difference is called significant."""
+        """Whether the difference is significant: the corrected p-value is below 0.05."""
         return self.p_holm < SIGNIFICANT
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """Two policies on the same episodes."""
+    """Comparison of two policies on the same episodes."""
 
     first: str
     second: str
     measure: Measure
     tasks: tuple[TaskComparison, ...]
     pairs: Pairs
-    """Of all tasks together."""
+    """Outcomes of all tasks together."""
     difference: Estimate
-    """Mean over tasks of the rate of the second less that of the first, with a bootstrap interval."""
+    """Mean over tasks of the success rate of the second minus that of the first, with a bootstrap interval."""
     remarks: tuple[str, ...]
-    """Other differences, which may explain the result."""
+    """Other differences between the files, which may explain the result."""
 
     @property
     def significant(self) -> bool:
-        """Whether the difference over all tasks is called significant: the exact p-value is below 0.05."""
+        """Whether the difference over all tasks is significant: the exact p-value is below 0.05."""
         return self.pairs.p.exact < SIGNIFICANT
 
 
@@ -104,16 +104,15 @@ def compare(
     """Compare two policies, episode by episode.
 
     Args:
-        first: Results of the one.
-        second: Results of the other, of the same episodes: tasks, variations, seeds.
-        rng: Draws the bootstrap.
-        measure: `success`, or `stable` for success that still holds 1 s later.
-        common: Compare the episodes that both have, where they do not have the same.
-        any_limits: Compare although episodes ended at different limits.
+        first: Results of the first policy.
+        second: Results of the second policy on the same episodes: tasks, variations, seeds.
+        rng: Random generator of the bootstrap.
+        measure: `success`, or `stable` for success that still holds after 1 s.
+        common: Compare only the common episodes if the episodes differ.
+        any_limits: Compare although the limits of episodes differ.
 
     Raises:
-        IncompatibleResults: They do not have the same episodes, or other limits, or other versions of a task, or follow unlike
-            protocols; says what differs.
+        IncompatibleResults: Episodes, limits, versions of a task or protocols differ; the error names the differences.
     """
     one, other = (as_record(results, Results, "results") for results in (first, second))
     as_record(rng, np.random.Generator, "rng")
@@ -136,21 +135,21 @@ def compare(
 
 
 def check_comparable(results: Sequence[Results], labels: Sequence[str]) -> None:
-    """Raise IncompatibleResults unless all results follow one protocol or none, and their common tasks have the same versions.
+    """Raise IncompatibleResults unless all results have the same protocol or none, and common tasks have the same versions.
 
     Args:
         results: The results.
-        labels: What each is called in the error.
+        labels: Names of the results in the error.
     """
     found = [as_record(r, Results, "results") for r in as_several(results, "results")]
     labels = as_names(labels, "labels")
     if len(labels) != len(found):
-        raise InvalidValue("labels", labels, f"have to be as many as the results, {len(found)}")
+        raise InvalidValue("labels", labels, f"have to be {len(found)} names, one for each result")
     for other, label in zip(found[1:], labels[1:]):
         before, now = found[0].protocol, other.protocol
         if (before and before.sha256) != (now and now.sha256):
             difference = f"protocol {_shown(before)} against {_shown(now)}"
-            advice = "Show them one by one, or evaluate both by the same protocol."
+            advice = "Show them one by one, or evaluate both with the same protocol."
             raise IncompatibleResults(labels[0], label, (difference,), advice)
     for (one, first), (other, second) in combinations(zip(found, labels), 2):
         if differences := _version_differences(one, other):
@@ -158,7 +157,7 @@ def check_comparable(results: Sequence[Results], labels: Sequence[str]) -> None:
 
 
 def _version_differences(one: Results, other: Results) -> list[str]:
-    """Say which tasks of both have unlike versions."""
+    """Return a sentence for each common task with different versions."""
     versions = [(task, one.version_of(task), other.version_of(task)) for task in one.tasks if task in other.tasks]
     return [f"task '{task}' has version {a} in the first and {b} in the second" for task, a, b in versions if a != b]
 
@@ -168,7 +167,7 @@ def _shown(protocol: Protocol | None) -> str:
 
 
 def _counted(one: Results, after: _Episodes, measure: Measure) -> dict[str, Pairs]:
-    """Return how the episodes of each task went, of those that both have."""
+    """Return the outcomes of the common episodes, by task."""
     found: dict[str, list[tuple[bool, bool]]] = {task: [] for task in one.tasks}
     for episode in one.episodes:
         if (same := after.get(_key(episode))) is not None:
@@ -185,7 +184,7 @@ def _key(episode: EpisodeRecord) -> tuple[str, int, int]:
 
 
 def _check_episodes(one: Results, other: Results, before: _Episodes, after: _Episodes, common: bool) -> None:
-    """Raise IncompatibleResults unless both have the same episodes, or some in common are enough."""
+    """Raise IncompatibleResults unless both have the same episodes, or `common` is set and some episodes are common."""
     shared = before.keys() & after.keys()
     if shared and (common or len(shared) == len(before) == len(after)):
         return
@@ -200,7 +199,7 @@ def _check_episodes(one: Results, other: Results, before: _Episodes, after: _Epi
 
 
 def _difference(what: str, a: Sequence[object], b: Sequence[object]) -> str:
-    """Say which items only one of two lists has; nothing where none."""
+    """Return the items that only one of two lists has, as text; empty if there are none."""
     texts = []
     for which, here, there in (("first", a, set(b)), ("second", b, set(a))):
         if only := [item for item in here if item not in there]:
@@ -216,7 +215,7 @@ def _limit_differences(one: Results, other: Results) -> list[str]:
 
 
 def provenance_remarks(one: Results, other: Results) -> list[str]:
-    """Return sentences about what else differs: versions and commits, with which the same seed may be another episode."""
+    """Return sentences about different versions and commits, with which the same seed may give another episode."""
     names = sorted({*one.versions, *other.versions})
     versions = [f"{name} {one.versions.get(name)} and {other.versions.get(name)}" for name in names]
     found = [text for name, text in zip(names, versions) if one.versions.get(name) != other.versions.get(name)]
@@ -234,9 +233,9 @@ def _pairs(outcomes: Sequence[tuple[bool, bool]]) -> Pairs:
 
 
 def _mean_difference(strata: Sequence[Pairs], rng: np.random.Generator) -> Estimate:
-    """Return the mean over tasks of the difference; pairs are drawn again within each task.
+    """Return the mean over tasks of the difference, with a bootstrap that resamples pairs within each task.
 
-    Where no two outcomes differ, or all do in one way, half a pair is added to each way of differing, for the spread alone.
+    If all pairs of a task are of one kind, half a pair is added to each kind of difference, for the spread only.
     """
     spread = np.zeros(DRAWS)
     for pairs in strata:

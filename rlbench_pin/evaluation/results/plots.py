@@ -1,4 +1,4 @@
-"""Plots of results: success with its interval, a bar per task and policy, in colours for colour-blind readers."""
+"""Plots of results: success with its interval, one bar per task and policy, in colours for colour-blind readers."""
 
 from __future__ import annotations
 
@@ -20,24 +20,24 @@ from rlbench_pin.values import as_path, as_record, as_several, as_whole
 
 SUFFIXES = (".png", ".svg")
 MAX_POLICIES = 8
-"""Policies in one plot at most."""
+"""Maximum number of policies in one plot."""
 COLORS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#000000")
-"""Of Okabe and Ito, in an order in which neighbours differ in lightness as well."""
+"""Colours of Okabe and Ito, in an order in which neighbours also differ in lightness."""
 _FIXED = {"svg.hashsalt": "rlbench_pin", "svg.fonttype": "none", "font.family": "DejaVu Sans", "font.size": 9.0}
 _BAR, _GAP, _FRAME, _WIDTH = 0.17, 0.12, 1.1, 7.5
 """Height of a bar, space between tasks, height of everything else, width of the plot [inch]."""
 
 
 def draw_results(path: Path | str, summaries: Sequence[Summary]) -> Path:
-    """Draw several evaluations side by side; equal results give the same file.
+    """Draw several evaluations side by side, and return the path; equal results give the same file.
 
     Args:
         path: A PNG or SVG file.
-        summaries: What came of the evaluations, 1 to 8.
+        summaries: Statistics of 1 to 8 evaluations.
 
     Raises:
-        InvalidValue: The file has another ending, or there are too many policies.
-        StorageError: It cannot be written.
+        InvalidValue: The file has another suffix, or there are too many policies.
+        StorageError: The file cannot be written.
     """
     found = [as_record(s, Summary, "A summary") for s in as_several(summaries, "summaries")]
     path = check_plot(path, len(found))
@@ -51,15 +51,15 @@ def draw_results(path: Path | str, summaries: Sequence[Summary]) -> Path:
 
 
 def draw_profiles(path: Path | str, profiles: Sequence[Profile]) -> Path:
-    """Draw success over factors, one panel for each profile, an axis for each factor; equal results give the same file.
+    """Draw success over factors, one panel per profile, one axis per factor; equal results give the same file.
 
     Args:
         path: A PNG or SVG file.
-        profiles: Profiles, 1 to 8.
+        profiles: 1 to 8 profiles.
 
     Raises:
-        InvalidValue: The file has another ending, or there are too many profiles.
-        StorageError: It cannot be written.
+        InvalidValue: The file has another suffix, or there are too many profiles.
+        StorageError: The file cannot be written.
     """
     found = [as_record(profile, Profile, "A profile") for profile in as_several(profiles, "profiles")]
     path = check_plot(path, len(found))
@@ -98,17 +98,17 @@ def _draw_profile(axes: Any, profile: Profile) -> None:
 
 
 def check_plot(path: Path | str, policies: int) -> Path:
-    """Return the path of a plot, or raise InvalidValue where `draw_results` would.
+    """Return the path of a plot, or raise InvalidValue as `draw_results` does.
 
     Args:
         path: A PNG or SVG file.
-        policies: How many are to be drawn.
+        policies: Number of policies in the plot.
     """
     path = as_path(path, "path")
     if path.suffix.lower() not in SUFFIXES:
         raise InvalidValue("path of a plot", str(path), f"has to end with {' or '.join(SUFFIXES)}")
     if not 1 <= as_whole(policies, "policies") <= MAX_POLICIES:
-        raise InvalidValue("policies in one plot", policies, f"have to be 1 to {MAX_POLICIES}: more bars cannot be distinguished")
+        raise InvalidValue("policies in one plot", policies, f"have to be 1 to {MAX_POLICIES}", "Draw several plots.")
     return path
 
 
@@ -137,7 +137,7 @@ def _figure(summaries: Sequence[Summary]) -> Figure:
     axes.set_ylim(step * (len(groups) - 0.5), -step / 2)
     axes.set_xlim(0.0, 1.0)
     axes.set_xticks(np.linspace(0.0, 1.0, 6), [f"{v} %" for v in range(0, 101, 20)])
-    axes.set_xlabel(f"success, with intervals of 95 % ({_episodes(summaries)})")
+    axes.set_xlabel(f"success, with 95 % intervals ({_episodes(summaries)})")
     axes.grid(axis="x", color="#cccccc", linewidth=0.6)
     axes.set_axisbelow(True)
     axes.tick_params(axis="y", length=0)
@@ -158,13 +158,13 @@ def _bar(summary: Summary, group: str) -> tuple[float, float, float] | None:
 
 
 def _label(name: str) -> str:
-    """Return a name as matplotlib draws it: no formula begins at a dollar, and a legend leaves out what begins with a line."""
+    """Return a name for matplotlib: a dollar starts no formula, and a leading underscore does not remove it from the legend."""
     text = printable(name, most=45).replace("$", r"\$")
     return f" {text}" if text.startswith("_") else text
 
 
 def _episodes(summaries: Sequence[Summary]) -> str:
-    """Say how many episodes of a task there are."""
+    """Return the number of episodes of each task as text."""
     counts = sorted({task.success.of for summary in summaries for task in summary.tasks})
     span = str(counts[0]) if len(counts) == 1 else f"{counts[0]} to {counts[-1]}" if counts else "no"
     return f"{span} episode{'s' * (counts != [1])} of each task"

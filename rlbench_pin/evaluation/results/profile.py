@@ -1,4 +1,4 @@
-"""Profile of a policy over factors of generalisation: success at each level, and what it loses against no factor."""
+"""Profile of a policy over factors of generalisation: success at each level, and the difference to success without factors."""
 
 from __future__ import annotations
 
@@ -20,33 +20,33 @@ BASE = "none"
 
 @dataclass(frozen=True)
 class FactorRow:
-    """One setting of factors."""
+    """Results of one setting of factors."""
 
     setting: str
-    """Such as `light_color:2`."""
+    """Setting, such as `light_color:2`."""
     tasks: int
-    """Tasks that can take it."""
+    """Number of tasks that the setting can change."""
     summary: Summary
     """Success with the factors."""
     base: Summary
-    """Success of the same episodes without."""
+    """Success of the same episodes without factors."""
     comparison: Comparison
-    """Paired, episode by episode: the first is without factors."""
+    """Paired comparison, episode by episode; the first is without factors."""
 
 
 @dataclass(frozen=True)
 class Profile:
-    """Success of a policy by factor and level. Unlike factors are never averaged."""
+    """Success of a policy by factor and level. There is no mean over different factors."""
 
     policy: str
     trained_on: str
-    """Factors that the training data contained, as stated."""
+    """Factors in the training data, as the user stated them."""
     base: Summary
-    """All episodes without factors."""
+    """Statistics of all episodes without factors."""
     rows: tuple[FactorRow, ...]
 
     def as_dict(self) -> dict[str, Any]:
-        """Plain data for JSON."""
+        """Return plain data for JSON."""
         rows = [
             {
                 "factors": row.setting,
@@ -69,10 +69,10 @@ def factor_profile(results: Results) -> Profile:
         results: Results of `evaluate` with settings of factors.
 
     Raises:
-        InvalidValue: No factors were played.
+        InvalidValue: The evaluation had no factors.
     """
     if not as_record(results, Results, "results").factors:
-        raise InvalidValue("results", results.policy, "were made without factors", "Use `evaluate --factors NAME:LEVEL`.")
+        raise InvalidValue("results", results.policy, "were made without factors", "Evaluate with `--factors NAME:LEVEL`.")
     base = results.of_factors("")
     rows = tuple(_row(base, results.of_factors(setting), setting) for setting in results.factors)
     return Profile(results.policy, results.trained_on, _summary(base), rows)
@@ -94,7 +94,7 @@ def _summary(results: Results) -> Summary:
 
 
 def profile_table(profile: Profile) -> Table:
-    """Return the table of a profile: a row without factors, then one for each setting."""
+    """Return the table of a profile: one row without factors, then one row for each setting."""
     as_record(profile, Profile, "profile")
     head = ("factors", "tasks", "episodes", "success", "95 %", "without", "difference", "95 %", "p")
     base = profile.base

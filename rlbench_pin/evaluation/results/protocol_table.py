@@ -1,4 +1,4 @@
-"""Results of a protocol in the form of its published table: rows in its order, means, standard errors over repetitions."""
+"""Results of a protocol in the form of its published table: rows in the same order, means, and standard errors."""
 
 from __future__ import annotations
 
@@ -27,40 +27,40 @@ class ProtocolRow:
     """Name in the published table."""
     episodes: int
     success: float
-    """Rate of success; of a mean, the mean of the rates of its rows."""
+    """Success rate; for a mean, the mean of the success rates of its rows."""
     standard_error: float | None
-    """Standard error of the rate over the repetitions; None with one."""
+    """Standard error of the rate over the repetitions; None with one repetition."""
 
 
 @dataclass(frozen=True)
 class ProtocolSummary:
-    """Results of a policy by a protocol."""
+    """Results of a policy with a protocol."""
 
     policy: str
     protocol: Protocol
     rows: tuple[ProtocolRow, ...]
-    """In the order of the published table."""
+    """Rows in the order of the published table."""
     means: tuple[ProtocolRow, ...]
-    """Mean over the rows of each part, and over all rows."""
+    """Means over the rows of each part, and over all rows."""
 
     def as_dict(self) -> dict[str, Any]:
-        """Plain data for JSON."""
+        """Return plain data for JSON."""
         protocol = {"name": self.protocol.label, "version": self.protocol.version, "sha256": self.protocol.sha256}
         return {**protocol, "rows": [vars(row) for row in self.rows], "means": [vars(row) for row in self.means]}
 
 
 def summarise_protocol(results: Results) -> ProtocolSummary:
-    """Return the rows and means of the published table of a protocol, of the episodes without factors.
+    """Return the rows and means of the published table of a protocol, from the episodes without factors.
 
     Args:
-        results: Results of an evaluation by a protocol.
+        results: Results of an evaluation with a protocol.
 
     Raises:
-        InvalidValue: No protocol was followed, or episodes are missing.
+        InvalidValue: The evaluation had no protocol, or episodes are missing.
     """
     protocol = as_record(results, Results, "results").protocol
     if protocol is None:
-        raise InvalidValue("results", results.policy, "were made without a protocol", "Use `evaluate --protocol NAME`.")
+        raise InvalidValue("results", results.policy, "were made without a protocol", "Evaluate with `--protocol NAME`.")
     test = protocol.split("test")
     found: dict[tuple[str, int], list[EpisodeRecord]] = {}
     for episode in results.of_factors("").episodes:
@@ -73,7 +73,7 @@ def summarise_protocol(results: Results) -> ProtocolSummary:
         else:
             rows.append((task.title, task.part, [e for episodes in of_variation.values() for e in episodes]))
     if empty := [title for title, _, episodes in rows if len(episodes) != test.episodes * len(test.seeds)]:
-        raise InvalidValue("results", empty[0], "lack episodes of the protocol")
+        raise InvalidValue("results", empty[0], "lack episodes of the protocol", "Evaluate with `--protocol` again.")
     repeated = [[_repetitions(protocol, episodes) for _, p, episodes in rows if part in ("", p)] for part in _parts(protocol)]
     what = "variations" if protocol.episodes_of == VARIATION else "tasks"
     means = [
@@ -112,7 +112,7 @@ def _mean(values: Sequence[float]) -> float:
 
 
 def protocol_table(summary: ProtocolSummary) -> Table:
-    """Return the published table of a protocol, a row per task or variation, then the means."""
+    """Return the published table of a protocol: one row per task or variation, then the means."""
     as_record(summary, ProtocolSummary, "summary")
     protocol, repetitions = summary.protocol, len(summary.protocol.split("test").seeds)
     head = ("task", "episodes", "success", *(("standard error",) if repetitions > 1 else ()))

@@ -1,4 +1,4 @@
-"""Results of an evaluation: a record per episode, all of them with their settings, and the JSON file with an episode per line."""
+"""Results of an evaluation: one record per episode, the settings, and the JSON file with one episode per line."""
 
 from __future__ import annotations
 
@@ -33,19 +33,19 @@ FORMAT = 5
 """Number of the format of results files. Format 1 has no seed key and no deaths of workers, 2 no protocol, 3 no factors,
 4 no versions of tasks."""
 End = Literal["success", "failed", "steps", "seconds", "fault"]
-"""How an episode ended: with success, by the task as failed, at the limit of steps or of seconds, or by a fault of the policy."""
+"""End of an episode: success, failure by a rule of the task, limit of steps, limit of seconds, or a fault of the policy."""
 ENDS: tuple[str, ...] = get_args(End)
 WORKER_DIED = "worker died"
-"""The fault of an episode that is lost because the worker that played it died."""
+"""The fault of an episode that was lost because its worker died."""
 LONGEST_TEXT = 10_000
-"""Letters of a text of a results file at most."""
+"""Maximum number of characters of a text in a results file."""
 DEEPEST = 20
-"""Levels of lists and tables in the settings of a policy at most."""
+"""Maximum number of levels of lists and tables in the settings of a policy."""
 
 
 @dataclass(frozen=True)
 class EpisodeRecord:
-    """Result of one episode. All of it follows from policy, task, seed and limits; it contains no computation times."""
+    """Result of one episode. Policy, task, seed and limits determine all values; it contains no computation times."""
 
     task: str
     variation: int
@@ -55,29 +55,29 @@ class EpisodeRecord:
     lasts: bool
     """Whether success still held after 1 s with the arm stationary."""
     steps: int
-    """Actions, refused ones among them."""
+    """Number of actions, including refused actions."""
     seconds: float
-    """Time that passed in the simulation [s]."""
+    """Simulated time [s]."""
     end: End
     refused: Mapping[str, int] = field(default_factory=dict)
-    """Cause -> actions that were refused for it."""
+    """Cause -> number of actions that were refused for it."""
     collisions: int = 0
-    """Times that the arm began to touch what it should not."""
+    """Number of collisions; see `Meter` for contacts that count."""
     max_force: float = 0.0
     """Largest force of these contacts [N]."""
     violations: Mapping[str, int] = field(default_factory=dict)
-    """Limit of the arm -> control ticks in which it was violated."""
+    """Limit of the arm -> number of control ticks in which it was violated."""
     fault: str = ""
-    """Kind of the fault of the policy that ended the episode; empty without one."""
+    """Kind of the fault of the policy that ended the episode; empty without a fault."""
     fault_detail: str = ""
     """Detail of the fault."""
     worker_deaths: int = 0
-    """Workers that died while they played it; it was begun again after each, but for the last one of a lost episode."""
+    """Number of workers that died in the episode. After each death the episode was started again, unless it was lost."""
     factors: str = ""
-    """Factors of generalisation and their levels, such as `light_color:2`; empty without."""
+    """Factors of generalisation and their levels, such as `light_color:2`; empty without factors."""
 
     def __post_init__(self) -> None:
-        """Check every value, and keep it as plain Python has it."""
+        """Check every value, and convert it to a plain Python type."""
         what = type(self).__name__
         checked: dict[str, Any] = {
             "task": _name(self.task, f"{what}.task"),
@@ -117,36 +117,36 @@ class Results:
     """Results of an evaluation with their provenance. Equal content is byte-identical."""
 
     policy: str
-    """The policy, as it was asked for."""
+    """Reference of the policy."""
     settings: Mapping[str, Any]
-    """Settings of the policy: action mode, observations, steps; plain data."""
+    """Settings of the policy as plain data: action mode, observations, steps."""
     task_set: str
-    """The tasks as they were asked for: names, or sets of tasks."""
+    """Names of tasks, or sets of tasks, as the user gave them."""
     tasks: tuple[str, ...]
     """Names of the tasks, in order."""
     seeds: tuple[int, ...]
     """Seeds of the episodes, the same for each task, in order."""
     limits: Mapping[str, float | int | str | bool | None]
-    """Limits of episodes, and all else that they depend on: steps, seconds, choice of variations."""
+    """Limits of episodes, and other settings that determine them: steps, seconds, choice of variations."""
     versions: Mapping[str, str]
-    """Version of this package and of the libraries that shape an episode."""
+    """Library -> version, for this package and the libraries that affect an episode."""
     commit: str
-    """Commit of the checkout that the package ran from; empty outside of one."""
+    """Commit of the git checkout of the package; empty outside a checkout."""
     episodes: tuple[EpisodeRecord, ...]
-    """In the order of tasks, and of seeds within a task."""
+    """Records of the episodes, in the order of tasks, and of seeds within a task."""
     policy_seed_key: str = ""
-    """Key of the hash that makes the seeds of the policy; empty in files of format 1."""
+    """Key of the hash that gives the seeds of the policy; empty in files of format 1."""
     protocol: Protocol | None = None
-    """The protocol that was followed; None without one, and in files of formats 1 and 2."""
+    """Protocol of the evaluation; None without a protocol, and in files of formats 1 and 2."""
     factors: tuple[str, ...] = ()
-    """Settings of factors that were played beside the episodes without factors, in order."""
+    """Settings of factors that were played in addition to the episodes without factors, in order."""
     trained_on: str = ""
-    """Factors that the training data contained, as the user states it."""
+    """Factors in the training data, as the user stated them."""
     task_versions: Mapping[str, int] = field(default_factory=dict)
     """Task -> its version; empty in files of formats 1 to 4, where each is version 1."""
 
     def __post_init__(self) -> None:
-        """Check every value, and keep it as plain Python has it."""
+        """Check every value, and convert it to a plain Python type."""
         checked: dict[str, Any] = {
             "policy": _name(self.policy, "Results.policy"),
             "settings": _plain_table(self.settings, "Results.settings"),
@@ -196,11 +196,11 @@ class Results:
 
     @cached_property
     def sha256(self) -> str:
-        """Checksum over everything else."""
+        """SHA-256 of the content."""
         return hashlib.sha256(canonical(self.content())).hexdigest()
 
     def content(self) -> dict[str, Any]:
-        """Return everything but the checksum as plain data, as the file has it; in the lowest format that says everything."""
+        """Return the content of the file without the checksum as plain data, in the lowest format that can contain it."""
         format = 2 if self.policy_seed_key or any(episode.worker_deaths for episode in self.episodes) else 1
         format = format if self.protocol is None else 3
         format = 4 if self.factors else format
@@ -212,10 +212,10 @@ class Results:
         return {"format": format, **head, "episodes": episodes}
 
     def of_factors(self, setting: str) -> Results:
-        """Return the results of one setting of factors alone, as if they were played without factors.
+        """Return the results of one setting of factors, in the form of results without factors.
 
         Args:
-            setting: One of `factors`, or `""` for the episodes without.
+            setting: One of `factors`, or `""` for the episodes without factors.
         """
         as_choice(setting, "setting of factors in these results", ("", *self.factors))
         episodes = tuple(replace(episode, factors="") for episode in self.episodes if episode.factors == setting)
@@ -225,7 +225,7 @@ class Results:
         return replace(self, tasks=tasks, episodes=episodes, factors=(), task_versions=versions)
 
     def version_of(self, task: str) -> int:
-        """Return the version of one task; 1 where the file does not record it."""
+        """Return the version of one task; 1 if the file does not contain it."""
         as_choice(task, "task of these results", self.tasks)
         return self.task_versions.get(task, 1)
 
@@ -243,7 +243,7 @@ HEAD: Mapping[int, tuple[str, ...]] = {
     4: (*_HEAD, "policy_seed_key", "protocol", "factors", "trained_on"),
     5: (*_HEAD, "policy_seed_key", "protocol", "factors", "trained_on", "task_versions"),
 }
-"""Format -> fields of a results file beside format, episodes and checksum."""
+"""Format -> fields of a results file, in addition to format, episodes and checksum."""
 _EPISODE = tuple(field.name for field in fields(EpisodeRecord))
 EPISODE: Mapping[int, tuple[str, ...]] = {
     1: tuple(name for name in _EPISODE if name not in ("worker_deaths", "factors")),
@@ -256,7 +256,7 @@ EPISODE: Mapping[int, tuple[str, ...]] = {
 
 
 def canonical(content: object) -> bytes:
-    """Return plain data as JSON that is equal to the byte for equal data."""
+    """Return plain data as JSON; equal data give byte-identical JSON."""
     return json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()
 
 
@@ -294,7 +294,7 @@ def _counts(value: object, what: str) -> dict[str, int]:
 def _scalars(value: object) -> dict[str, Any]:
     table = _table(value, "Results.limits")
     if any(isinstance(item, list | tuple | Mapping) for item in table.values()):
-        raise InvalidValue("Results.limits", value, "holds numbers, texts, true, false and null")
+        raise InvalidValue("Results.limits", value, "has to contain only numbers, texts, true, false and null")
     return _plain_table(table, "Results.limits")
 
 
@@ -305,7 +305,7 @@ def _plain_table(value: object, what: str) -> dict[str, Any]:
 
 
 def _plain(value: object, what: str, depth: int) -> object:
-    """Return plain data as JSON gives it back: tables in alphabetical order, lists, finite numbers."""
+    """Return plain data as they are after reading JSON: tables in alphabetical order, lists, finite numbers."""
     if depth > DEEPEST:
         raise InvalidValue(what, "...", f"has more than {DEEPEST} levels")
     if value is None or isinstance(value, bool):
@@ -327,7 +327,7 @@ def _plain(value: object, what: str, depth: int) -> object:
 # The file ---------------------------------------------------------------------------------------------------------------------
 
 LARGEST = 256 << 20
-"""Larger files are not read [bytes]: a million episodes."""
+"""Maximum size of a file that is read [bytes], enough for a million episodes."""
 
 
 def results_text(results: Results) -> str:
@@ -339,7 +339,7 @@ def results_text(results: Results) -> str:
 
 
 def write_results(path: Path | str, results: Results) -> Path:
-    """Write a results file; it appears whole or not at all.
+    """Write a results file atomically, and return its path.
 
     Raises:
         StorageError: The disk cannot be written to.
@@ -348,10 +348,10 @@ def write_results(path: Path | str, results: Results) -> Path:
 
 
 def read_results(path: Path | str) -> Results:
-    """Return what a results file says.
+    """Return the results of a file.
 
     Raises:
-        ResultsFileError: It is missing, too large, no results file, of another format, or altered since it was written.
+        ResultsFileError: The file is missing, too large, not a results file, of another format, or was changed.
     """
     path = as_path(path, "path")
     try:
@@ -368,7 +368,7 @@ def _results(content: object) -> Results:
     """Return results from plain data.
 
     Raises:
-        ValueError: A value is missing, unknown or wrong, or the checksum is another.
+        ValueError: A value is missing, unknown or wrong, or the checksum differs.
     """
     if not isinstance(content, dict):
         raise ValueError("it is not a table")
@@ -376,26 +376,26 @@ def _results(content: object) -> Results:
         raise ValueError(f"it has format {short(found)}, this package reads formats 1 to {FORMAT}")
     _check_names(content, ("format", *HEAD[found], "sha256", "episodes"), "it")
     if not isinstance(content["episodes"], list):
-        raise ValueError("its episodes are no list")
+        raise ValueError("its episodes are not a list")
     episodes = tuple(_episode(episode, EPISODE[found]) for episode in content["episodes"])
     head = {name: content[name] for name in HEAD[found]}
     if head.get("protocol") is not None or found == 3:
         head["protocol"] = Protocol.from_record(head["protocol"])
     results = Results(**head, episodes=episodes)
     if content["sha256"] != results.sha256:
-        raise ValueError(f"it was altered: its content has sha256 {results.sha256}, not {short(content['sha256'])}")
+        raise ValueError(f"it was changed: its content has sha256 {results.sha256}, not {short(content['sha256'])}")
     return results
 
 
 def _episode(content: Any, names: tuple[str, ...]) -> EpisodeRecord:
     if not isinstance(content, dict):
-        raise ValueError(f"an episode is {short(content)}, no table")
+        raise ValueError(f"an episode is {short(content)}, not a table")
     _check_names(content, names, "an episode")
     return EpisodeRecord(**content)
 
 
 def _check_names(content: dict[str, Any], names: tuple[str, ...], what: str) -> None:
-    """Raise ValueError unless a table has just these names."""
+    """Raise ValueError unless a table has exactly these names."""
     if missing := [name for name in names if name not in content]:
         raise ValueError(f"{what} lacks {', '.join(missing)}")
     if unknown := [name for name in content if name not in names]:

@@ -18,21 +18,21 @@ from rlbench_pin.values import as_array, as_number, as_record, as_several, as_wh
 DRAWS = 10_000
 """Resampled evaluations of a bootstrap."""
 LEVEL = (0.025, 0.975)
-"""Quantiles between which 95 % lie."""
+"""Lower and upper quantile of a 95 % interval."""
 FEW = 100
-"""With fewer episodes of a task, tables say how wide the intervals are."""
+"""With fewer episodes of a task, tables have a note about the width of the intervals."""
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """A number with the interval that holds the true one in about 95 of 100 evaluations."""
+    """A number with its 95 % confidence interval."""
 
     value: float
     low: float
     high: float
 
     def as_dict(self) -> dict[str, float | list[float]]:
-        """Plain numbers for JSON."""
+        """Return plain numbers for JSON."""
         return {"value": round(self.value, 4), "interval_95": [round(self.low, 4), round(self.high, 4)]}
 
 
@@ -43,25 +43,25 @@ class TaskSummary:
     task: str
     success: Rate
     stable: Rate
-    """Stable successes."""
+    """Rate of stable success."""
     steps: float | None
-    """Median of the actions of successful episodes; None without any."""
+    """Median number of actions of successful episodes; None without successes."""
     seconds: float | None
-    """Median of their time in the simulation; None without any [s]."""
+    """Median simulated time of successful episodes [s]; None without successes."""
     refused: dict[str, int]
-    """Cause -> actions that were refused for it, in all episodes."""
+    """Cause -> number of actions that were refused for it, in all episodes."""
     collisions: int
-    """In all episodes."""
+    """Number of collisions in all episodes."""
     max_force: float
     """Largest force of a collision [N]."""
     violations: dict[str, int]
-    """Limit -> control ticks in which it was violated, in all episodes."""
+    """Limit -> number of control ticks in which it was violated, in all episodes."""
     faults: dict[str, int]
-    """Kind -> episodes that a fault of the policy ended."""
+    """Kind -> number of episodes that a fault of the policy ended."""
     worker_deaths: int
-    """Workers that died in its episodes."""
+    """Number of workers that died in its episodes."""
     retried: int
-    """Episodes that were begun again after a worker had died, and played."""
+    """Number of episodes that were played again after a worker had died."""
 
 
 @dataclass(frozen=True)
@@ -73,19 +73,19 @@ class Summary:
     success: Estimate
     """Mean over tasks, each with the same weight."""
     stable: Estimate
-    """The same of stable success."""
+    """Mean of stable success over tasks, each with the same weight."""
     episodes: int
-    """Of all tasks together."""
+    """Number of episodes of all tasks."""
     first_faults: tuple[EpisodeRecord, ...] = ()
     """The first episode that ended with a fault, for each kind of fault."""
 
 
 def summarise(results: Results, rng: np.random.Generator) -> Summary:
-    """Return what came of an evaluation.
+    """Return the statistics of an evaluation.
 
     Args:
-        results: The evaluation.
-        rng: Draws the resampled evaluations of the bootstrap.
+        results: Results of the evaluation.
+        rng: Random generator of the bootstrap.
     """
     as_record(results, Results, "results")
     as_record(rng, np.random.Generator, "rng")
@@ -122,16 +122,16 @@ def _task_summary(task: str, episodes: Sequence[EpisodeRecord]) -> TaskSummary:
 def mean_rate(rates: Sequence[Rate], rng: np.random.Generator, draws: int = DRAWS) -> Estimate:
     """Return the mean of the rates of tasks with a bootstrap interval in which every task is a stratum.
 
-    Episodes are drawn again within each task, with replacement, as many as there are; the tasks stay. A task in which all
-    episodes went alike has no spread of its own: there the spread is that of the rate (k + 1/2) / (n + 1).
+    The bootstrap resamples the episodes of each task with replacement, with the same number of episodes; it does not resample
+    tasks. A task with only successes or only failures has no spread; the spread of the rate (k + 1/2) / (n + 1) is used for it.
 
     Args:
-        rates: One per task; those of nothing tried are left out.
-        rng: Draws the episodes.
-        draws: How often all of them are drawn.
+        rates: Success rates, one per task; rates without episodes are left out.
+        rng: Random generator of the bootstrap.
+        draws: Number of resampled evaluations.
 
     Raises:
-        InvalidValue: Something else than rates, or no draw.
+        InvalidValue: `rates` contains other objects, or `draws` is below 1.
     """
     rates = [as_record(rate, Rate, "A rate") for rate in as_several(rates, "rates")]
     as_record(rng, np.random.Generator, "rng")
@@ -149,10 +149,10 @@ def mean_rate(rates: Sequence[Rate], rng: np.random.Generator, draws: int = DRAW
 
 
 def width_note(episodes: int) -> str:
-    """Return a warning when the episodes of a task are few; empty otherwise.
+    """Return a note about wide intervals if a task has few episodes; empty otherwise.
 
     Args:
-        episodes: Of each task.
+        episodes: Number of episodes of each task.
     """
     episodes = as_whole(episodes, "episodes", least=0, most=10**9)
     if not 0 < episodes < FEW:
@@ -161,7 +161,7 @@ def width_note(episodes: int) -> str:
     parts = []
     for count in counts:
         low, high = wilson(count, episodes)
-        parts.append(f"at {count / episodes:.0%} of success the interval goes from {low:.0%} to {high:.0%}")
+        parts.append(f"at {count / episodes:.0%} success the interval is {low:.0%} to {high:.0%}")
     return f"{episodes} episode{'s' if episodes > 1 else ''} of a task give wide intervals: {', '.join(parts)}."
 
 
@@ -177,29 +177,29 @@ def added_counts(counts: object) -> dict[str, int]:
 
 
 SIGNIFICANT = 0.05
-"""A difference whose p-value is below this is called significant."""
+"""A difference with a p-value below this is significant."""
 _MAX_COUNT = 10**6
 
 
 @dataclass(frozen=True)
 class PValues:
-    """How likely so uneven a split of the pairs that differ would be, were both policies equally good."""
+    """Two-sided p-values of McNemar's test, under the hypothesis that both policies are equally good."""
 
     exact: float
-    """Exact binomial, two-sided: at most the level that it promises."""
+    """p-value of the exact binomial test; its error rate is at most the level."""
     mid: float
-    """With half of the probability of the observed split itself: nearer to the level, at times a little above it."""
+    """Mid-p value, with half the probability of the observed split; its error rate is near the level, but can exceed it."""
 
 
 def mcnemar(only_first: int, only_second: int) -> PValues:
-    """Test paired outcomes: of the pairs that differ, each is as likely to be won by the one as by the other.
+    """Return the p-values of McNemar's test for paired outcomes.
 
-    With n pairs that differ, X ~ Binomial(n, 1/2) and m the smaller count:
-    exact = 2 P(X <= m), at most 1; mid = 2 P(X < m) + P(X = m).
+    The hypothesis is that in a pair with different outcomes, each policy succeeds with probability 1/2. With n such pairs,
+    X ~ Binomial(n, 1/2) and m the smaller count: exact = 2 P(X <= m), at most 1; mid = 2 P(X < m) + P(X = m).
 
     Args:
-        only_first: Pairs in which the first alone succeeded.
-        only_second: Pairs in which the second alone succeeded.
+        only_first: Number of pairs in which only the first succeeded.
+        only_second: Number of pairs in which only the second succeeded.
     """
     first, second = (
         as_whole(value, what, least=0, most=_MAX_COUNT)
@@ -212,10 +212,12 @@ def mcnemar(only_first: int, only_second: int) -> PValues:
 
 
 def holm(p_values: Sequence[float]) -> list[float]:
-    """Return p-values corrected for being several, in their order: of m, the i-th smallest times m - i + 1, never falling.
+    """Return p-values with Holm's correction, in the same order: of m, the i-th smallest times m - i + 1, never decreasing.
+
+    The probability of any false significant result among the tests is then at most the level.
 
     Args:
-        p_values: Of the tests; the chance that any of those without a difference is called significant is at most the level.
+        p_values: p-values of the tests.
     """
     array = as_array(p_values, "p_values")
     if array.ndim != 1:
@@ -229,15 +231,15 @@ def holm(p_values: Sequence[float]) -> list[float]:
 
 
 def pair_shares(first: float, second: float, shared: float) -> tuple[float, float]:
-    """Return how often the first alone, and the second alone, succeeds, where a share of the episodes is as hard for both.
+    """Return the probabilities that only the first, and only the second policy succeeds in an episode.
 
-    In that share both succeed where a common draw u ~ U(0, 1) is below their rate, so that the worse one succeeds nowhere alone.
-    In the rest their outcomes are independent.
+    In a share of the episodes, both policies depend on a common draw u ~ U(0, 1): each succeeds if u is below its rate. The worse
+    policy then never succeeds alone. In the other episodes the outcomes are independent.
 
     Args:
-        first: Success rate of the first.
-        second: Success rate of the second.
-        shared: The share, 0 to 1.
+        first: Success rate of the first policy.
+        second: Success rate of the second policy.
+        shared: Share of the episodes with a common draw, 0 to 1.
     """
     p, q, s = (
         as_number(value, what, least=0.0, most=1.0) for value, what in ((first, "first"), (second, "second"), (shared, "shared"))
@@ -246,17 +248,17 @@ def pair_shares(first: float, second: float, shared: float) -> tuple[float, floa
 
 
 def paired_power(first: float, second: float, shared: float, episodes: int, level: float = SIGNIFICANT) -> float:
-    """Return how probable it is that the exact test calls a difference significant.
+    """Return the power of the exact test: the probability that a difference is significant.
 
     Args:
         first: Success rate of the first policy.
-        second: Success rate of the second.
-        shared: Share of the episodes that are as hard for both, as `pair_shares` has it.
-        episodes: How many both play.
-        level: p-values up to this are called significant.
+        second: Success rate of the second policy.
+        shared: Share of the episodes with a common draw, see `pair_shares`.
+        episodes: Number of episodes that both play.
+        level: p-values up to this are significant.
 
     Returns:
-        Sum over m pairs that differ and all splits of them that are significant.
+        Sum of the probabilities of all significant splits, over all numbers of pairs with different outcomes.
     """
     only_first, only_second = pair_shares(first, second, shared)
     episodes = as_whole(episodes, "episodes", least=0, most=20_000)
@@ -279,12 +281,12 @@ def episodes_needed(first: float, second: float, shared: float, power: float = 0
 
     Args:
         first: Success rate of the first policy.
-        second: Success rate of the second, another one.
-        shared: Share of the episodes that are as hard for both, as `pair_shares` has it.
-        power: How probable it should be.
+        second: Success rate of the second policy, different from the first.
+        shared: Share of the episodes with a common draw, see `pair_shares`.
+        power: The probability.
     """
     power = as_number(power, "power", above=0.0, most=0.999)
-    pair_shares(first, second, shared)  # looks at the three
+    pair_shares(first, second, shared)  # checks the three values
     as_number(abs(first - second), "difference of the rates", least=0.01)
     enough = 5
     while paired_power(first, second, shared, enough) < power:

@@ -16,19 +16,19 @@ ALL = "all"
 
 @dataclass(frozen=True)
 class Table:
-    """A table with what stands above and below it."""
+    """A table with its title and notes."""
 
     title: str
     head: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     notes: tuple[str, ...] = ()
-    """Sentences below it."""
+    """Sentences below the table."""
 
     def text(self, markdown: bool = False) -> str:
-        """Return it with its columns below each other, or in Markdown.
+        """Return the table as aligned text, or in Markdown.
 
         Args:
-            markdown: Whether in Markdown.
+            markdown: Whether to use Markdown.
         """
         as_flag(markdown, "markdown")
         cells = [[printable(cell, markdown) for cell in row] for row in (self.head, *self.rows)]
@@ -41,12 +41,12 @@ class Table:
 
 
 def printable(text: str, markdown: bool = False, most: int = 60) -> str:
-    """Return a text of a file so that it cannot steer a terminal, break a table or fill a screen.
+    """Return a text from a file that is safe to print: no control characters, limited length, and no bars in a Markdown table.
 
     Args:
         text: A name, or a sentence.
-        markdown: Whether it stands in a table in Markdown.
-        most: Letters that are left of it.
+        markdown: Whether it is for a table in Markdown.
+        most: Maximum number of characters.
     """
     plain = "".join(letter if letter.isprintable() else "?" for letter in as_text(text, "text"))
     plain = plain if len(plain) <= most else f"{plain[: most - 3]}..."
@@ -59,7 +59,7 @@ def _line(cells: Sequence[str], widths: Sequence[int], markdown: bool) -> str:
 
 
 def task_table(summary: Summary) -> Table:
-    """Return what came of an evaluation, a row per task and one for the mean."""
+    """Return the table of an evaluation: one row per task and one for the mean."""
     as_record(summary, Summary, "summary")
     head = (
         "task",
@@ -82,18 +82,18 @@ def task_table(summary: Summary) -> Table:
 
 
 def overview_table(summaries: Sequence[Summary]) -> Table:
-    """Return the success of several evaluations side by side, a row per task and one for the mean."""
+    """Return a table of the success of several evaluations: one row per task and one for the mean."""
     found = [as_record(summary, Summary, "A summary") for summary in as_several(summaries, "summaries")]
     by_task = [{task.task: task.success for task in summary.tasks} for summary in found]
     names = tuple(dict.fromkeys(name for rates in by_task for name in rates))
     rows = [(name, *(_rate(rates[name]) if name in rates else "" for rates in by_task)) for name in names]
     if len(names) > 1:
         rows.append((MEAN, *(f"{_percent(s.success.value)} ({_span(s.success)})" for s in found)))
-    return Table("Success, with its interval of 95 %", ("task", *(s.policy for s in found)), tuple(rows))
+    return Table("Success, with its 95 % interval", ("task", *(s.policy for s in found)), tuple(rows))
 
 
 def comparison_table(comparison: Comparison) -> Table:
-    """Return a comparison, a row per task and one for all."""
+    """Return the table of a comparison: one row per task and one for all tasks."""
     as_record(comparison, Comparison, "comparison")
     head = ("task", "episodes", "both", "only first", "only second", "neither", "difference", "p", "mid-p", "p (Holm)")
     rows = [(task.task, *_pairs(task.pairs), _p(task.p_holm)) for task in comparison.tasks]
@@ -138,7 +138,7 @@ def _notes(summary: Summary) -> list[str]:
 
 
 def fault_notes(summary: Summary) -> list[str]:
-    """Return a sentence about the first fault of each kind, and one about workers that died."""
+    """Return one sentence for the first fault of each kind, and one for workers that died."""
     notes = [
         f"First '{record.fault}' ({record.task}, seed {record.seed}): {' '.join(record.fault_detail.split()) or 'no detail'}"
         for record in as_record(summary, Summary, "summary").first_faults
@@ -150,8 +150,8 @@ def fault_notes(summary: Summary) -> list[str]:
 
 
 _LEGEND = (
-    "Stable: success holds after 1 s. Steps: median of successes. Refused actions and collisions: per episode. "
-    "Force: the largest. Violations: control ticks in all."
+    "Stable: success still holds after 1 s. Steps: median of successes. Refused actions and collisions: per episode. "
+    "Force: maximum. Violations: total control ticks."
 )
 _COUNTED = (("Refused actions", "refused"), ("Ticks beyond limits", "violations"), ("Episodes that ended with a fault", "faults"))
 

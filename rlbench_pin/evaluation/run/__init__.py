@@ -1,4 +1,4 @@
-"""Playing the episodes of an evaluation: which ones, within which limits, what is counted, and results that can be trusted."""
+"""Evaluations: plan the episodes, play them within limits, count events, and write results with their provenance."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Settings of an evaluation, and its episodes. Their seeds are published and occur nowhere else."""
+"""Settings of an evaluation, and its episodes. The seeds of the episodes are published and have no other use."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ from rlbench_pin.tasks import Task, checked_class, find_task, is_task_file, task
 from rlbench_pin.values import as_choice, as_flag, as_names, as_number, as_record, as_text, as_whole
 
 EXPERT = "expert"
-"""The policy that is the planner of demonstrations. It is not asked for actions: the runner plays its demonstration."""
+"""The policy that plays demonstrations of the planner. It is not a policy object: the runner plays the demonstration."""
 MAX_EPISODES = 100_000
-"""Episodes of one task at most."""
+"""Maximum number of episodes of one task."""
 LARGEST_START = 2**48
 """Largest seed of an evaluation."""
 LONGEST_KEY = 64
-"""Bytes of a key of the seeds of policies at most."""
+"""Maximum length of a key of the seeds of policies [bytes]."""
 LIMITS = ("episodes", "seed", "max_steps", "max_seconds", "variations", "time_limit", "robot", "tell_task")
 """Settings that results files record as `limits`."""
 SECONDS = 120.0
-"""Length of an episode at most, unless said otherwise [s]: the longest demonstrations of all tasks take 42 s."""
+"""Default maximum of the simulated time of an episode [s]; the longest demonstration of all tasks takes 42 s."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,40 +45,40 @@ class EvaluationConfig:
     """
 
     policy: str
-    """The policy: `noop`, `random`, `expert`, or a reference to one of your own; `docs/policies.md` has all kinds."""
+    """The policy: `noop`, `random`, `expert`, or a reference to your own policy; `docs/policies.md` lists all forms."""
     tasks: tuple[str, ...]
     """Task names, or paths of task files."""
     task_set: str = ""
-    """The tasks as they were asked for, for the results file; the names when empty."""
+    """Names of tasks or sets as the user gave them, for the results file; the task names when empty."""
     episodes: int = 25
-    """Episodes of each task, spread evenly over its variations."""
+    """Number of episodes of each task, spread evenly over its variations."""
     seed: int = 0
-    """Seed of the evaluation: which stretch of the published seeds is used."""
+    """Seed of the evaluation; see `evaluation_seed` for the seeds of its episodes."""
     max_steps: int | None = None
-    """Actions of an episode at most; None leaves it to the policy and its action mode."""
+    """Maximum number of actions of an episode; None uses the number of the policy or of its action mode."""
     max_seconds: float = SECONDS
-    """Simulated time of an episode at most [s], with the Panda; slower arms have more, see `RobotModel.slowness`. An action that
-    begins in time is played to its end."""
+    """Maximum simulated time of an episode with the Panda [s]. Arms with slower joints have a longer limit, see
+    `RobotModel.slowness`. An action that begins within the limit is played to its end."""
     variations: int = ALL_VARIATIONS
-    """Most variations of a task; -1 is all."""
+    """Maximum number of variations of a task; -1 is all."""
     time_limit: float = 30.0
-    """Time that a policy has for one answer [s], of a clock on the wall. One that takes longer has failed."""
+    """Wall-clock time limit of a policy for one answer [s]. If the policy takes longer, the episode fails."""
     start_limit: float = 300.0
-    """Time that a policy has to start [s]."""
+    """Time limit for the start of a policy [s]."""
     robot: str = DEFAULT_ROBOT
     """Name of the arm, or path of its TOML file."""
     tell_task: bool = True
     """Whether policies get the name of the task in addition to the instruction."""
     policy_seed_key: str | None = None
-    """Key of the hash that makes the seeds for policies, a text of 64 bytes at most. None draws one for each run;
-    the results file publishes it, and with it the run can be repeated."""
+    """Key of the hash that gives the seeds of the policy, a text of at most 64 bytes. None draws a random key. The results file
+    contains the key, so that the run can be repeated."""
     protocol: Protocol | None = None
-    """The protocol that is followed, or none. `of_protocol` makes its settings."""
+    """Protocol of the evaluation, or None. `of_protocol` returns the settings of a protocol."""
     factors: tuple[str, ...] = ()
     """Settings of factors, such as `light_color:2` or `light_color:2+friction:1`. The same episodes are played without factors,
-    and once with each setting by the tasks that can take it."""
+    and once with each setting that can change the task."""
     trained_on: str = ""
-    """Factors that the training data contained, for the results file."""
+    """Factors in the training data, for the results file."""
 
     def __post_init__(self) -> None:
         checked = {
@@ -102,9 +102,9 @@ class EvaluationConfig:
         for name, value in checked.items():
             object.__setattr__(self, name, value)
         if self.variations == 0:
-            raise InvalidArgument("variations", 0, "leaves nothing to evaluate", "Write -1 for all variations.")
+            raise InvalidArgument("variations", 0, "has to be -1 or at least 1", "Write -1 for all variations.")
         if not self.policy:
-            raise InvalidArgument("policy", "", "names no policy", "`noop`, `random` and `expert` are built in.")
+            raise InvalidArgument("policy", "", "names no policy", "Use `noop`, `random`, `expert` or a reference.")
         if not self.tasks:
             raise TaskEnvironmentError("No task was named. `rlbench-pin list` prints them.")
         if self.protocol is not None:
@@ -120,20 +120,20 @@ class EvaluationConfig:
 
     @classmethod
     def of_protocol(cls, policy: str, protocol: Protocol) -> EvaluationConfig:
-        """Return the settings with which a policy is evaluated by a protocol.
+        """Return the settings of an evaluation with a protocol.
 
         Args:
             policy: The policy.
-            protocol: The protocol, as `load_protocol` returns it.
+            protocol: The protocol, from `load_protocol`.
 
         Raises:
-            ProtocolTasksMissing: It names tasks that do not exist.
+            ProtocolTasksMissing: The protocol names tasks that are not installed.
         """
         protocol = as_record(protocol, Protocol, "protocol", InvalidArgument)
         return cls(policy=policy, protocol=protocol, **protocol_settings(protocol))
 
     def with_key(self) -> EvaluationConfig:
-        """Return these settings with a key, which is drawn where there is none."""
+        """Return these settings with a key of the policy's seeds; a random key is drawn if there is none."""
         return self if self.policy_seed_key is not None else replace(self, policy_seed_key=secrets.token_hex(16))
 
     def seeds(self) -> tuple[int, ...]:
@@ -149,7 +149,7 @@ class EpisodeItem:
     """One episode to play."""
 
     task: str
-    """How workers find the task: its name, or the path of its file."""
+    """Task name, or path of the task file, for the workers."""
     name: str
     """Task name."""
     index: int
@@ -163,7 +163,7 @@ class EpisodeItem:
     task_digest: str = ""
     """SHA-256 of the task's files; not compared when empty."""
     factors: str = ""
-    """Factors of generalisation and their levels; empty without."""
+    """Factors of generalisation and their levels; empty without factors."""
 
     @property
     def key(self) -> tuple[str, int, int, str]:
@@ -172,7 +172,7 @@ class EpisodeItem:
 
 
 class TaskFilesChanged(RlbenchPinError):
-    """The files of a task are no longer those with which the evaluation began."""
+    """The files of a task changed after the evaluation began."""
 
     def __init__(self, task: str) -> None:
         self.task = task
@@ -199,20 +199,20 @@ def protocol_settings(protocol: Protocol) -> dict[str, Any]:
 def evaluation_seed(seed: int, index: int) -> int:
     """Return the seed of episode `index` of the evaluation `seed`: 2^53 + 2 (seed + index).
 
-    Recordings make their seeds below 2^53 and resets without one draw theirs below 2^31, so that no demonstration begins where
-    an evaluation does. Even numbers up to 2^54 are numbers that JSON readers of every language keep.
+    Seeds of recordings are below 2^53, and resets without a seed draw one below 2^31. Demonstrations therefore have other start
+    states than evaluations. JSON readers of all languages can represent even numbers up to 2^54.
     """
     seed = as_whole(seed, "seed", InvalidArgument, least=0, most=LARGEST_START)
     return EVALUATION_SEEDS + 2 * (seed + as_whole(index, "index", InvalidArgument, least=0, most=MAX_EPISODES))
 
 
 def policy_seed(key: str, seed: int, name: str, index: int) -> int:
-    """Return the seed for a policy, 0 <= seed < 2^53.
+    """Return the seed of a policy for an episode, 0 <= seed < 2^53.
 
-    It is a keyed hash: without the key, which is published after the run, no guess at the episode can be checked against it.
+    It is a keyed hash. The key is published after the run; without it, a policy cannot derive the episode from the seed.
 
     Args:
-        key: The key of the run.
+        key: Key of the run.
         seed: Seed of the evaluation.
         name: Task name.
         index: Number of the episode among those of its task.
@@ -231,8 +231,8 @@ def _checked_factors(value: object) -> tuple[str, ...]:
 def _checked_key(value: object) -> str:
     key = as_text(value, "policy_seed_key", InvalidArgument)
     if len(key.encode(errors="replace")) > LONGEST_KEY or not key.isprintable():
-        hint = "The field `policy_seed_key` of a results file is one."
-        raise InvalidArgument("policy_seed_key", key, f"has to be a printable text of {LONGEST_KEY} bytes at most", hint)
+        hint = "Use the field `policy_seed_key` of a results file."
+        raise InvalidArgument("policy_seed_key", key, f"has to be a printable text of at most {LONGEST_KEY} bytes", hint)
     return key
 
 
@@ -240,8 +240,8 @@ def plan_episodes(config: EvaluationConfig, tasks: Mapping[str, type[Task]] | No
     """Return the episodes of an evaluation, task by task.
 
     Args:
-        config: What to evaluate. Without a key the seeds of the policy are different in each call.
-        tasks: Word of the configuration -> its task, where they are found already.
+        config: Settings of the evaluation. Without a key, the seeds of the policy are different in each call.
+        tasks: Word of `config.tasks` -> task class; None finds the tasks.
 
     Raises:
         UnknownName: A task does not exist.
@@ -251,7 +251,7 @@ def plan_episodes(config: EvaluationConfig, tasks: Mapping[str, type[Task]] | No
     tasks = as_record(found, Mapping, "tasks")  # type: ignore[type-abstract]
     names = [checked_class(task).get_name() for task in tasks.values()]
     if len(set(names)) < len(names):
-        raise InvalidArgument("tasks", config.tasks, "have to have different names")
+        raise InvalidArgument("tasks", config.tasks, "have to have different names", "Remove one of the tasks with equal names.")
     items: list[EpisodeItem] = []
     with make_environment(config, expert_settings()) as environment:
         places = None if config.protocol is None else split_places(config.protocol, "test")
@@ -265,7 +265,7 @@ def plan_episodes(config: EvaluationConfig, tasks: Mapping[str, type[Task]] | No
             items += [replace(item, task_digest=digest, factors=s) for s in ("", *applicable) for item in planned]
     for setting in config.factors:
         if all(item.factors != setting for item in items):
-            hint = "Leave it out, or name other tasks; `rlbench-pin factors` says what each needs."
+            hint = "Leave it out, or name other tasks; `rlbench-pin factors TASK` prints the reason for a task."
             raise InvalidArgument("factors", setting, "cannot change any of the tasks", hint)
     return items
 
@@ -274,7 +274,7 @@ def found_task(item: EpisodeItem) -> type[Task]:
     """Return the class of the task of an item.
 
     Raises:
-        TaskFilesChanged: Its files have changed since the episodes were planned.
+        TaskFilesChanged: The files of the task have changed since the episodes were planned.
     """
     task = find_task(item.task)
     if item.task_digest and task_digest(task) != item.task_digest:
@@ -289,7 +289,7 @@ def make_environment(config: EvaluationConfig, settings: PolicySettings) -> Envi
 
 
 def expert_settings() -> PolicySettings:
-    """Return the settings with which demonstrations are played, and that need no policy."""
+    """Return the settings of the `expert`: joint positions as actions, and low-dimensional observations."""
     return PolicySettings.of(MoveArmThenGripper(JointPosition(), Discrete()), low_dim_config())
 
 

@@ -1,4 +1,4 @@
-"""One episode of an evaluation: its limits, what is counted, and how it is played."""
+"""One episode of an evaluation: its limits, its counters, and its play."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ from rlbench_pin.evaluation.run.config import EpisodeItem, EvaluationConfig
 from rlbench_pin.observation import Observation
 
 KEY_FRAMES = 25
-"""Actions of an episode at most, unless said otherwise, where each plans a motion to a pose."""
+"""Default maximum number of actions of an episode if each action plans a motion to a pose."""
 MIN_FORCE = 1.0
-"""A contact that is lighter is none [N]."""
+"""Smallest force of a contact that counts [N]."""
 APART = 5
-"""Control ticks without contact after which the next one with the same body counts as another collision."""
+"""Number of control ticks without contact after which a new contact with the same body is another collision."""
 POSITION_TOLERANCE = 1e-3
-"""How far a joint may be beyond its limit before that counts [rad], or [m]."""
+"""Distance beyond its limit from which a joint position is a violation [rad], or [m]."""
 VELOCITY_TOLERANCE = 0.01
-"""By which share of its limit a joint may be faster before that counts."""
+"""Share of its limit by which a joint velocity must exceed the limit to be a violation."""
 POSITION, VELOCITY = "joint position", "joint velocity"
 LONGEST_DETAIL = 500
-"""Letters that a record keeps of what was said of a fault."""
+"""Maximum number of characters of the detail of a fault in a record."""
 NO_DEMONSTRATION = "no demonstration"
 """The fault of the expert."""
 
@@ -45,9 +45,9 @@ class Limits:
     """Limits of an episode."""
 
     steps: int
-    """Actions."""
+    """Maximum number of actions."""
     seconds: float
-    """Simulated time [s]."""
+    """Maximum simulated time [s]."""
 
     @classmethod
     def of(
@@ -56,11 +56,11 @@ class Limits:
         """Return the limits of a policy's episodes.
 
         Args:
-            config: What the user asks for, which goes first.
-            settings: What the policy suggests, which goes second.
-            mode: Its action mode: 25 for one that plans motions to poses, otherwise as many ticks as the seconds have.
+            config: Settings of the user, with the highest priority.
+            settings: Suggestions of the policy, with the second priority.
+            mode: Action mode. Without other numbers: 25 actions if it plans motions to poses, otherwise one action per tick.
             control_period: Time of a control tick [s].
-            slowness: Factor by which the seconds are longer for the arm, see `RobotModel.slowness`.
+            slowness: Factor of the time limit for the arm, see `RobotModel.slowness`.
         """
         seconds = config.max_seconds * slowness
         ticks = math.ceil(seconds / control_period)
@@ -70,19 +70,20 @@ class Limits:
 
 @dataclass
 class Meter:
-    """Counts, for one episode, what happens in every physics step and control tick.
+    """Counts collisions and violations of limits of one episode, in every physics step and control tick.
 
-    A collision is a contact of arm or gripper with a body that they do not hold and are not meant to grasp; what the fingers do
-    to the bodies of a task is the task itself, so that fingers collide with the room alone: table, walls, floor.
+    A collision is a contact of the arm or the gripper with a body that the gripper does not hold. The hand link may touch
+    graspable bodies. Contacts of the fingers with bodies of the task are part of the task, so fingers collide only with the room:
+    table, walls, floor.
     """
 
     runtime: Runtime
     collisions: int = 0
-    """Times that such a contact began."""
+    """Number of collisions."""
     max_force: float = 0.0
     """Largest normal force of arm and gripper together on one such body, in any physics step [N]."""
     violations: dict[str, int] = field(default_factory=dict)
-    """Limit -> control ticks at whose end a joint was beyond it."""
+    """Limit -> number of control ticks at whose end a joint was beyond it."""
 
     def __post_init__(self) -> None:
         self._arm, self._limits = self.runtime.description, self.runtime.model.limits
@@ -142,29 +143,29 @@ class EpisodeOutcome:
     """Outcome of one episode."""
 
     item: EpisodeItem
-    """The job."""
+    """The planned episode."""
     record: EpisodeRecord
-    """Its record: the same in every process."""
+    """Its record, which is the same in every process."""
     action_times: tuple[float, ...] = ()
-    """How long the policy took for each answer [s]."""
+    """Time of the policy for each answer [s]."""
 
 
 @dataclass
 class Episode:
-    """An episode under way.
+    """A running episode.
 
     Args:
-        item: Which one.
-        task: Its task, loaded.
+        item: The planned episode.
+        task: Environment with its task.
     """
 
     item: EpisodeItem
     task: TaskEnvironment
     meter: Meter = field(init=False)
     steps: int = 0
-    """Actions so far, refused ones among them."""
+    """Number of actions so far, including refused actions."""
     refused: Counter[str] = field(default_factory=Counter)
-    """Cause -> actions refused so far."""
+    """Cause -> number of refused actions so far."""
     action_times: list[float] = field(default_factory=list)
     """Time of each answer so far [s]."""
 
@@ -178,13 +179,13 @@ class Episode:
         return self.task.world.ticks - self._began
 
     def play(self, client: PolicyClient, instruction: str, context: PolicyContext, limits: Limits, seen: Observation) -> End:
-        """Let a policy act until the episode is over, and say how it ended.
+        """Let a policy act until the episode ends, and return the kind of end.
 
         Args:
             client: The policy.
-            instruction: Its instruction.
-            context: Further information for it.
-            limits: Where the episode is cut off. A refused action counts as one control tick.
+            instruction: Instruction for the policy.
+            context: Context for the policy.
+            limits: Limits of the episode. A refused action counts as one control tick.
             seen: The first observation.
 
         Raises:
@@ -196,7 +197,7 @@ class Episode:
             try:
                 seen, end = self.advance(action, limits, seen)
             except InvalidActionError as error:
-                detail = f"an action of shape {action.shape}, where ({len(context.action_low)},) is needed."
+                detail = f"an action has the shape {action.shape}; it must be ({len(context.action_low)},)."
                 raise PolicyFault("wrong answer", detail) from error
             if end is not None:
                 return end
@@ -205,16 +206,16 @@ class Episode:
         """Play one action.
 
         Args:
-            action: The action, as the action mode takes it.
-            limits: Where the episode is cut off. A refused action counts as one control tick.
+            action: The action, in the form of the action mode.
+            limits: Limits of the episode. A refused action counts as one control tick.
             seen: The observation before the action.
 
         Returns:
-            The observation after the action, that of before where the action was refused; and how the episode ended, None
-            where it goes on.
+            The observation after the action, or the previous one if the action was refused; and the kind of end, or None if the
+            episode continues.
 
         Raises:
-            InvalidActionError: The action has the wrong shape; nothing has moved.
+            InvalidActionError: The action has the wrong shape; the world is unchanged.
         """
         over = False
         try:
@@ -238,7 +239,7 @@ class Episode:
             self.action_times.append(time.perf_counter() - began)
 
     def demonstrate(self, limits: Limits) -> tuple[End, str]:
-        """Play the demonstration of this very seed once; return how it ended, and why there is none."""
+        """Play the demonstration of this seed once; return the kind of end, and the cause of a failure."""
         cause, _ = try_play(DemoPlayer(self.task.runtime, record=False))
         self.steps = self.ticks
         if cause:
@@ -247,7 +248,7 @@ class Episode:
         return ("seconds" if late else "success"), ""
 
     def record(self, end: End, fault: str = "", detail: str = "", *, lasts: bool = False) -> EpisodeRecord:
-        """Return what the episode came to."""
+        """Return the record of the episode."""
         return EpisodeRecord(
             task=self.item.name,
             variation=self.item.variation,
@@ -283,5 +284,5 @@ def make_context(config: EvaluationConfig, item: EpisodeItem, task: TaskEnvironm
 
 
 def shortened(text: str) -> str:
-    """Return the end of a long text, where errors say what happened."""
+    """Return the end of a long text, because errors state the cause there."""
     return text if len(text) <= LONGEST_DETAIL else f"...{text[3 - LONGEST_DETAIL :]}"

@@ -36,22 +36,22 @@ _JOURNAL_FORMAT = 2
 
 @dataclass(frozen=True)
 class EvaluationProgress:
-    """How far an evaluation is."""
+    """Progress of an evaluation."""
 
     wanted: int
-    """Episodes of the whole evaluation."""
+    """Number of episodes of the whole evaluation."""
     found: int
-    """Of these, played before."""
+    """Number of episodes that were played before this run."""
     done: int = 0
-    """Of these, played now."""
+    """Number of episodes that this run has played."""
     successes: int = 0
-    """Of those found and done, with success."""
+    """Number of played episodes with success."""
     faults: int = 0
-    """Of those found and done, ended by a fault."""
+    """Number of played episodes that a fault ended."""
     deaths: int = 0
-    """Workers that died and were replaced."""
+    """Number of workers that died and were replaced."""
     latest: EpisodeOutcome | None = None
-    """The episode that was finished last; None at the start."""
+    """The last finished episode; None at the start."""
 
     def with_outcome(self, outcome: EpisodeOutcome) -> EvaluationProgress:
         """Return the progress after one more episode."""
@@ -60,19 +60,19 @@ class EvaluationProgress:
 
 
 OnProgress = Callable[[EvaluationProgress], None]
-"""Called with how far the evaluation is."""
+"""Called with the progress of the evaluation."""
 
 
 class EvaluationConflict(RlbenchPinError):
-    """There is another evaluation where this one is to be written."""
+    """The results file or the journal belongs to another evaluation, or exists already."""
 
 
 class EvaluationStopped(RlbenchPinError):
-    """An evaluation was stopped before its end; what it has played is kept."""
+    """An evaluation was stopped before its end; finished episodes are kept."""
 
     def __init__(self, done: int, wanted: int, path: Path | str) -> None:
         self.done, self.wanted, self.path = done, wanted, Path(path)
-        super().__init__(f"{done} of {wanted} episodes are played and kept in '{path}'. Go on with `--resume`.")
+        super().__init__(f"{done} of {wanted} episodes are played and kept in '{path}'. Continue with `--resume`.")
 
 
 def evaluate(
@@ -164,7 +164,7 @@ def evaluate(
 
 
 def journal_path(out: Path) -> Path:
-    """Return where the journal of an evaluation under way lies: `x.journal.jsonl` beside `x.json`."""
+    """Return the path of the journal of a running evaluation: `x.journal.jsonl` next to `x.json`."""
     return out.with_name(f"{out.stem}.journal.jsonl")
 
 
@@ -191,14 +191,14 @@ def empty_results(config: EvaluationConfig, settings: PolicySettings, items: Seq
 
 
 def _head(empty: Results, items: Sequence[EpisodeItem]) -> dict[str, Any]:
-    """Return what decides whether the episodes of a journal are of this evaluation."""
+    """Return the data that identify the evaluation of a journal."""
     content = {name: value for name, value in empty.content().items() if name not in ("format", "episodes", "seeds")}
     tasks = {item.name: item.task_digest for item in items if item.task_digest}
     return {**content, "task_files": tasks, "policy_files": policy_digests(empty.policy)}
 
 
 def _with_key(config: EvaluationConfig, out: Path, resume: bool) -> EvaluationConfig:
-    """Return the settings with the key of the run that is to go on; without one, a new key is drawn."""
+    """Return the settings with the key of the run to resume; otherwise a new key is drawn."""
     if config.policy_seed_key is None and resume:
         if out.is_file():
             return replace(config, policy_seed_key=read_results(out).policy_seed_key)
@@ -210,26 +210,26 @@ def _with_key(config: EvaluationConfig, out: Path, resume: bool) -> EvaluationCo
 
 def _check_out(out: Path, resume: bool) -> None:
     if out.is_dir() or not out.name:
-        raise EvaluationConflict(f"'{out}' is a folder; results are one file. Name a file in it.")
+        raise EvaluationConflict(f"'{out}' is a folder, but results are one file. Name a file in it.")
     if out.exists() and not resume:
-        raise EvaluationConflict(f"'{out}' is there already. Delete it, or choose another file for the results.")
+        raise EvaluationConflict(f"'{out}' exists already. Delete it, or choose another file for the results.")
 
 
 def _finished(out: Path, empty: Results) -> Results:
-    """Return the results that are there, when they are those of this evaluation."""
+    """Return the existing results if they are those of this evaluation; otherwise raise EvaluationConflict."""
     results = read_results(out)
     before, here = (r.content() for r in (replace(results, episodes=()), empty))
     for name in dict.fromkeys((*here, *before)):
         if name != "format" and (then := before.get(name)) != (now := here.get(name)):
             raise EvaluationConflict(
-                f"'{out}' holds results of another evaluation: there {name} = {shown(then)}, here {name} = {shown(now)}. "
-                "Choose another file."
+                f"'{out}' contains results of another evaluation: it has {name} = {shown(then)}, but this one has "
+                f"{name} = {shown(now)}. Choose another file."
             )
     return results
 
 
 def lost_outcome(given_up: GivenUp[EpisodeItem]) -> EpisodeOutcome:
-    """Return the outcome of an episode with which too many workers died."""
+    """Return the outcome of an episode that is given up because too many workers died."""
     return EpisodeOutcome(given_up.item, not_played(given_up.item, WORKER_DIED, given_up.cause))
 
 
@@ -242,8 +242,8 @@ class EpisodeJournal:
         resume: Use the episodes of the file; otherwise it must be empty.
 
     Raises:
-        EvaluationConflict: It contains episodes and must not, or those of another evaluation.
-        StorageError: It cannot be read or written.
+        EvaluationConflict: The file contains episodes and `resume` is False, or episodes of another evaluation.
+        StorageError: The file cannot be read or written.
     """
 
     def __init__(self, path: Path, head: Mapping[str, Any], resume: bool) -> None:
@@ -252,12 +252,12 @@ class EpisodeJournal:
         lines = self._journal.lines
         if lines and lines[0] is None:
             raise EvaluationConflict(f"'{path}' is not a journal of an evaluation. Delete it, or choose another file.")
-        if len(lines) == 1 and not resume:  # nothing was played: begin anew
+        if len(lines) == 1 and not resume:  # no episode was played: start again
             self._journal.clear()
             lines = self._journal.lines
         if lines and not resume:
             raise EvaluationConflict(
-                f"'{path}' holds {len(lines) - 1} episodes of an evaluation that did not end. Go on with `--resume`, "
+                f"'{path}' contains {len(lines) - 1} episodes of an unfinished evaluation. Continue with `--resume`, "
                 "delete the file, or choose another one for the results."
             )
         if lines:
@@ -299,7 +299,7 @@ def _check_head(path: Path, before: Mapping[str, Any], head: Mapping[str, Any]) 
             names = [key for key in sorted({*then, *now}) if then.get(key) != now.get(key)]
             then, now = ({key: entries.get(key) for key in names} for entries in (then, now))
         raise EvaluationConflict(
-            f"'{path}' was begun with {name} = {shown(then)}, this is {name} = {shown(now)}. Go on with the same, "
+            f"'{path}' was started with {name} = {shown(then)}, but this evaluation has {name} = {shown(now)}. Use the same, "
             "or choose another file for the results."
         )
 
@@ -321,5 +321,5 @@ def _exclusive(path: Path) -> Iterator[None]:
             yield
     except JournalInUse as error:
         raise EvaluationConflict(
-            f"Another evaluation writes to '{path}'. Wait for it, or choose another file for the results."
+            f"Another evaluation writes to '{path}'. Wait until it ends, or choose another file for the results."
         ) from error

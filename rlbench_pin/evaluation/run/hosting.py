@@ -1,4 +1,4 @@
-"""Episodes for a program that asks its policy itself. Observations and actions follow a mapping, in the other direction."""
+"""Episodes for another program that runs the policy. Observations and actions have the format of a mapping."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from rlbench_pin.values import as_choice, as_whole
 
 
 def hosting_config(program: str, protocol: str | None, tasks: Sequence[str] | None, episodes: int | None) -> EvaluationConfig:
-    """Return the settings of the episodes that another program plays: those of a protocol, or those of a list of tasks.
+    """Return the settings of an evaluation that another program runs, from a protocol or a list of tasks.
 
     Args:
         program: Name of the program.
@@ -32,21 +32,21 @@ def hosting_config(program: str, protocol: str | None, tasks: Sequence[str] | No
         episodes: Episodes of each task of the list; None is 25.
 
     Raises:
-        InvalidArgument: Neither a protocol nor tasks, or both; or `episodes` with a protocol.
+        InvalidArgument: Neither a protocol nor tasks are given, or both are; or `episodes` is given with a protocol.
         UnknownName: There is no such protocol or task.
     """
     if tasks is not None and protocol is None:
         return EvaluationConfig(policy=program, tasks=resolve_tasks(tasks), episodes=25 if episodes is None else episodes)
     if protocol is None or tasks is not None:
-        hint = "Name a protocol, such as `peract18`, or a list of tasks."
-        raise InvalidArgument("tasks", tasks, "are needed without a protocol, and cannot be chosen with one", hint)
+        hint = "Pass either a protocol, such as `peract18`, or a list of tasks."
+        raise InvalidArgument("tasks", tasks, "are required without a protocol, and not allowed with one", hint)
     if episodes is not None:
-        raise InvalidArgument("episodes", episodes, "cannot be chosen with a protocol, which fixes them", "Leave it out.")
+        raise InvalidArgument("episodes", episodes, "are not allowed with a protocol, which fixes them", "Leave it out.")
     return EvaluationConfig.of_protocol(program, load_protocol(protocol))
 
 
 class EpisodeHost:
-    """Tasks whose episodes another program plays: their starts, seeds and limits are those of `evaluate`.
+    """Episodes for another program, with the start states, seeds and limits of `evaluate`.
 
     Args:
         config: Tasks, episodes and limits.
@@ -68,7 +68,12 @@ class EpisodeHost:
             check_policy(config.protocol, f"mapping={mapping.source}", self._settings)
         layout, joints = mapping.action, len(robot_description(config.robot).arm_joints)
         if not layout.is_pose and layout.joints != joints:
-            raise MappingError(f"{mapping.source}: 'action.joints'", layout.joints, f"has to be {joints} for '{config.robot}'")
+            raise MappingError(
+                f"{mapping.source}: 'action.joints'",
+                layout.joints,
+                f"has to be {joints} for '{config.robot}'",
+                "Use another one.",
+            )
         of_variation = config.protocol is not None and config.protocol.episodes_of == VARIATION
         self.rows: dict[str, list[EpisodeItem]] = {}
         for item in plan_episodes(config):
@@ -82,12 +87,12 @@ class EpisodeHost:
 
     @property
     def max_steps(self) -> int | None:
-        """Actions of an episode at most; None where simulated time alone ends it."""
+        """Maximum number of actions of an episode; None if only the simulated time is limited."""
         return self.config.max_steps or self.mapping.max_steps
 
     @property
     def end(self) -> End | None:
-        """How the present episode ended; None while it goes on."""
+        """Kind of the end of the current episode; None while it continues."""
         return self._end
 
     def reset(self, row: str, index: int) -> tuple[str, Observation]:
@@ -95,7 +100,7 @@ class EpisodeHost:
 
         Args:
             row: A name of `rows`.
-            index: Number of the episode among those of the row.
+            index: Number of the episode in the row.
 
         Returns:
             The instruction and the first observation.
@@ -107,7 +112,7 @@ class EpisodeHost:
         """
         items = self.rows[as_choice(row, "task", tuple(self.rows))]
         if as_whole(index, "episode", InvalidArgument, least=0) >= len(items):
-            raise InvalidArgument("episode", index, f"of '{row}' has to be below {len(items)}", "Ask for no more episodes.")
+            raise InvalidArgument("episode", index, f"of '{row}' has to be below {len(items)}", "Request fewer episodes.")
         item = items[index]
         self._episode, self._end = None, None
         try:
@@ -130,18 +135,18 @@ class EpisodeHost:
             reply: A map with the key of the mapping's actions; under it one action, shape (size,) or (1, size).
 
         Returns:
-            The observation, and how the episode ended, None where it goes on.
+            The observation, and the kind of end, or None if the episode continues.
 
         Raises:
-            InvalidArgument: No episode is under way.
+            InvalidArgument: No episode is running.
             PolicyFault: The reply has no such action.
         """
         if self._episode is None or self._seen is None or self._end is not None:
-            raise InvalidArgument("step", None, "needs an episode that is under way", "Call `reset` first.")
+            raise InvalidArgument("step", None, "needs a running episode", "Call `reset` first.")
         try:
             chunk = self.mapping.chunk(reply, most=2)
             if len(chunk) > 1:
-                raise ValueError(f"'{self.mapping.action.key}' has several actions; one is played at a time.")
+                raise ValueError(f"'{self.mapping.action.key}' has several actions. Send one at a time.")
             action = validate_action(self.mapping.action.decode(chunk[0]))
         except ValueError as error:
             raise PolicyFault("wrong answer", str(error)) from error
@@ -149,7 +154,7 @@ class EpisodeHost:
         return self._seen, self._end
 
     def success_is_stable(self) -> bool:
-        """Whether the episode ended with success that lasts 1 s with the arm stationary."""
+        """Return whether the episode ended with success that still holds after 1 s with the arm stationary."""
         return self._end == "success" and self._task is not None and self._task.success_is_stable()
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""Provenance of results: commit, machine, files of the policy, and times of its answers."""
+"""Provenance of results: commit, machine, files of the policy, and action times."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _FORMAT = 1
 
 
 def checkout_commit(root: Path = _ROOT) -> str:
-    """Return the commit of the checkout that the package runs from, with ` changed` where files differ; empty outside of one."""
+    """Return the commit of the package's git checkout, with ` changed` if files differ; empty outside a checkout."""
     if not (root / ".git").exists():
         return ""
     commit = _git(root, "rev-parse", "HEAD")
@@ -33,7 +33,7 @@ def checkout_commit(root: Path = _ROOT) -> str:
 
 
 def _git(root: Path, *words: str) -> str:
-    """Return what git answers; nothing where there is no git, or it refuses."""
+    """Return the output of git; empty if git is missing or fails."""
     try:
         done = subprocess.run(["git", "-C", str(root), *words], capture_output=True, text=True, timeout=20.0, check=True)
     except (OSError, subprocess.SubprocessError):
@@ -42,7 +42,7 @@ def _git(root: Path, *words: str) -> str:
 
 
 def machine() -> dict[str, str | int]:
-    """Return what times depend on: the processor, how many of its cores there are, and the system."""
+    """Return the processor, its number of cores, and the operating system."""
     return {"processor": _processor(), "cores": os.cpu_count() or 1, "system": platform.platform(terse=True)}
 
 
@@ -56,19 +56,19 @@ def _processor() -> str:
 
 
 def policy_digests(reference: str) -> dict[str, str]:
-    """Return name -> SHA-256 of the files that a reference names: `file.py`, the file of `sb3:`, a folder's own files.
+    """Return name -> SHA-256 of the files that a reference names: `file.py`, the file of `sb3:`, the files of a folder.
 
-    A folder is that of `lerobot:FOLDER` or of an argument, as in `cloning?folder=models`. Modules that a file imports,
-    libraries, and what is served behind a socket are not looked at; the built-in policies go with the commit.
+    A folder is from `lerobot:FOLDER` or an argument, as in `cloning?folder=models`. Imported modules, libraries and served
+    policies are not included. The commit identifies built-in policies.
 
     Args:
-        reference: What `find_policy` takes.
+        reference: Reference of the policy, see `find_policy`.
     """
     if reference.startswith(("unix:", "tcp:")):
         return {}
     name, _, query = reference.partition("?")
     values = [unquote(pair.partition("=")[2]) for pair in query.split("&") if pair]
-    if reference.startswith(("openpi:", "vla-eval:")):  # of these, a mapping may be a file; a preset goes with the commit
+    if reference.startswith(("openpi:", "vla-eval:")):  # the mapping may be a file; the commit identifies a preset
         return {str(file): _digest(file) for text in values if text.endswith(".toml") for file in _files(text)}
     kind, _, rest = name.partition(":")
     named = [rest, f"{rest}.zip"][: 2 if kind == "sb3" else 1] if kind in ("sb3", "lerobot") else []
@@ -81,7 +81,7 @@ def policy_digests(reference: str) -> dict[str, str]:
 
 
 def _files(text: str) -> list[Path]:
-    """Return the file that a text names, or those of the folder, sorted; none where there is neither."""
+    """Return the file that a text names, or the sorted files of a folder; empty if there is neither."""
     path = Path(text)
     try:
         if text and path.is_file():
@@ -100,17 +100,17 @@ def _digest(file: Path) -> str:
 
 
 def times_path(results: Path) -> Path:
-    """Return where the times beside a results file lie: `x.times.json` beside `x.json`."""
+    """Return the path of the action times of a results file: `x.times.json` next to `x.json`."""
     return results.with_name(f"{results.stem}.times.json")
 
 
 def write_times(path: Path, config: EvaluationConfig, outcomes: Sequence[EpisodeOutcome]) -> Path:
-    """Write the time per action of each task, and of all.
+    """Write the time per action of each task, and of all tasks, and return the path.
 
     Args:
-        path: Where to.
-        config: What was evaluated.
-        outcomes: All its episodes.
+        path: JSON file to write.
+        config: Settings of the evaluation.
+        outcomes: Outcomes of all episodes.
 
     Raises:
         StorageError: The disk cannot be written to.
@@ -127,7 +127,7 @@ def write_times(path: Path, config: EvaluationConfig, outcomes: Sequence[Episode
 
 
 def _summary(outcomes: Sequence[EpisodeOutcome]) -> dict[str, float | int | None]:
-    """Return how many answers there were, and median, 95th percentile and longest of their times [s]."""
+    """Return the number of actions, and the median, 95th percentile and maximum of their times [s]."""
     times = np.array([t for outcome in outcomes for t in outcome.action_times])
     if not len(times):
         return {"actions": 0, "median_s": None, "p95_s": None, "max_s": None}

@@ -1,4 +1,4 @@
-"""A worker: plays one episode and returns its record. It keeps policy and environment between episodes of a task."""
+"""The worker of an evaluation. It plays an episode and returns its record, and keeps policy and environment between episodes."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ from rlbench_pin.evaluation.run.episode import NO_DEMONSTRATION, Episode, Episod
 from rlbench_pin.values import as_record
 
 Around = Callable[[TaskEnvironment], AbstractContextManager[object]]
-"""Makes what is around an episode from its start to its end, such as a video of it."""
+"""Makes a context around an episode from its start to its end, such as a video recorder."""
 NOT_PLAYED = "not played"
-"""The fault of an episode in which something else than the policy failed, such as a task that could not be placed."""
+"""The fault of an episode that failed for another reason than the policy, such as a failed reset."""
 
 
 class EpisodeRunner:
     """Plays episodes, one after the other.
 
     Args:
-        config: What is evaluated.
-        client: The policy; None opens the one that `config` names.
+        config: Settings of the evaluation.
+        client: The policy; None opens the policy of `config`.
 
     Raises:
-        PolicyReferenceError: There is no such policy.
+        PolicyReferenceError: The reference names no policy.
     """
 
     def __init__(self, config: EvaluationConfig, client: PolicyClient | None = None) -> None:
@@ -57,8 +57,8 @@ class EpisodeRunner:
         """Play an episode.
 
         Args:
-            item: Which one.
-            around: Makes what is around it from its start to its end.
+            item: The episode.
+            around: Makes a context around the episode, from its start to its end.
         """
         try:
             settings = self.settings()
@@ -80,18 +80,18 @@ class EpisodeRunner:
                         end, fault, detail = "fault", error.kind, error.detail
             lasts = end == "success" and task.success_is_stable()
             return EpisodeOutcome(item, episode.record(end, fault, detail, lasts=lasts), tuple(episode.action_times))
-        except PolicyFault as error:  # it did not even start
+        except PolicyFault as error:  # it did not start
             return EpisodeOutcome(item, not_played(item, error.kind, error.detail))
         except Exception as error:  # a fault of one episode must not cost the others
             self._close_environment()
             return EpisodeOutcome(item, not_played(item, NOT_PLAYED, f"{type(error).__name__}: {error}"))
 
     def settings(self) -> PolicySettings:
-        """Return what the policy asks for; the first time, this starts it.
+        """Return the settings of the policy; the first call starts the policy.
 
         Raises:
-            PolicyFault: It does not start.
-            PolicyOfAnotherArm: It was made for other joints than those of the arm.
+            PolicyFault: The policy does not start.
+            PolicyOfAnotherArm: The policy was made for the joints of another arm.
         """
         settings = expert_settings() if self._client is None else self._client.settings
         settings.check_robot(self.config.robot)
@@ -124,16 +124,16 @@ class EpisodeRunner:
 
 
 def open_client(config: EvaluationConfig) -> PolicyClient:
-    """Return the policy of an evaluation; it starts when it is first asked for something.
+    """Return a client of the policy of an evaluation. The policy starts at the first access to its settings.
 
     Raises:
-        PolicyReferenceError: There is no such policy.
+        PolicyReferenceError: The reference names no policy.
     """
     return open_policy(config.policy, time_limit=config.time_limit, start_limit=config.start_limit)
 
 
 def not_played(item: EpisodeItem, fault: str, detail: str) -> EpisodeRecord:
-    """Return the record of an episode that never began, or was lost."""
+    """Return the record of an episode that did not start, or was lost."""
     return EpisodeRecord(
         task=item.name, variation=item.variation, seed=item.seed, success=False, lasts=False, steps=0, seconds=0.0,
         end="fault", fault=fault, fault_detail=shortened(detail), factors=item.factors,

@@ -1,4 +1,4 @@
-"""Verification of a results file: a sample of its episodes is played again and compared with what the file records."""
+"""Verification of a results file: play a sample of its episodes again, and compare them with the file."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ from rlbench_pin.tasks import find_task, task_scene
 from rlbench_pin.values import as_function, as_number, as_record, as_text
 
 REPEATED = (*IN_PROCESS, EXPERT)
-"""Policies that a results file alone may name. Any other one is code, which runs only where the user names it."""
-_NO_KEY = "The file has no key of the policy's seeds, so a policy that draws random numbers acts otherwise."
+"""Policies that may run without being named by the user. Any other policy is code, which runs only if the user names it."""
+_NO_KEY = "The file has no key of the policy's seeds, so a policy with random numbers acts differently."
 
 
 class VerificationRefused(RlbenchPinError):
-    """The episodes of a results file cannot be played again here, or are not those that its settings plan."""
+    """The episodes of a results file cannot be played again on this machine, or are not the episodes of its settings."""
 
     def __init__(self, policy: str, problem: str, advice: str) -> None:
         self.policy, self.problem = policy, problem
@@ -37,12 +37,12 @@ class VerificationRefused(RlbenchPinError):
 
 @dataclass(frozen=True)
 class EpisodeDifference:
-    """An episode that went otherwise than the file records."""
+    """An episode whose new record differs from the file."""
 
     recorded: EpisodeRecord
-    """Record of the file."""
+    """Record in the file."""
     played: EpisodeRecord
-    """Record of the episode as it was played again."""
+    """Record of the repeated episode."""
 
     @property
     def fields(self) -> tuple[str, ...]:
@@ -56,13 +56,13 @@ class Verification:
     """Result of a verification."""
 
     played: int
-    """Episodes that were played again."""
+    """Number of episodes that were played again."""
     episodes: int
-    """Episodes of the file."""
+    """Number of episodes of the file."""
     differences: tuple[EpisodeDifference, ...]
-    """Those of the played episodes that differ, in the order of the file."""
+    """Played episodes that differ, in the order of the file."""
     remarks: tuple[str, ...]
-    """Differences in the origin of the file and of this run, which may explain others."""
+    """Different versions and commits of the file and of this run, which may explain the differences."""
 
 
 def verify_results(
@@ -79,17 +79,17 @@ def verify_results(
     The number of workers that died is not compared: it depends on the machine.
 
     Args:
-        results: The results, as `read_results` returns them.
-        share: Share of the episodes that are played, 0 < share <= 1; at least one episode.
-        rng: Draws the sample.
-        policy: The policy to play with; that of the results when empty, which has to be `noop`, `random` or `expert`.
-        engine: Runs the episodes; one process when None.
-        on_progress: Called with how far it is, first before anything was played.
+        results: The results, from `read_results`.
+        share: Share of the episodes to play, 0 < share <= 1; at least one episode.
+        rng: Random generator of the sample.
+        policy: Reference of the policy. When empty, the policy of the results, which has to be `noop`, `random` or `expert`.
+        engine: Runs the episodes; None uses one process.
+        on_progress: Called with the progress, first before the first episode.
 
     Raises:
-        VerificationRefused: The policy has to be named or asks for other settings, a task has another version here, or the
-            episodes are not those that the settings plan.
-        UnknownName: A task does not exist here.
+        VerificationRefused: The policy must be named or has other settings, the installed version of a task differs, or the
+            episodes are not the episodes of the settings.
+        UnknownName: A task is not installed.
         PolicyFault: The policy does not start.
     """
     results, share = as_record(results, Results, "results"), as_number(share, "share", above=0.0, most=1.0)
@@ -125,10 +125,10 @@ def verify_results(
 
 
 def _config(results: Results, policy: str) -> EvaluationConfig:
-    """Return the settings with which the results were made, with a policy of the user where there is one."""
+    """Return the settings of the results, with the policy of the user if there is one."""
     if not policy and results.policy not in REPEATED:
         problem = f"their policy is code, and only {', '.join(REPEATED)} run without being named"
-        raise VerificationRefused(results.policy, problem, "Look at the policy, then name it with `--policy`.")
+        raise VerificationRefused(results.policy, problem, "Check the policy, then name it with `--policy`.")
     if missing := [name for name in LIMITS if name not in results.limits]:
         advice = "Verify a file that `rlbench-pin evaluate` wrote."
         raise VerificationRefused(results.policy, f"their limits lack {', '.join(missing)}", advice)
@@ -149,14 +149,14 @@ def _check_versions(results: Results) -> None:
     for task in results.tasks:
         here, there = task_scene(find_task(task)).version, results.version_of(task)
         if here != there:
-            problem = f"task '{task}' has version {there} there and {here} here"
+            problem = f"task '{task}' has version {there} in the file, but version {here} is installed"
             raise VerificationRefused(results.policy, problem, "Verify them with the release that made them.")
 
 
 def _check_settings(results: Results, settings: dict[str, object]) -> None:
     for name in dict.fromkeys((*results.settings, *settings)):
         if (there := results.settings.get(name)) != (here := settings.get(name)):
-            problem = f"the policy asks for {name} = {shown(here)}, that of the results for {shown(there)}"
+            problem = f"the policy has {name} = {shown(here)}, but the policy of the results has {shown(there)}"
             raise VerificationRefused(results.policy, problem, "Name the policy that was evaluated with `--policy`.")
 
 
@@ -165,8 +165,8 @@ def _check_episodes(results: Results, items: list[EpisodeItem]) -> None:
     for what, keys in (("lack", planned - found), ("have", found - planned)):
         if keys:
             first = ", ".join(str(part) for part in min(keys) if part != "")
-            but = "which their settings plan" if what == "lack" else "which their settings do not plan"
-            advice = "Do not trust them; evaluate the policy again."
+            but = "of their settings" if what == "lack" else "that are not in their settings"
+            advice = "Do not use the file; evaluate the policy again."
             raise VerificationRefused(results.policy, f"they {what} {len(keys)} episodes {but}, such as {first}", advice)
 
 

@@ -111,7 +111,7 @@ def test_faults_have_names(fault: str, kind: str, says: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("fault", "says"), [("no policy", "which is not a policy"), ("other", "other observations than its learner")]
+    ("fault", "says"), [("no policy", "which is not a policy"), ("other", "the observations of its learner")]
 )
 def test_what_adapt_must_return(fault: str, says: str) -> None:
     """A policy, with the action mode and the observations of its learner."""

@@ -198,9 +198,9 @@ FEATURES: dict[str, Any] = {
     ("change", "says"),
     [
         ({}, ""),
-        ({"output_features": {}}, "names no `action`"),
+        ({"output_features": {}}, "has no output feature `action`"),
         ({"input_features": {"observation.environment_state": {"shape": [3]}}}, "environment_state"),
-        ({"input_features": {"observation.state": {"shape": [6]}}}, "8 numbers"),
+        ({"input_features": {"observation.state": {"shape": [6]}}}, r"states \[6\] and actions \[8\]"),
     ],
 )
 def test_features_of_a_directory(tmp_path: Path, change: dict[str, Any], says: str) -> None:
@@ -272,7 +272,7 @@ def test_a_directory_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     seen = Observation(joint_positions=np.arange(7.0), gripper_open=1.0, front_rgb=picture)
     np.testing.assert_allclose(client.act(seen), [*(2.0 * (np.arange(7.0) + 0.2)), 1.0], atol=1e-6)
     np.testing.assert_allclose(client.act(seen), [*(2.0 * (2.0 * np.arange(7.0) + 0.2)), 1.0], atol=1e-6)
-    with pytest.raises(PolicyFault, match="this arm has 6"):
+    with pytest.raises(PolicyFault, match="but the arm has 6"):
         client.reset("go", PolicyContext("other", 6, (0.0,) * 7, (1.0,) * 7, 0.05, 100, seed=1))
     client.close()
 

@@ -70,7 +70,7 @@ WRONG = {
     "text": "str",
     "ragged": "list",
     "objects": "list",
-    "complex": "no array of numbers",
+    "complex": "not an array of numbers",
 }
 
 
@@ -115,10 +115,10 @@ def test_an_action_after_a_fault_needs_a_reset() -> None:
 @pytest.mark.parametrize(
     ("factory", "kind", "says"),
     [
-        ("no_policy", PolicyReferenceError, "gives a dict, which is not a policy: it has no reset"),
+        ("no_policy", PolicyReferenceError, "returns a dict, which is not a policy: it has no reset"),
         ("broken", PolicyFault, "RuntimeError: the weights are missing"),
         ("foreign", PolicyReferenceError, "has to be one of this package"),
-        ("Obedient?speed=3", PolicyReferenceError, "cannot be called so"),
+        ("Obedient?speed=3", PolicyReferenceError, "does not accept these arguments"),
         ("Missing", PolicyReferenceError, "has no 'Missing'"),
     ],
 )

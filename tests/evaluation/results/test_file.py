@@ -41,7 +41,7 @@ def test_versions_of_tasks_are_written(tmp_path: Path) -> None:
         with pytest.raises(InvalidValue, match="task_versions"):
             replace(plain, task_versions=wrong)  # type: ignore[arg-type]
     path.write_text(path.read_text().replace('"reach_target": 2', '"reach_target": 3'))
-    with pytest.raises(ResultsFileError, match="it was altered"):
+    with pytest.raises(ResultsFileError, match="it was changed"):
         read_results(path)
 
 
@@ -68,7 +68,7 @@ def test_equal_content_is_equal_to_the_byte() -> None:
         ('"format": 1', '"format": 5', "lacks .*task_versions"),
         ('"format": 1', '"format": 2', "lacks policy_seed_key"),
         ('"format": 1', '"format": true', "format True"),
-        ('"steps": 10', '"steps": 11', "it was altered"),
+        ('"steps": 10', '"steps": 11', "it was changed"),
         ('"steps": 10', '"steps": -1', r"steps has to be a whole number >= 0"),
         ('"steps": 10', '"steps": "ten"', r"Got 'ten'"),
         ('"steps": 10', '"steps": 1.5', r"Got 1.5"),
@@ -81,8 +81,8 @@ def test_equal_content_is_equal_to_the_byte() -> None:
         ('"policy": "noop"', '"policy": ["noop"]', "has to be a text"),
         ('"sha256"', '"sha255"', "lacks sha256"),
         ('"settings": {', '"settings": [], "x": {', "is not part of this format"),
-        ('"commit": ""', '"commit": "1"', "it was altered"),
-        ('"episodes": [', '"episodes": [1, ', "an episode is 1, no table"),
+        ('"commit": ""', '"commit": "1"', "it was changed"),
+        ('"episodes": [', '"episodes": [1, ', "an episode is 1, not a table"),
         ('{"task"', '[' * 3000 + '{"task"', "nested too deeply|Expecting"),
     ],
 )  # fmt: skip

@@ -122,9 +122,7 @@ def test_how_hardness_is_shared_decides() -> None:
 
 def test_few_episodes_are_said_to_be_few() -> None:
     """With the intervals that they leave."""
-    assert width_note(25).startswith(
-        "25 episodes of a task give wide intervals: at 48% of success the interval goes from 30% to 67%"
-    )
+    assert width_note(25).startswith("25 episodes of a task give wide intervals: at 48% success the interval is 30% to 67%")
     assert width_note(1).startswith("1 episode of")
     assert width_note(0) == width_note(100) == ""
 

@@ -208,7 +208,7 @@ def test_an_evaluation_that_ended_is_read(serial: Path) -> None:
     """With `resume` nothing is played; with other settings, or without `resume`, it is refused."""
     before = serial.read_bytes()
     assert evaluate(CONFIG, serial, engine=SerialEngine(), resume=True) == read_results(serial)
-    with pytest.raises(EvaluationConflict, match="is there already"):
+    with pytest.raises(EvaluationConflict, match="exists already"):
         evaluate(CONFIG, serial, engine=SerialEngine())
     with pytest.raises(EvaluationConflict, match="another evaluation"):
         evaluate(replace(CONFIG, episodes=5), serial, engine=SerialEngine(), resume=True)

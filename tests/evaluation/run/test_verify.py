@@ -81,14 +81,14 @@ def test_what_cannot_be_verified_is_refused(made: Path) -> None:
     cases: list[tuple[Results, str, str]] = [
         (replace(results, policy="evil.py:make"), "", "their policy is code.*name it with `--policy`"),
         (replace(results, limits={"episodes": 2}), "", "their limits lack seed, max_steps"),
-        (replace(results, task_versions=versions), "", "task 'reach_target' has version 2 there and 1 here"),
-        (replace(results, settings={"observation": {}}), "", "asks for .*Name the policy that was evaluated"),
+        (replace(results, task_versions=versions), "", "version 2 in the file, but version 1 is installed"),
+        (replace(results, settings={"observation": {}}), "", "the policy has .*Name the policy that was evaluated"),
         (
             replace(results, episodes=results.episodes[1:]),
             "",
-            "they lack 1 episodes which their settings plan, such as reach_target",
+            "they lack 1 episodes of their settings, such as reach_target",
         ),
-        (replace(results, limits={**results.limits, "episodes": 1}), "", "they have 2 episodes which their settings do not plan"),
+        (replace(results, limits={**results.limits, "episodes": 1}), "", "they have 2 episodes that are not in their settings"),
     ]
     for wrong, policy, says in cases:
         with pytest.raises(VerificationRefused, match=says) as raised:
@@ -102,7 +102,7 @@ def test_a_policy_of_the_user_plays(tmp_path: Path) -> None:
     with pytest.raises(VerificationRefused, match="their policy is code"):
         verified(results)
     assert verified(results, policy=STILL.policy).differences == ()
-    with pytest.raises(VerificationRefused, match="asks for"):
+    with pytest.raises(VerificationRefused, match="but the policy of the results has"):
         verified(results, policy="expert")
 
 
