@@ -23,7 +23,7 @@ The {count} tasks of the library, each with seed 0 and variation 0, and a senten
 on the right is the result 1 s after success, without the arm, or with the gripper that holds an object.
 Each image links to the task's contact sheet: its events from a camera aimed at the task, the five cameras of observations and
 `clear_robot_side`.
-[112 tasks on one sheet](images/tasks.jpg).
+[All tasks on one sheet](images/tasks.jpg).
 `rlbench-pin view TASK` draws the sheet of any task, `rlbench-pin video TASK` films it. Written by `python scripts/gallery.py`.
 
 """

@@ -1,6 +1,6 @@
-"""Write the table of docs/deviations.md from the `[[deviation]]` entries of the library's scenes.
+"""Write docs/results/deviations.md from the `[[deviation]]` entries of the library's scenes.
 
-The text around it is handwritten. With `--check` nothing is written; it only reports whether the page is out of date.
+With `--check` nothing is written; it only reports whether the page is out of date.
 """
 
 from __future__ import annotations
@@ -12,11 +12,16 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent))
 
 from reference_lib.docs import table
-from update_readme import replace_part, update_page
+from update_readme import update_page
 
 from rlbench_pin.tasks import library_names, task_class, task_scene
 
-PAGE = Path(__file__).resolve().parents[1] / "docs" / "deviations.md"
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "results" / "deviations.md"
+START = """# Deviations of each task
+
+[deviations.md](../deviations.md) explains the columns. Written by `python scripts/write_deviations.py`.
+
+"""
 HEAD = ("Task", "What", "Kind", "Specified", "Here", "Reason")
 
 
@@ -33,8 +38,7 @@ def rows() -> Iterator[tuple[str, ...]]:
 
 def written_anew() -> tuple[str, str]:
     """Return the page as it is, and as it should be."""
-    before = PAGE.read_text(encoding="utf-8")
-    return before, replace_part(before, "deviations", f"\n{table(HEAD, list(rows()))}\n")
+    return PAGE.read_text(encoding="utf-8"), f"{START}{table(HEAD, list(rows()))}\n"
 
 
 if __name__ == "__main__":

@@ -77,7 +77,8 @@ def page(name: str, conditions: Sequence[Sequence[str]], source: Path) -> str:
     """Return the page of a task."""
     kind = task_class(name)
     scene = task_scene(kind)
-    image, sheet = (from_gallery(DOCS / "images" / folder / f"{name}.jpg", source) for folder in ("gallery", "sheets"))
+    files = (f"gallery/{name}.jpg", f"sheets/{name}.jpg", f"videos/{name}.webp")
+    image, sheet, video = (from_gallery(DOCS / "images" / file, source) for file in files)
     title = (inspect.getdoc(inspect.getmodule(kind)) or "").split("\n")[0]
     parts = [
         f"---\norphan: true\n---\n\n# {name}",
@@ -85,6 +86,7 @@ def page(name: str, conditions: Sequence[Sequence[str]], source: Path) -> str:
         f"[![Start and result of {name}]({image})]({sheet})",
         f"Left: the start with seed 0 and variation 0. Right: the result 1 s after success. The [contact sheet]({sheet}) shows "
         "the events of the demonstration in all cameras.",
+        f"![A demonstration of {name}]({video})",
         table(("", ""), facts(name, scene)),
         "## Goal",
         f"```{{eval-rst}}\n.. autoclass:: rlbench_pin.tasks.{camel_case(name)}\n   :no-index-entry:\n```",
