@@ -2,9 +2,9 @@
 
 Usage: python scripts/animations.py [TASK ...]
 
-Writes docs/images/videos/TASK.webp, and for the whole library docs/images/tasks.webp with its last frame in tasks.jpg. A video of
-a task that exists is kept: delete it to film the task again. In the video of all tasks, every demonstration has the same duration,
-so their speeds differ; the last frame stays for a moment.
+Writes docs/images/videos/TASK.webp, and for the whole library docs/images/tasks.webp with its last frame in tasks.jpg. The
+script keeps an existing video of a task: delete the file to film the task again. In the video of all tasks, every demonstration
+has the same duration, so their speeds differ; the last frame stays for a moment.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ def cell_clip(path: Path) -> Clip:
 def main() -> None:
     """Film tasks; then write the video of all tasks, if no task is named."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("tasks", nargs="*", metavar="TASK", help="tasks to film; the whole library and the video of all if left out")
+    parser.add_argument("tasks", nargs="*", metavar="TASK", help="tasks to film (default: all, and the video of all)")
     options = parser.parse_args()
     names = library_names()
     for name in tqdm(options.tasks or [name for name in names if not (VIDEOS / f"{name}.webp").is_file()], unit="task"):
