@@ -14,13 +14,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-import toppra
-import toppra.constraint
 from numpy.typing import NDArray
-from toppra.solverwrapper import seidelWrapper
 
 from rlbench_pin.errors import InvalidRequest, RetimingError
 from rlbench_pin.planning.path import JointPath, through
+from rlbench_pin.planning.toppra_import import seidelWrapper, toppra
 from rlbench_pin.robot.model import LARGEST, JointLimits, RobotModel, loaded
 from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.spatial import FloatArray
