@@ -1,4 +1,4 @@
-"""Play all baselines and write docs/results/baselines/, the tables and the learning curves of docs/baselines.md.
+"""Play all baselines and write docs/results/baselines/, the tables of docs/baselines.md, and the learning curves.
 
 `make baselines` calls it. It takes hours on two cores. Run the same command to resume after an interruption: recordings,
 trainings and evaluations continue, and finished results are read. With names of rows, only these are played. It needs the

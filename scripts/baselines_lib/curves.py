@@ -1,4 +1,4 @@
-"""The images of learning curves in docs/baselines.md, from the curve files of trainings."""
+"""The images of learning curves in docs/results/learned_baselines.md, from the curve files of trainings."""
 
 from __future__ import annotations
 
