@@ -28,7 +28,7 @@ class StoredSelection:
     variation: int
     """Variation of the task; -1 selects any."""
     image_paths: bool
-    """Do not read images: fields contain paths of PNG files, or strings for `datasets.read_picture`."""
+    """Do not read images: fields contain paths of PNG files, or strings for `datasets.read_image`."""
     random_selection: bool
     """Select at random."""
     from_episode_number: int

@@ -12,6 +12,7 @@ name of their type, their shape and their bytes in C order. The evaluation sends
     {"call": "act", "observation": map}                            {"ok": array of shape (n,)}
 
 The answer to a failed request is `{"error": text, "kind": "crashed" | "wrong answer" | "wrong question"}`.
+An observation contains the fields that are on, by name, and `misc`. A context contains the fields of `PolicyContext`.
 """
 
 from __future__ import annotations
