@@ -249,7 +249,7 @@ class Protocol:
 
     @property
     def label(self) -> str:
-        """Name with the selected part, such as `peract18` or `gembench:L1`."""
+        """Name, and the selected part after a colon if there is one."""
         return f"{self.name}:{self.part}" if self.part else self.name
 
     @property
