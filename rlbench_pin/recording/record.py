@@ -50,7 +50,7 @@ from rlbench_pin.recording.config import (
 )
 from rlbench_pin.recording.replay import replay_demo
 from rlbench_pin.sim import give_back_memory
-from rlbench_pin.tasks import Task, chosen_tasks_of, find_task, is_task_file, keep_tasks, task_digest, task_reference
+from rlbench_pin.tasks import Task, chosen_tasks_of, find_task, is_task_file, keep_tasks, task_digest, task_reference, task_scene
 from rlbench_pin.values import as_flag, as_function, as_path, as_record
 
 _FREE_EVERY = 5_000_000
@@ -313,6 +313,8 @@ def _prepare(root: Path, config: RecordConfig, items: Sequence[WorkItem], tasks:
     stored = sorted(names & set(stored_tasks(root)))
     if stored and not resume:
         raise DatasetConflict(f"'{root}' contains episodes of {stored} already. Use `--resume`, or choose another folder.")
+    for task in tasks:
+        _check_version(root, task)
     if (root / RECORDING).exists():
         before = read_recording(root)
         flags = common_flags if resume else all_flags
@@ -327,6 +329,17 @@ def _prepare(root: Path, config: RecordConfig, items: Sequence[WorkItem], tasks:
     keep_tasks(root, tasks)
     write_recording(root, config)
     remove_leftovers(root)
+
+
+def _check_version(root: Path, task: type[Task]) -> None:
+    """Raise DatasetConflict if the folder contains episodes of another version of a task."""
+    name, version = task.get_name(), task_scene(task).version
+    stored = {entry.task_version for entry in read_manifest(root, name)} if has_manifest(root, name) else set()
+    if stored - {version}:
+        raise DatasetConflict(
+            f"'{root}' contains episodes of version {min(stored - {version})} of '{name}', but the installed task has version "
+            f"{version}. Choose another folder."
+        )
 
 
 def _pending(root: Path, items: Sequence[WorkItem]) -> list[WorkItem]:

@@ -192,6 +192,18 @@ def test_a_foreign_episode_in_the_place_of_one_is_refused(tmp_path: Path, undist
         record(replace(CONFIG, seed=5), tmp_path, engine=MadeUpEngine(), resume=True)
 
 
+def test_episodes_of_another_version_of_a_task_are_refused(tmp_path: Path) -> None:
+    """A dataset has one version of a task."""
+    record(CONFIG, tmp_path, engine=MadeUpEngine())
+    path = tmp_path / TASK / "manifest.json"
+    content = json.loads(path.read_bytes())
+    for entry in content["episodes"]:
+        entry["task_version"] = 2
+    path.write_text(json.dumps(content))
+    with pytest.raises(DatasetConflict, match="version 2 of 'reach_target', but the installed task has version 1"):
+        record(replace(CONFIG, episodes=9), tmp_path, engine=MadeUpEngine(), resume=True)
+
+
 def test_settings_come_back(undisturbed: Path, tmp_path: Path) -> None:
     """What was recorded is written beside it; a missing or senseless file is named."""
     assert read_recording(undisturbed) == CONFIG
