@@ -8,7 +8,7 @@ import shutil
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-_TOCTREE = re.compile(r":::\{toctree\}\n(.*?):::", re.DOTALL)
+_TOCTREE = re.compile(r":::\{toctree\}\n(.*?):::\n?", re.DOTALL)
 _FRONT_MATTER = re.compile(r"\A---\n.*?\n---\n\n?", re.DOTALL)
 HEAD = """# rlbench-pin
 
@@ -30,7 +30,8 @@ def write_markdown(pages: Mapping[str, str], rendered: Path, site: Path) -> None
         file = (site / name).with_suffix(".md")
         file.parent.mkdir(parents=True, exist_ok=True)
         if name.endswith(".md"):
-            file.write_text(_FRONT_MATTER.sub("", text), encoding="utf-8")
+            text = _TOCTREE.sub("", _FRONT_MATTER.sub("", text)).rstrip()
+            file.write_text(f"{text}\n", encoding="utf-8")
         else:
             shutil.copy2((rendered / name).with_suffix(".md"), file)
     (site / "llms.txt").write_text(HEAD + "".join(sections(pages, site)), encoding="utf-8")
