@@ -17,7 +17,25 @@ import rlbench_pin
 from docs_lib.public import OPTIONAL_LIBRARIES, PACKAGE, public_names
 from rlbench_pin.errors import MissingExtra, RlbenchPinError
 
-NO_NAMES = ("self", "str", "len", "join", "shown", "for", "in", "if", "else", "not", "sorted", "e", "f", "repr", "is", "none")
+NO_NAMES = (
+    "self",
+    "str",
+    "len",
+    "join",
+    "shown",
+    "removesuffix",
+    "for",
+    "in",
+    "if",
+    "else",
+    "not",
+    "sorted",
+    "e",
+    "f",
+    "repr",
+    "is",
+    "none",
+)
 MOST = 3
 """Messages that are shown of one type."""
 HEAD = """# Errors
