@@ -43,7 +43,7 @@ def test_without_ray_the_engine_is_explained(made_up: Path, tmp_path: Path, caps
     for command in (("record", TASK), ("dataset", "rerender", str(made_up))):
         assert exit_code(*command, "--engine", "ray", "--out", str(tmp_path / "out")) == 1, command
         err = capsys.readouterr().err
-        assert "The engine 'ray' needs 'ray', which is not installed. `pip install -e '.[ray]'`" in err, command
+        assert "The engine 'ray' needs 'ray', which is not installed. Install it with `pip install -e '.[ray]'`" in err, command
         assert "Traceback" not in err
     assert not (tmp_path / "out").exists()
 

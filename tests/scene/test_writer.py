@@ -99,7 +99,7 @@ def test_only_what_changed_is_rewritten(tmp_path: Path) -> None:
     text = file.read_text()
     assert dump(read_scene(file)) == dump(changed)
     assert "pose = [0.1, 0.2, 0.3]" in text
-    assert "# goes to the handle of the asked drawer" in text
+    assert "# moves to the handle of the requested drawer" in text
     assert "handle_bottom" not in text
     assert '\n\n[[frame]]\nname = "new"\nparent = "chest"\npose = [0.0, 0.0, 0.1, 0.5]\n\n[[waypoint]]' in text
 

@@ -17,9 +17,9 @@ def test_a_body_is_renamed_everywhere(opened: Opener) -> None:
     document = opened("open_drawer")
     python = document.python_text
     left = document.rename("chest", "commode")
-    lines = [line for line in document.scene_text.splitlines() if not line.startswith('    "')]  # sentences stay
-    texts = "\n".join(lines).replace("objects/chest/chest.urdf", "").replace("right in front of the chest", "")
-    assert "chest" not in texts.replace("straight out of the chest", "")
+    lines = [line.split("#")[0] for line in document.scene_text.splitlines() if not line.startswith('    "')]  # sentences stay
+    texts = "\n".join(lines).replace("objects/chest/chest.urdf", "")
+    assert "chest" not in texts
     assert document.spec is not None and document.problems == ()
     assert [joint.name for joint in document.spec.joint] == [f"commode/drawer_{which}" for which in ("bottom", "middle", "top")]
     assert 'self.world.joint(f"chest/drawer_{drawer}")' in document.python_text

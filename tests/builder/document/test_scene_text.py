@@ -321,7 +321,7 @@ def test_another_key_splits_the_array(opened: Opener, name: str, entries: int) -
     assert document.scene_text.count("[[body]]") == text.count("[[body]]") - 1 + entries
     for old, new in zip(before.body, document.spec.body, strict=True):
         assert new == (old.model_copy(update={"color": (1.0, 0.0, 0.0)}) if old.name == name else old)
-    assert document.scene_text.count("# to piece11, one for each pose") == 1
+    assert document.scene_text.count("to piece11, one for each pose") == 1
 
 
 @pytest.mark.parametrize("name", ["piece0", "piece5", "piece10", "piece11"])

@@ -68,7 +68,7 @@ def test_a_damaged_line_is_played_again(path: Path) -> None:
 def test_without_resume_it_must_not_be_there(path: Path) -> None:
     """The error says what to do, and the file stays."""
     before = path.read_bytes()
-    with pytest.raises(EvaluationConflict, match="holds 2 episodes.*--resume"):
+    with pytest.raises(EvaluationConflict, match="contains 2 episodes.*--resume"):
         EpisodeJournal(path, HEAD, resume=False)
     assert path.read_bytes() == before
 
@@ -76,7 +76,7 @@ def test_without_resume_it_must_not_be_there(path: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"policy": "random"}, "policy = 'noop', this is policy = 'random'"),
+        ({"policy": "random"}, "policy = 'noop', but this evaluation has policy = 'random'"),
         ({"limits": {"max_seconds": 2.0}}, "max_seconds"),
         ({"tasks": ["reach_target", "push_button"]}, "push_button"),
         ({"task_files": {"x": "1"}}, "task_files = None"),
