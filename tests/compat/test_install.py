@@ -147,7 +147,7 @@ def test_modules_packages_folders_and_text(tmp_path: Path) -> None:
         (("nothing.py",), "can't open file"),
         (("-m", "nothing_here"), "No module named nothing_here"),
         (("-m", "nothing.here"), "No module named 'nothing'"),
-        (("-m",), "wants a module"),
+        (("-m",), "needs a module"),
         (("-v", "x.py"), "Unknown option '-v'"),
     ],
 )

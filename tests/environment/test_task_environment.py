@@ -64,7 +64,7 @@ def test_stored_demos_need_a_dataset_root(reach: TaskEnvironment) -> None:
 def test_variations_are_checked(reach: TaskEnvironment) -> None:
     """-1 means all; other negatives and too large ones are refused."""
     for wrong in (-2, reach.variation_count()):
-        with pytest.raises(TaskEnvironmentError, match="choose 0 to 19, or -1"):
+        with pytest.raises(TaskEnvironmentError, match="Choose 0 to 19, or -1"):
             reach.set_variation(wrong)
     reach.set_variation(-1)
     seen = {reach.reset(seed=s)[1].misc["variation_index"] for s in range(12)}

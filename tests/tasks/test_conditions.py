@@ -79,7 +79,7 @@ def test_detected_several_wants_at_least_so_many() -> None:
     bodies = [FakeBody(f"b{i}") for i in range(3)]
     for seen, expected in ((set(), False), ({"b1"}, False), ({"b0", "b2"}, True), ({"b0", "b1", "b2"}, True)):
         assert DetectedSeveral(bodies, FakeSensor(seen), 2).met() is expected
-    with pytest.raises(TaskError, match="asks for 4 of 3"):
+    with pytest.raises(TaskError, match="has 3 elements, but count=4"):
         DetectedSeveral(bodies, FakeSensor(), 4)
 
 

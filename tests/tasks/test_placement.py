@@ -227,7 +227,7 @@ WRONG: dict[str, tuple[Callable[[], object], str]] = {
     "a body for a region": (lambda: SpawnBoundary(["patch"]), r"entry 0 of regions.*self.world.region"),  # type: ignore[list-item]
     "a name for an element": (lambda: sample(element="cube"), r"element has to be a body or a frame"),
     "a seed for a generator": (lambda: sample(rng=3), r"rng has to be a Generator.*default_rng"),
-    "degrees": (lambda: sample(min_rotation=(0.0, 0.0, -1800.0)), "min_rotation has to hold numbers"),
+    "degrees": (lambda: sample(min_rotation=(0.0, 0.0, -1800.0)), "min_rotation has to have numbers"),
     "turned round": (lambda: sample(max_rotation=(0.0, 0.0, -4.0)), "max_rotation has to be at least min_rotation"),
     "no distance": (lambda: sample(min_distance=-1.0), "min_distance"),
     "no switch": (lambda: sample(ignore_collisions="yes"), "ignore_collisions"),
@@ -239,7 +239,7 @@ WRONG: dict[str, tuple[Callable[[], object], str]] = {
     "no place": (lambda: free_direction(np.zeros(3), [0.0], [], 0.1, 0.1), "place has to have shape"),
     "no world": (lambda: place_task(None, RNG), "world has to be a world"),  # type: ignore[arg-type]
     "one bound": (lambda: place_task(WorldStandIn(), RNG, (0.0, 1.0, 2.0)), "bounds has to be the lowest and"),  # type: ignore[arg-type]
-    "nothing to settle": (lambda: settle(WorldStandIn(), [], RNG), "bodies has to name at least one"),  # type: ignore[arg-type]
+    "nothing to settle": (lambda: settle(WorldStandIn(), [], RNG), "bodies has to contain at least one"),  # type: ignore[arg-type]
     "one to swap": (lambda: swap_places(FakeBody(), "other"), "second has to be a body"),  # type: ignore[arg-type]
 }
 

@@ -121,7 +121,7 @@ def test_instructions_are_a_list_of_different_sentences(task: Chore, instruction
 @pytest.mark.parametrize("variation", [-1, 3])
 def test_a_variation_that_does_not_exist_is_refused(task: Chore, variation: int) -> None:
     """The message says which exist."""
-    with pytest.raises(TaskError, match="it has 0 to 2"):
+    with pytest.raises(TaskError, match="Choose 0 to 2"):
         task.begin_episode(variation, rng())
 
 

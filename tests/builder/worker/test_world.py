@@ -79,7 +79,7 @@ def test_a_reset_that_is_refused_says_why(copied: Copied, opened: Opened, world:
     opened(text)
     failure = world.reset(0, 99).failure
     assert failure is not None
-    assert "choose 0 to 17" in failure.cause
+    assert "Choose 0 to 17" in failure.cause
     python = text.python.replace("self.is_green = False", "self.is_green = nothing")
     opened(replace(text, python=python))
     failure = world.reset(0, 0).failure
