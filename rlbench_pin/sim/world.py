@@ -99,6 +99,11 @@ class World(Contents):
         self._ticks += 1
         self.robot.forget_measurements()
 
+    @property
+    def command_arrived(self) -> bool:
+        """Whether the motors got a command in the last tick, delayed or not; False when it was lost."""
+        return self.command_delay is None or not self.command_delay.lost
+
     def delay_commands(self, latency: int = 0, loss: float = 0.0, seed: int = 0) -> None:
         """Delay commands of the arm's motors from now on, and lose some; without arguments there is no delay.
 

@@ -21,6 +21,8 @@ AREA = np.array([[-0.05, -0.55], [0.75, 0.55]])
 """Lowest and highest x, y of their positions [m]."""
 MARGIN = 0.05
 """Minimum gap to the footprint, the objects and the waypoints of the task [m]."""
+LEAST_SIDE = 0.1
+"""Minimum distance of distractors from each waypoint, along x and y [m]; more for larger graspable objects."""
 ARM_RADIUS = 0.25
 """Radius of the circle about the base of the arm that stays free [m]."""
 TRIES = 60
@@ -62,11 +64,13 @@ def add_distractors(runtime: Runtime, count: int, seed: int) -> tuple[str, ...]:
 
 
 def _task_boxes(runtime: Runtime) -> list[OrientedBox]:
-    """Return the space that stays free: above the footprint of the task, and around its waypoints."""
+    """Return the space that stays free: above the footprint of the task, and around its waypoints for what the gripper holds."""
     world = runtime.world
     low, high = footprint(world)
     corners = np.array([[*(low - MARGIN), -0.1], [*(high + MARGIN), 1.0]])
-    near = np.array([[-0.1, -0.1, -0.6], [0.1, 0.1, 0.6]])
+    held = [np.ptp(world.body(name).bounds(), axis=0) for name in runtime.task.get_graspable_objects()]
+    side = max([LEAST_SIDE, *(float(lengths[:2].max()) for lengths in held)])
+    near = np.array([[-side, -side, -0.6], [side, side, 0.6]])
     around = [OrientedBox.of(near, pose_at(waypoint.pose[:3].tolist())) for waypoint in runtime.task.get_waypoints()]
     return [OrientedBox.of(corners, world.root.pose), *around]
 

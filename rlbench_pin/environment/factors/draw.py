@@ -20,7 +20,6 @@ from rlbench_pin.observation import CAMERAS
 from rlbench_pin.scene.spec import WORLD
 from rlbench_pin.sim import Light, Lighting, World
 from rlbench_pin.spatial import IDENTITY, compose, pose_at, pose_to_se3
-from rlbench_pin.tasks import task_scene
 from rlbench_pin.tasks.placement import footprint
 from rlbench_pin.tasks.task import Wording
 
@@ -258,12 +257,9 @@ def _sized(role: str) -> DrawFunction:
 
 def _object_model(draw: Draw, sample: Sample) -> Sample:
     """Draw a look-alike for each kind of object; objects of one kind get the same."""
-    chosen: dict[tuple[str, ...], str] = {}
-    models = {}
-    for body in (body for body in task_scene(type(draw.runtime.task)).body if body.look_alikes):
-        if body.look_alikes not in chosen:
-            chosen[body.look_alikes] = body.look_alikes[int(draw.rng.integers(len(body.look_alikes)))]
-        models[body.name] = chosen[body.look_alikes]
+    bodies = [body for body in draw.runtime.world.spec.body if body.look_alikes]
+    chosen = {kind: kind[int(draw.rng.integers(len(kind)))] for kind in dict.fromkeys(body.look_alikes for body in bodies)}
+    models = {body.name: chosen[body.look_alikes] for body in bodies}
     return replace(sample, models=models)
 
 

@@ -36,6 +36,8 @@ class CommandDelay:
         self._rng = np.random.default_rng(seed)
         self._wanted = self._arrived = robot.control
         self._waiting = (robot.control,) * latency
+        self.lost = False
+        """Whether the command of the last tick was lost."""
 
     def pass_on(self) -> None:
         """Send the motors the command that arrives at the start of this tick."""
@@ -46,7 +48,8 @@ class CommandDelay:
         arriving, *waiting = self._waiting
         self._waiting = tuple(waiting)
         before = self._arrived
-        command = before if self._rng.random() < self._loss else arriving
+        self.lost = bool(self._rng.random() < self._loss)
+        command = before if self.lost else arriving
         follows_on = command.mode == before.mode == "position"
         reference = before.reference if follows_on else self._robot.joint_positions
         self._robot.set_control(ArmControl(command.mode, command.target, reference, given.torques))

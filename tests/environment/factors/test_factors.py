@@ -23,9 +23,11 @@ from rlbench_pin.environment.factors.draw import FUNCTIONS, OTHER
 from rlbench_pin.environment.other_bodies import with_models
 from rlbench_pin.environment.presets import image_config
 from rlbench_pin.environment.replay import replay_succeeds
+from rlbench_pin.environment.runtime import follow
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import InvalidArgument, UnknownName
 from rlbench_pin.observation import Observation
+from rlbench_pin.planning.timing import retime
 from rlbench_pin.robot.geometry import bounds, solid_geometry
 from rlbench_pin.scene import BodySpec, SceneSpec, resolve_asset
 from rlbench_pin.spatial import TABLE_HEIGHT, pose_to_se3
@@ -323,6 +325,23 @@ def test_lost_commands_are_the_same_again_and_survive_a_saved_state(drawer: Task
 
 
 @pytest.mark.simulation
+def test_planned_motions_repeat_lost_commands(drawer: TaskEnvironment) -> None:
+    """Every command of a trajectory arrives, once, in its order."""
+    start(drawer, "action_loss:3", seed=4)
+    runtime, delay = drawer.runtime, drawer.world.command_delay
+    assert delay is not None
+    q = runtime.robot.joint_positions
+    goal = q + np.array([1.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    trajectory = retime(np.stack([q, goal]), runtime.model.limits)
+    sent: list[tuple[np.ndarray, bool]] = []
+    follow(runtime, trajectory, on_tick=lambda target: sent.append((target, delay.lost)))
+    assert 0 < sum(lost for _, lost in sent) < len(sent)
+    for (target, lost), (following, _) in zip(sent, sent[1:]):
+        assert not lost or np.array_equal(target, following)
+    np.testing.assert_allclose(runtime.robot.joint_positions, goal, atol=2e-3)
+
+
+@pytest.mark.simulation
 def test_noise_of_depth_and_joints_is_drawn_anew(drawer: TaskEnvironment) -> None:
     """Two observations of one instant differ by noise of the size that the level says."""
     plain = start(drawer, "")
@@ -353,6 +372,19 @@ def test_distractors_stand_away_from_the_task(bin_task: TaskEnvironment) -> None
         np.testing.assert_allclose(fewer, more[: len(fewer)], atol=1e-3)
     start(bin_task, "")
     assert not any(name.startswith("distractor_object") for name in bin_task.world.bodies)
+
+
+@pytest.mark.simulation
+def test_distractors_leave_space_for_large_held_objects() -> None:
+    """A tray that hangs from the gripper at a waypoint touches none."""
+    with environment() as env:
+        task = env.get_task("take_tray_out_of_oven")
+        for seed in range(5):
+            start(task, {"distractors": 3}, seed)
+            objects = [body for name, body in task.world.bodies.items() if name.startswith("distractor_object")]
+            tips = [waypoint.pose[:2] for waypoint in task.task.get_waypoints()]
+            side = float(np.ptp(task.world.body("tray").bounds(), axis=0)[:2].max())
+            assert objects and min(np.abs(body.position[:2] - tip).max() for body in objects for tip in tips) > side - 0.05
 
 
 @pytest.mark.simulation
