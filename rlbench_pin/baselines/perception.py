@@ -58,11 +58,6 @@ def distances(colors: FloatArray, name: str) -> FloatArray:
     return far
 
 
-def name_of(color: FloatArray, names: Sequence[str] = tuple(PALETTE)) -> str:
-    """Return the nearest of some colour words."""
-    return min(names, key=lambda name: float(distances(color, name)))
-
-
 SPACING = 0.006
 """Mean distance of points on a surface [m]."""
 MAX_POINTS = 6000
@@ -357,24 +352,21 @@ class Located:
         return points
 
 
-def locate(
-    model: KnownModel, cloud: Cloud, states: Iterable[Mapping[str, float]] = (NO_JOINTS,), yaws: int = HEADINGS
-) -> Located:
+def locate(model: KnownModel, cloud: Cloud, states: Iterable[Mapping[str, float]] = (NO_JOINTS,)) -> Located:
     """Return the pose of an upright model on the table.
 
     Args:
         model: The model.
         cloud: Points of the object only.
         states: Joint values to try.
-        yaws: Yaw angles to start from.
     """
     scene = thinned(cloud, 0.006).points
     scene = scene[:: max(1, len(scene) // POINTS)]
-    found = [_best(model, joints, scene, yaws) for joints in states]
+    found = [_best(model, joints, scene) for joints in states]
     return min(found, key=lambda located: located.error)
 
 
-def _best(model: KnownModel, joints: Mapping[str, float], scene: FloatArray, yaws: int) -> Located:
+def _best(model: KnownModel, joints: Mapping[str, float], scene: FloatArray) -> Located:
     """Return the best fit of one state of the model."""
     import small_gicp  # of the extra `classical`; other baselines need points alone
 
@@ -385,7 +377,7 @@ def _best(model: KnownModel, joints: Mapping[str, float], scene: FloatArray, yaw
     small_gicp.estimate_normals(target, num_neighbors=12)
     gicp_tree, scene_tree = small_gicp.KdTree(target), cKDTree(scene)
     fits: list[tuple[float, int, pin.SE3]] = []
-    for yaw in np.linspace(-np.pi, np.pi, yaws, endpoint=False):
+    for yaw in np.linspace(-np.pi, np.pi, HEADINGS, endpoint=False):
         placement = _centred(surface, scene, float(yaw))
         for farthest in STAGES:
             result = small_gicp.align(

@@ -102,10 +102,10 @@ def pull(gripper: Gripper, way: Way) -> Moves:
     yield from gripper.slide(way.targets[2:], PULLING)
 
 
-def pick(gripper: Gripper, point: FloatArray, turns: Sequence[FloatArray], lift: float = ABOVE, back: float = ABOVE) -> Moves:
+def pick(gripper: Gripper, point: FloatArray, turns: Sequence[FloatArray], lift: float = ABOVE) -> Moves:
     """Close the fingers about a point (3,), and lift what they hold straight up by `lift` [m]."""
     up = np.array([0.0, 0.0, lift])
-    way = gripper.choose([[*approach(turn, point, back), placed(turn, point + up)] for turn in turns])
+    way = gripper.choose([[*approach(turn, point, ABOVE), placed(turn, point + up)] for turn in turns])
     yield from gripper.go(way, is_open=True)
     yield from gripper.slide(way.targets[1:2])
     yield from gripper.grip(False)
@@ -123,17 +123,16 @@ def place(gripper: Gripper, point: FloatArray, over: float = ABOVE) -> Moves:
     yield from gripper.slide(way.targets[:1])
 
 
-def sweep(gripper: Gripper, paths: Sequence[Sequence[pin.SE3]], back: FloatArray, is_open: bool = False) -> Moves:
-    """Move along the best of several paths.
+def sweep(gripper: Gripper, paths: Sequence[Sequence[pin.SE3]], back: FloatArray) -> Moves:
+    """Move along the best of several paths, the fingers closed.
 
     Args:
         gripper: The gripper.
         paths: Placements of the tip, one after the other; all of them do.
         back: From where the gripper comes to the start of a path, as an offset (3,) [m].
-        is_open: Whether the fingers are open.
     """
     way = gripper.choose([[pin.SE3(path[0].rotation, path[0].translation + back), *path] for path in paths])
-    yield from gripper.go(way, is_open)
+    yield from gripper.go(way, is_open=False)
     yield from gripper.slide(way.targets[1:])
 
 

@@ -147,21 +147,17 @@ SENTENCE_SIZE = 96
 _WORD = re.compile(r"[a-z0-9]+")
 
 
-def encode_sentence(sentence: str, size: int = SENTENCE_SIZE) -> FloatArray:
-    """Return a unit vector, shape (size,), that encodes the words of a sentence; zero for a sentence without words.
+def encode_sentence(sentence: str) -> FloatArray:
+    """Return a unit vector, shape (SENTENCE_SIZE,), that encodes the words of a sentence; zero for a sentence without words.
 
     Feature hashing (Weinberger et al. 2009): the hash of a word gives its index and its sign. So no vocabulary is needed, and
-    new sentences can be encoded too. Pairs of neighbouring words have half the weight.
-
-    Args:
-        sentence: Any text; case and punctuation are ignored.
-        size: Length of the vector.
+    new sentences can be encoded too. Pairs of neighbouring words have half the weight. Case and punctuation are ignored.
     """
     words = _WORD.findall(sentence.lower())
-    vector = np.zeros(size)
+    vector = np.zeros(SENTENCE_SIZE)
     for term, weight in [*((w, 1.0) for w in words), *((f"{a} {b}", 0.5) for a, b in zip(words, words[1:]))]:
         number = int.from_bytes(hashlib.blake2b(term.encode(), digest_size=8).digest(), "little")
-        vector[number // 2 % size] += weight if number % 2 else -weight
+        vector[number // 2 % SENTENCE_SIZE] += weight if number % 2 else -weight
     length = float(np.linalg.norm(vector))
     return vector / length if length > 0.0 else vector
 

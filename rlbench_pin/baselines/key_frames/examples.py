@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -133,7 +133,7 @@ def switch_cameras(config: ObservationConfig, on: bool) -> None:
         camera.rgb = camera.point_cloud = on
 
 
-def make_cloud(observation: Observation, arm: RobotModel, cameras: Sequence[str] = CAMERAS) -> Cloud:
+def make_cloud(observation: Observation, arm: RobotModel) -> Cloud:
     """Fuse the images of an observation: crop, one point per cell, no arm, little table.
 
     Nothing is drawn at random: the same images give the same cloud.
@@ -141,12 +141,11 @@ def make_cloud(observation: Observation, arm: RobotModel, cameras: Sequence[str]
     Args:
         observation: Colours and points of the cameras, positions of joints and fingers.
         arm: Model of the arm, to leave out its own points.
-        cameras: Their names.
 
     Raises:
         DatasetError: A camera lacks colours or points, or nothing is seen in the box.
     """
-    points, colors = camera_points(observation, cameras)
+    points, colors = camera_points(observation, CAMERAS)
     inside = np.flatnonzero(((points > LOW) & (points < HIGH)).all(axis=1))
     rows = inside[thinned(points[inside], CELL)]
     own = arm_surface(arm, np.asarray(observation.joint_positions), np.asarray(observation.gripper_joint_positions))

@@ -124,7 +124,7 @@ class KeyFramePolicy:
         return votes
 
 
-def clusters(votes: Votes, most: int = CLUSTERS) -> list[tuple[FloatArray, FloatArray]]:
+def clusters(votes: Votes) -> list[tuple[FloatArray, FloatArray]]:
     """Return positions (3,) and axes (6,) on which many votes of the first cloud agree, those with most agreement first.
 
     Each is the vote at which the mixture is densest, then the weighted mean of those that lie near it, so that two clusters of
@@ -136,7 +136,7 @@ def clusters(votes: Votes, most: int = CLUSTERS) -> list[tuple[FloatArray, Float
     apart += (axes[:, None] - axes).abs().sum(-1) / votes.scales.axes
     density = (weight - apart).logsumexp(dim=1)
     found: list[tuple[FloatArray, FloatArray]] = []
-    while len(found) < most and bool(density.isfinite().any()):
+    while len(found) < CLUSTERS and bool(density.isfinite().any()):
         densest = density.argmax()
         share = (weight - apart[densest]).softmax(dim=0)[:, None]
         found.append(((share * position).sum(0).cpu().numpy(), (share * axes).sum(0).cpu().numpy()))

@@ -12,14 +12,15 @@ import pytest
 pytest.importorskip("small_gicp")
 
 from rlbench_pin.baselines.perception import (
+    PALETTE,
     Cloud,
     KnownModel,
     back_project,
     clusters,
+    distances,
     first_of_cells,
     lit_color,
     locate,
-    name_of,
     outside,
     rectangle,
     thinned,
@@ -111,7 +112,7 @@ def test_colours_keep_their_names_in_the_light(name: str) -> None:
     rng = np.random.default_rng(4)
     rgb = np.array(dict(COLORS)[name])
     shades = np.concatenate([rng.uniform(0.96, 1.0, (100, 1)), rng.uniform(0.4, 0.6, (100, 1))])
-    assert name_of(lit_color(rgb * shades)) == name
+    assert min(PALETTE, key=lambda word: distances(lit_color(rgb * shades), word)) == name
 
 
 @pytest.mark.simulation
