@@ -8,7 +8,7 @@ import http
 import io
 import secrets
 import threading
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Any
@@ -22,9 +22,11 @@ from websockets.http11 import Request, Response
 from websockets.typing import Data
 
 from rlbench_pin.errors import RlbenchPinError
-from rlbench_pin.values import as_text, as_whole
+from rlbench_pin.values import as_whole
 
-LOCAL_NAMES = ("127.0.0.1", "localhost", "::1")
+_HOST = "127.0.0.1"
+"""Address to listen on."""
+LOCAL_NAMES = (_HOST, "localhost", "::1")
 """Names of this machine. A page that points another name here (DNS rebinding) is refused."""
 MAX_UPLOAD_SIZE = 64 * 1024 * 1024
 """Size of an uploaded file at most [bytes]."""
@@ -52,14 +54,12 @@ class AccessRules:
 
     token: str
     """First part of the path."""
-    names: Collection[str] = LOCAL_NAMES
-    """Allowed host names."""
 
     def check(self, request: Request) -> Refusal | None:
         """Remove the token from the path of an allowed request; return why another one is refused."""
         hosts, origins = request.headers.get_all("Host"), request.headers.get_all("Origin")
-        if len(hosts) != 1 or _split(f"//{hosts[0]}").hostname not in self.names:
-            return Refusal(http.HTTPStatus.FORBIDDEN, f"The builder accepts only the host names {', '.join(self.names)}.")
+        if len(hosts) != 1 or _split(f"//{hosts[0]}").hostname not in LOCAL_NAMES:
+            return Refusal(http.HTTPStatus.FORBIDDEN, f"The builder accepts only the host names {', '.join(LOCAL_NAMES)}.")
         if len(origins) > 1 or any(_site(origin) != hosts[0].lower() for origin in origins):
             message = "The request comes from a page of another site. Open the address in a new tab."
             return Refusal(http.HTTPStatus.FORBIDDEN, message)
@@ -111,7 +111,6 @@ class LocalServer:
 
     Args:
         port: TCP port; 0 is any free port.
-        host: Address of this machine to listen on. Any other than 127.0.0.1 lets other machines connect.
         title: Title of the page.
 
     Attributes:
@@ -122,12 +121,12 @@ class LocalServer:
         ServerError: The port is in use.
     """
 
-    def __init__(self, port: int = 0, host: str = "127.0.0.1", title: str = "Task builder") -> None:
-        self._host, wanted = as_text(host, "host"), as_whole(port, "port", least=0, most=65535)
+    def __init__(self, port: int = 0, title: str = "Task builder") -> None:
+        wanted = as_whole(port, "port", least=0, most=65535)
         self.token = secrets.token_urlsafe(24)
-        rules = AccessRules(self.token, tuple(dict.fromkeys((*LOCAL_NAMES, self._host))))
+        rules = AccessRules(self.token)
         with _STARTING, contextlib.redirect_stdout(io.StringIO()), _checked_by(rules):  # viser prints an address without token
-            self.viser = ViserServer(self._host, wanted, title, verbose=False)
+            self.viser = ViserServer(_HOST, wanted, title, verbose=False)
         if wanted not in (0, self.port):
             self.stop()
             raise ServerError(f"Port {wanted} is in use. Give another port, or 0 for a free one.")
@@ -140,7 +139,7 @@ class LocalServer:
     @property
     def address(self) -> str:
         """The address for a browser."""
-        return f"http://{self._host}:{self.port}/{self.token}/"
+        return f"http://{_HOST}:{self.port}/{self.token}/"
 
     def stop(self) -> None:
         """Close the page and all connections."""

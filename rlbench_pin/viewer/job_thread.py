@@ -58,14 +58,14 @@ class JobThread:
         with self._changed:
             return self._changed.wait_for(lambda: not self._jobs and not self._busy, timeout)
 
-    def stop(self, timeout: float = 10.0) -> None:
+    def stop(self) -> None:
         """Interrupt the present job, drop the waiting ones, and end the thread."""
         with self._changed:
             self._stopped = True
             self._jobs.clear()
             self._changed.notify_all()
         if threading.current_thread() is not self._thread:
-            self._thread.join(timeout)
+            self._thread.join(10.0)
 
     def _run(self) -> None:
         while (job := self._next()) is not None:

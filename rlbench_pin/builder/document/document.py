@@ -294,9 +294,9 @@ class TaskDocument:
         """Change several keys of an element in one step, such as `path` and `arc`, which go together."""
         self._edit(f"change {', '.join(values)} of {name}", operations.changed, name, values, merge=merge)
 
-    def set_placement(self, key: str, value: Any, merge: str = "") -> None:
+    def set_placement(self, key: str, value: Any) -> None:
         """Change one key of `[placement]`; None is its default. A pose is given in the world, as in `spec`."""
-        self._edit(f"change {key}", operations.placement_changed, key, value, merge=merge)
+        self._edit(f"change {key}", operations.placement_changed, key, value)
 
     def duplicate(self, name: str) -> str:
         """Add a copy of an element at the same place, with the joints of a body; return its name."""
@@ -326,31 +326,31 @@ class TaskDocument:
         """Rename an element in both files; return the lines of Python that name it in a way that cannot be renamed."""
         return self._edit(f"rename {old}", operations.renamed_everywhere, old, new).left
 
-    def set_scene_text(self, text: str, merge: str = "") -> None:
+    def set_scene_text(self, text: str) -> None:
         """Replace the text of the scene, also by one that is not valid."""
-        self.take("edit the scene as text", (typed_text(text, "scene text", self._saved[0]), self.python_text), merge)
+        self.take("edit the scene as text", (typed_text(text, "scene text", self._saved[0]), self.python_text))
 
-    def set_python_text(self, text: str, merge: str = "") -> None:
+    def set_python_text(self, text: str) -> None:
         """Replace the text of the Python, also by one that is not valid."""
-        self.take("edit the Python as text", (self.scene_text, typed_text(text, "Python text", self._saved[1])), merge)
+        self.take("edit the Python as text", (self.scene_text, typed_text(text, "Python text", self._saved[1])))
 
-    def set_behaviour(self, field: str, value: Any, merge: str = "") -> None:
+    def set_behaviour(self, field: str, value: Any) -> None:
         """Change one field of the behaviour, such as `instructions`; hand-written parts of the Python do not change.
 
         Raises:
             EditRefused: No form can edit this part of the Python.
         """
         if field == "instructions" and self._reading.training is not None:
-            self._edit("change instructions", operations.sentences_changed, value, merge=merge)
+            self._edit("change instructions", operations.sentences_changed, value)
             return
         is_own, text = self.wrote_python, self.behaviour.written(field, value)
-        self.take(f"change {field.replace('_', ' ')}", (self.scene_text, text), merge)
+        self.take(f"change {field.replace('_', ' ')}", (self.scene_text, text))
         if is_own:
             self._own_python.add(text)
 
-    def take(self, name: str, texts: Texts, merge: str = "") -> None:
+    def take(self, name: str, texts: Texts) -> None:
         """Replace both texts, as one edit of that name."""
-        self._history.add(name, texts, merge)
+        self._history.add(name, texts)
         self._read()
 
     def undo(self) -> str:

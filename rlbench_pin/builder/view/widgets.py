@@ -233,15 +233,15 @@ class Panel:
         control = self._control(("button row", label, *presses), (), make)
         control.show((), lambda word: presses[word](), lambda: None)
 
-    def upload(self, label: str, receive: Callable[[str, bytes], None], hint: str = "") -> None:
+    def upload(self, label: str, receive: Callable[[str, bytes], None]) -> None:
         """Show a button that takes a file; `receive` gets its name and content."""
 
         def make(control: Control) -> Any:
-            handle = self._gui.add_upload_button(label, hint=hint or None)
+            handle = self._gui.add_upload_button(label)
             control.listen(handle.on_upload, every=True)
             return handle
 
-        control = self._control(("upload", label, hint), (), make)
+        control = self._control(("upload", label), (), make)
         control.show((), lambda file: receive(file.name, file.content), lambda: None)
 
     # Input -----------------------------------------------------------------------------------------------------------
