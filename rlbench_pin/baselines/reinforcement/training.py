@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import io
 import json
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -14,7 +13,6 @@ from typing import Any
 
 import numpy as np
 import torch
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from stable_baselines3.common.buffers import ReplayBuffer
@@ -46,7 +44,7 @@ from rlbench_pin.baselines.reinforcement.algorithms import (
 from rlbench_pin.baselines.reinforcement.environment import EPSILON, TICKS, VALIDATION_SEED, LearningEnv, ReinforcementConfig
 from rlbench_pin.datasets import write_whole
 from rlbench_pin.errors import InvalidValue
-from rlbench_pin.evaluation.results.plots import COLORS, check_plot
+from rlbench_pin.evaluation.results.plots import COLORS, check_plot, write_plot
 from rlbench_pin.rates import wilson
 
 CURVE = "curve.json"
@@ -109,7 +107,6 @@ def _rounded(interval: tuple[float, float] | None) -> list[float] | None:
     return None if interval is None else [round(end, 4) for end in interval]
 
 
-_FIXED = {"svg.hashsalt": "rlbench_pin", "svg.fonttype": "none", "font.family": "DejaVu Sans", "font.size": 9.0}
 _WIDTH, _HEIGHT = 6.4, 3.2
 """Size of the image [inch]."""
 WINDOW = 5
@@ -131,11 +128,7 @@ def draw_curves(path: Path | str, curves: Mapping[str, Sequence[CurvePoint]]) ->
     empty = next((name for name, points in curves.items() if not points), None)
     if empty is not None:
         raise InvalidValue("curve", empty, "has no points yet: a training writes one after each segment")
-    kind, written = path.suffix.lower()[1:], io.BytesIO()
-    with rc_context(_FIXED):
-        metadata: dict[str, Any] = {"Date": None} if kind == "svg" else {"Software": None}
-        _figure(curves).savefig(written, format=kind, dpi=150, metadata=metadata)
-    return write_whole(path, written.getvalue())
+    return write_plot(path, lambda: _figure(curves))
 
 
 def _figure(curves: Mapping[str, Sequence[CurvePoint]]) -> Figure:

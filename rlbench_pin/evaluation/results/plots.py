@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -40,14 +40,7 @@ def draw_results(path: Path | str, summaries: Sequence[Summary]) -> Path:
         StorageError: The file cannot be written.
     """
     found = [as_record(s, Summary, "A summary") for s in as_several(summaries, "summaries")]
-    path = check_plot(path, len(found))
-    kind = path.suffix.lower()[1:]
-    written = io.BytesIO()
-    with rc_context(_FIXED):
-        figure = _figure(found)
-        metadata: dict[str, Any] = {"Date": None} if kind == "svg" else {"Software": None}
-        figure.savefig(written, format=kind, dpi=150, metadata=metadata)
-    return write_whole(path, written.getvalue())
+    return write_plot(check_plot(path, len(found)), lambda: _figure(found))
 
 
 def draw_profiles(path: Path | str, profiles: Sequence[Profile]) -> Path:
@@ -62,16 +55,27 @@ def draw_profiles(path: Path | str, profiles: Sequence[Profile]) -> Path:
         StorageError: The file cannot be written.
     """
     found = [as_record(profile, Profile, "A profile") for profile in as_several(profiles, "profiles")]
-    path = check_plot(path, len(found))
-    kind = path.suffix.lower()[1:]
-    written = io.BytesIO()
+    return write_plot(check_plot(path, len(found)), lambda: _profile_figure(found))
+
+
+def write_plot(path: Path, draw: Callable[[], Figure]) -> Path:
+    """Write the figure that `draw` returns, and return the path; equal figures give the same file.
+
+    Raises:
+        StorageError: The file cannot be written.
+    """
+    kind, written = path.suffix.lower()[1:], io.BytesIO()
+    metadata: dict[str, Any] = {"Date": None} if kind == "svg" else {"Software": None}
     with rc_context(_FIXED):
-        figure = Figure(figsize=(_WIDTH, 5.5 * len(found)), layout="constrained")
-        for place, profile in enumerate(found):
-            _draw_profile(figure.add_subplot(len(found), 1, place + 1, projection="polar"), profile)
-        metadata: dict[str, Any] = {"Date": None} if kind == "svg" else {"Software": None}
-        figure.savefig(written, format=kind, dpi=150, metadata=metadata)
+        draw().savefig(written, format=kind, dpi=150, metadata=metadata)
     return write_whole(path, written.getvalue())
+
+
+def _profile_figure(profiles: Sequence[Profile]) -> Figure:
+    figure = Figure(figsize=(_WIDTH, 5.5 * len(profiles)), layout="constrained")
+    for place, profile in enumerate(profiles):
+        _draw_profile(figure.add_subplot(len(profiles), 1, place + 1, projection="polar"), profile)
+    return figure
 
 
 def _draw_profile(axes: Any, profile: Profile) -> None:
