@@ -121,9 +121,9 @@ class UnknownName(RlbenchPinError):
         super().__init__(f"No {kind} is called '{name}'.{guess}{where}")
 
 
-def _listing(names: Sequence[str], limit: int = 12) -> str:
-    shown = ", ".join(sorted(names)[:limit])
-    more = len(names) - limit
+def _listing(names: Sequence[str]) -> str:
+    shown = ", ".join(sorted(names)[:12])
+    more = len(names) - 12
     return f"{shown or 'none'}, and {more} more" if more > 0 else shown or "none"
 
 

@@ -341,7 +341,6 @@ def as_pose(
 
 Rule = Callable[[object, str], object]
 """Function of a value and its name: returns the value to store, or raises InvalidValue."""
-FINITE: Rule = as_number
 POSITIVE: Rule = partial(as_number, above=0.0)
 NOT_NEGATIVE: Rule = partial(as_number, least=0.0)
 FLAG: Rule = as_flag

@@ -82,10 +82,10 @@ def check_arm(description: RobotDescription, actions: int = 300) -> Iterator[Arm
 # Models ---------------------------------------------------------------------------------------------------------------
 
 
-def random_configurations(model: RobotModel, count: int, turn: float = 2.0 * np.pi, seed: int = 0) -> FloatArray:
+def random_configurations(model: RobotModel, count: int, turn: float = 2.0 * np.pi) -> FloatArray:
     """Return random configurations (count, n) [rad] within the joint limits and within -`turn` to `turn` [rad]."""
     low, high = np.maximum(model.limits.lower, -turn), np.minimum(model.limits.upper, turn)
-    return np.random.default_rng(seed).uniform(low, high, (count, model.size))
+    return np.random.default_rng(0).uniform(low, high, (count, model.size))
 
 
 def tip_deviation(model: RobotModel, configurations: FloatArray, opening: float = 1.0) -> tuple[float, float]:
@@ -256,15 +256,15 @@ def free_share(description: RobotDescription) -> float:
         return float(np.isin(images.mask, table).mean())
 
 
-def demonstration(description: RobotDescription, task_name: str, seed: int = 0) -> Demo:
-    """Return the demonstration of a seed with one attempt.
+def demonstration(description: RobotDescription, task_name: str) -> Demo:
+    """Return the demonstration of seed 0 with one attempt.
 
     Raises:
         DemoError: The attempt failed.
     """
     mode = MoveArmThenGripper(JointVelocity(), Discrete())
     with Environment(mode, obs_config=low_dim_config(), robot_setup=description.reference) as environment:
-        return environment.get_task(task_name).get_demos(1, live_demos=True, seed=seed, max_attempts=1)[0]
+        return environment.get_task(task_name).get_demos(1, live_demos=True, seed=0, max_attempts=1)[0]
 
 
 def encoded_demo(description: RobotDescription, task_name: str, seed: int = 1) -> bytes:

@@ -234,10 +234,10 @@ def contact_sheet(
     return sheet
 
 
-def first_and_last(sheet: Image.Image, size: int = SIZE) -> tuple[Image.Image, Image.Image]:
-    """Return the task views, `size` px wide, of the first and the last row of a sheet of `demo_sheet`."""
-    tops = (_TITLE + _CAPTION, sheet.height - 2 * _MARGIN - size)
-    first, last = (sheet.crop((_MARGIN, top, _MARGIN + size, top + size)) for top in tops)
+def first_and_last(sheet: Image.Image) -> tuple[Image.Image, Image.Image]:
+    """Return the task views, `SIZE` px wide, of the first and the last row of a sheet of `demo_sheet`."""
+    tops = (_TITLE + _CAPTION, sheet.height - 2 * _MARGIN - SIZE)
+    first, last = (sheet.crop((_MARGIN, top, _MARGIN + SIZE, top + SIZE)) for top in tops)
     return first, last
 
 

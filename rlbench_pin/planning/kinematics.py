@@ -92,12 +92,6 @@ def check_generator(rng: object) -> None:
         raise InvalidRequest("rng", rng, "has to be a numpy generator", "Pass `np.random.default_rng(0)`.")
 
 
-def check_callable(function: object, what: str) -> None:
-    """Raise InvalidRequest unless `function` can be called, or is None."""
-    if function is not None and not callable(function):
-        raise InvalidRequest(what, function, "has to be a function of a configuration (n,), or None")
-
-
 def check_switches(**switches: object) -> None:
     """Raise InvalidRequest unless each is True or False."""
     for name, switch in switches.items():

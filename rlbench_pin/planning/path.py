@@ -12,8 +12,8 @@ import pinocchio as pin
 from scipy.interpolate import BSpline, CubicSpline, make_interp_spline
 from scipy.spatial.transform import Rotation, RotationSpline
 
-from rlbench_pin.errors import NotStraight
-from rlbench_pin.planning.kinematics import as_configuration, as_goal_pose, as_goal_poses, check_callable, descend
+from rlbench_pin.errors import InvalidRequest, NotStraight
+from rlbench_pin.planning.kinematics import as_configuration, as_goal_pose, as_goal_poses, descend
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.spatial import FloatArray, PoseLike, pose_to_se3
 from rlbench_pin.values import as_record
@@ -267,7 +267,7 @@ def straight_path(model: RobotModel, q_start: FloatArray, goal: PoseLike, is_fre
         NotStraight: A joint limit, a singularity or a collision interrupts the line.
     """
     q_start, goal = as_configuration(model, q_start, "start configuration"), as_goal_pose(goal)
-    check_callable(is_free, "is_free")
+    _check_is_free(is_free)
     return _follow(model, q_start, _line(model.tip_se3(q_start), pose_to_se3(goal)), is_free)
 
 
@@ -280,9 +280,14 @@ def curve_path(model: RobotModel, q_start: FloatArray, poses: Sequence[PoseLike]
         NotStraight: As in `straight_path`.
     """
     q_start, poses = as_configuration(model, q_start, "start configuration"), as_goal_poses(poses, "curve")
-    check_callable(is_free, "is_free")
+    _check_is_free(is_free)
     targets = _curve([model.tip_se3(q_start), *(pose_to_se3(pose) for pose in poses)])
     return _follow(model, q_start, targets, is_free)
+
+
+def _check_is_free(is_free: object) -> None:
+    if is_free is not None and not callable(is_free):
+        raise InvalidRequest("is_free", is_free, "has to be a function of a configuration (n,), or None")
 
 
 def _line(start: pin.SE3, goal: pin.SE3) -> list[pin.SE3]:

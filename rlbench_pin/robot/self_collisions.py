@@ -83,9 +83,9 @@ def sample_disabled_pairs(urdf: Path, samples: int = SAMPLES) -> list[tuple[str,
     return [(*pair, result[pair]) for pair in sorted(result)]
 
 
-def srdf_text(urdf: Path, samples: int = SAMPLES) -> str:
+def srdf_text(urdf: Path) -> str:
     """Return the SRDF of an arm: its name and the pairs that are not checked."""
-    return format_srdf(read_urdf(urdf).name, sample_disabled_pairs(urdf, samples))
+    return format_srdf(read_urdf(urdf).name, sample_disabled_pairs(urdf))
 
 
 def _tree_of(urdf: Urdf) -> _Tree:

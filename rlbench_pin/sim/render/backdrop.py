@@ -219,8 +219,8 @@ def _windows(view: CameraView, points: NDArray[np.float64]) -> tuple[NDArray[np.
     return low, np.maximum(high, 1)
 
 
-_LEVEL, _DEEP = 0.9999, -100.0
-"""From which z of its normal on a rectangle is level; the height of the table where there is none [m]."""
+_LEVEL = 0.9999
+"""From which z of its normal on a rectangle is level."""
 _ON_WALLS = 0.65
 """By how much more of the ambient light upright sides of the room get, as from lamps along the ceiling."""
 PIXEL = np.dtype("V3")
