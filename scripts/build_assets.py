@@ -10,25 +10,31 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import pkgutil
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterable
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+from assets_lib import objects
 from assets_lib.catalogue import write_catalogue, write_licences
-from assets_lib.families import all_models, models_of
 from assets_lib.textures import ROOM, write_patterns, write_room_textures, write_texture_set
-from assets_lib.urdf import write_model
+from assets_lib.urdf import Model, write_model
 
 ASSETS = Path(__file__).parents[1] / "rlbench_pin" / "assets"
 ARM_NAMES = ("panda", "ur5e", "xarm7", "jaco", "iiwa")
 
 
+def models_of(families: Iterable[str]) -> tuple[Model, ...]:
+    """Return the objects of some families, each a module of `assets_lib/objects`."""
+    return tuple(model for family in families for model in importlib.import_module(f"assets_lib.objects.{family}").models())
+
+
 def build_objects(out: Path) -> None:
     """Write the objects, the room, the catalogue and the licences below `out`."""
-    models = all_models()
+    models = models_of(sorted(module.name for module in pkgutil.iter_modules(objects.__path__)))
     for model in models:
         write_model(model, out)
     write_room_textures(out)
@@ -85,11 +91,11 @@ def build(out: Path, only: str | None = None, airo: Path | None = None) -> None:
                 (out / made.name).write_bytes(made.read_bytes())
 
 
-def build_families(out: Path, names: Sequence[str]) -> None:
+def build_families(out: Path, names: Iterable[str]) -> None:
     """Rebuild the objects of some families, each folder replaced when it is whole."""
     with tempfile.TemporaryDirectory() as name:
         temporary = Path(name)
-        for model in (model for family in names for model in models_of(family)):
+        for model in models_of(names):
             write_model(model, temporary)
             if model.folder == ROOM:
                 write_room_textures(temporary)

@@ -22,6 +22,7 @@ from tqdm import tqdm
 
 from rlbench_pin.evaluation import read_results, write_results
 
+IMAGES = Path(__file__).resolve().parents[1] / "docs" / "images"
 OUT = Path("out/baselines")
 """Default folders of data, models and results."""
 
@@ -61,9 +62,10 @@ class Run:
             policy = results.policy.replace(str(self._out), str(OUT))
             write_results(RESULTS / f"{name}.json", replace(results, policy=policy))
             if name in by_trial():
-                from baselines_lib.curves import draw_row  # needs the extra `rl`
+                from rlbench_pin.baselines.reinforcement import draw_curves, read_curve  # needs the extra `rl`
 
-                draw_row(name, self._out / "models", TRIED)
+                curves = {task: read_curve(self._out / "models" / name / task) for task in TRIED}
+                draw_curves(IMAGES / f"curves_{name}.png", curves)
 
     def _call(self, command: Command, bar: tqdm) -> None:
         """Run a command, once however many rows need it."""

@@ -16,16 +16,15 @@ ROOM_Z = 2.8
 """Height of the ceiling [m]."""
 
 
-def quad(corners: list[tuple[float, float, float]], repeat: tuple[float, float]) -> Mesh:
+def quad(corners: list[tuple[float, float, float]]) -> Mesh:
     """Return a rectangle with texture, counter-clockwise from the lower left corner."""
-    u, v = repeat
-    return Mesh(np.array(corners), np.array([(0, 1, 2), (0, 2, 3)]), np.array([(0, 0), (u, 0), (u, v), (0, v)], dtype=float))
+    return Mesh(np.array(corners), np.array([(0, 1, 2), (0, 2, 3)]), np.array([(0, 0), (1, 0), (1, 1), (0, 1)], dtype=float))
 
 
 def _table() -> Model:
     (x0, x1), (y0, y1) = TABLE_X, TABLE_Y
     size, center = (x1 - x0, y1 - y0, 0.04), ((x0 + x1) / 2.0, (y0 + y1) / 2.0, TABLE_HEIGHT - 0.02)
-    top = quad([(x0, y0, TABLE_HEIGHT), (x1, y0, TABLE_HEIGHT), (x1, y1, TABLE_HEIGHT), (x0, y1, TABLE_HEIGHT)], (1.0, 1.0))
+    top = quad([(x0, y0, TABLE_HEIGHT), (x1, y0, TABLE_HEIGHT), (x1, y1, TABLE_HEIGHT), (x0, y1, TABLE_HEIGHT)])
     apron = _without_top(box((size[0], size[1], 0.0398), (center[0], center[1], TABLE_HEIGHT - 0.0201)))
     feet = [(x, y) for x in (x0 + 0.06, x1 - 0.06) for y in (y0 + 0.06, y1 - 0.06)]
     legs = merge(_without_top(box((0.06, 0.06, TABLE_HEIGHT - 0.04), (x, y, (TABLE_HEIGHT - 0.04) / 2.0))) for x, y in feet)
@@ -47,21 +46,21 @@ def _without_top(mesh: Mesh) -> Mesh:
 
 def _floor() -> Model:
     (x0, x1), (y0, y1) = ROOM_X, ROOM_Y
-    mesh = quad([(x0, y0, 0.0), (x1, y0, 0.0), (x1, y1, 0.0), (x0, y1, 0.0)], (1.0, 1.0))
+    mesh = quad([(x0, y0, 0.0), (x1, y0, 0.0), (x1, y1, 0.0), (x0, y1, 0.0)])
     shape = box_shape((x1 - x0, y1 - y0, 0.1), ((x0 + x1) / 2.0, (y0 + y1) / 2.0, -0.05))
     link = Link("floor", 100.0, (Visual(mesh_shape("floor", mesh), (1.0, 1.0, 1.0), texture="floor"),), (shape,), friction=0.8)
     return Model("floor", "room", "world", (link,), notes=("upper side at z = 0",))
 
 
 def _wall(name: str, corners: list[tuple[float, float, float]], tint: float) -> Model:
-    mesh = quad(corners, (1.0, 1.0))
+    mesh = quad(corners)
     link = Link(name, 100.0, (Visual(mesh_shape(name, mesh), (tint, tint, tint), texture="wall"),))
     return Model(name, "room", "world", (link,), notes=("only seen",))
 
 
 def _ceiling() -> Model:
     (x0, x1), (y0, y1), h = ROOM_X, ROOM_Y, ROOM_Z
-    mesh = quad([(x0, y1, h), (x1, y1, h), (x1, y0, h), (x0, y0, h)], (1.0, 1.0))
+    mesh = quad([(x0, y1, h), (x1, y1, h), (x1, y0, h), (x0, y0, h)])
     link = Link("ceiling", 100.0, (Visual(mesh_shape("ceiling", mesh), (1.0, 0.99, 0.96)),))
     return Model("ceiling", "room", "world", (link,), notes=("only seen",))
 

@@ -174,12 +174,12 @@ def _crossed(radius: float, height: float) -> tuple[Shape, ...]:
     return tuple(box_shape(size, (0.0, 0.0, height / 2.0), (0.0, 0.0, k * np.pi / 3.0)) for k in range(3))
 
 
-def _ring(radius: float, size: Vec3, sides: int, low: float = 0.0) -> tuple[Shape, ...]:
+def _ring(radius: float, size: Vec3, sides: int) -> tuple[Shape, ...]:
     """Return boxes in a ring around z; one has its middle on the y axis."""
     shapes = []
     for k in range(sides):
         angle = np.pi / 2.0 + 2.0 * np.pi * k / sides
-        place = (radius * float(np.cos(angle)), radius * float(np.sin(angle)), low + size[2] / 2.0)
+        place = (radius * float(np.cos(angle)), radius * float(np.sin(angle)), size[2] / 2.0)
         shapes.append(box_shape(size, place, (0.0, 0.0, float(angle))))
     return tuple(shapes)
 
