@@ -17,12 +17,21 @@ from rlbench_pin.evaluation.run import EvaluationProgress
 from rlbench_pin.recording.record import RecordReport
 
 
-class RecordBar:
-    """Episodes done, their rate, and failed attempts by cause, on stderr."""
+class _Bar:
+    """A bar on stderr that the first report begins; `what` is its title."""
 
     def __init__(self, what: str) -> None:
         self._bar: tqdm | None = None
         self._what = what
+
+    def close(self) -> None:
+        """Close the bar; its last line stays."""
+        if self._bar is not None:
+            self._bar.close()
+
+
+class RecordBar(_Bar):
+    """Episodes done, their rate, and failed attempts by cause."""
 
     def __call__(self, report: RecordReport) -> None:
         """Show the progress."""
@@ -34,30 +43,34 @@ class RecordBar:
         notes += [f"{len(report.deaths)} workers died"] if report.deaths else []
         self._bar.set_postfix_str(", ".join(notes))
 
-    def close(self) -> None:
-        """Close the bar; its last line stays."""
-        if self._bar is not None:
-            self._bar.close()
 
-
-class CheckBar:
-    """Trials done, their rate, and the last finished task and part, on stderr."""
-
-    def __init__(self) -> None:
-        self._bar: tqdm | None = None
+class CheckBar(_Bar):
+    """Trials done, their rate, and the last finished task and part."""
 
     def __call__(self, progress: CheckProgress) -> None:
         """Show the progress of the check."""
         if self._bar is None:
-            self._bar = progress_bar(total=progress.total, initial=progress.found, unit="trial", desc="check", smoothing=0.05)
+            self._bar = progress_bar(total=progress.total, initial=progress.found, unit="trial", desc=self._what, smoothing=0.05)
         if progress.latest is not None:
             self._bar.set_postfix_str(f"{progress.latest.task} {progress.latest.part}", refresh=False)
         self._bar.update(progress.found + progress.done - self._bar.n)
 
-    def close(self) -> None:
-        """Close the bar; its last line stays."""
-        if self._bar is not None:
-            self._bar.close()
+
+class EvaluationBar(_Bar):
+    """Episodes done, their rate, and how many of them succeeded so far."""
+
+    def __call__(self, progress: EvaluationProgress) -> None:
+        """Show the progress."""
+        if self._bar is None:
+            total, found = progress.wanted, progress.found
+            self._bar = progress_bar(total=total, initial=found, unit="episode", desc=self._what)
+        played = progress.found + progress.done
+        self._bar.update(played - self._bar.n)
+        notes = [f"success {100.0 * progress.successes / played:.0f} %"] if played else []
+        notes += [progress.latest.item.name] if progress.latest is not None else []
+        notes += [f"{progress.faults} faults"] if progress.faults else []
+        notes += [f"{progress.deaths} workers died"] if progress.deaths else []
+        self._bar.set_postfix_str(", ".join(notes))
 
 
 @contextmanager
@@ -77,33 +90,3 @@ def stopping_gently() -> Iterator[threading.Event]:
         yield stop
     finally:
         signal.signal(signal.SIGINT, before)
-
-
-class EvaluationBar:
-    """Episodes done, their rate, and how many of them succeeded so far.
-
-    Args:
-        what: Name of the policy.
-    """
-
-    def __init__(self, what: str) -> None:
-        self._bar: tqdm | None = None
-        self._what = what
-
-    def __call__(self, progress: EvaluationProgress) -> None:
-        """Show the progress."""
-        if self._bar is None:
-            total, found = progress.wanted, progress.found
-            self._bar = progress_bar(total=total, initial=found, unit="episode", desc=self._what)
-        played = progress.found + progress.done
-        self._bar.update(played - self._bar.n)
-        notes = [f"success {100.0 * progress.successes / played:.0f} %"] if played else []
-        notes += [progress.latest.item.name] if progress.latest is not None else []
-        notes += [f"{progress.faults} faults"] if progress.faults else []
-        notes += [f"{progress.deaths} workers died"] if progress.deaths else []
-        self._bar.set_postfix_str(", ".join(notes))
-
-    def close(self) -> None:
-        """Close the bar; its last line stays."""
-        if self._bar is not None:
-            self._bar.close()

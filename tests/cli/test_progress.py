@@ -97,7 +97,7 @@ def test_the_last_state_stays(clock: Clock, capsys: Capture) -> None:
 
 def test_the_bar_of_a_check_counts_trials_and_their_rate(clock: Clock, capsys: Capture) -> None:
     """Trials of an earlier run count as done but not for the rate; the last item is named."""
-    bar, item = CheckBar(), Item("open_drawer", "noop", (0, 1), 3)
+    bar, item = CheckBar("check"), Item("open_drawer", "noop", (0, 1), 3)
     bar(CheckProgress(20, 10, 0))
     assert re.search(r"check: +50%.* 10/20 ", last_line(capsys))
     for done in (2, 4):
