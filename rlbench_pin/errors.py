@@ -9,7 +9,8 @@ from __future__ import annotations
 import difflib
 import errno
 import pickle
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -66,6 +67,7 @@ __all__ = [
     "install_hint",
     "nearest_name",
     "shown",
+    "storing",
 ]
 
 
@@ -492,6 +494,15 @@ class StorageError(DatasetError):
         advice = _STORAGE_ADVICE.get(cause.errno or 0, "Check whether the folder can be written to.")
         reason = cause.strerror or str(cause)
         super().__init__(f"'{path}' cannot be written: {reason}. {advice} Everything stored before is complete.")
+
+
+@contextmanager
+def storing(path: Path) -> Iterator[None]:
+    """Convert an OSError to a StorageError that names `path`."""
+    try:
+        yield
+    except OSError as error:
+        raise StorageError(path, error) from error
 
 
 _STORAGE_ADVICE = {

@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 from PIL import Image
 from scipy.spatial.transform import Rotation
 
-from rlbench_pin.datasets.storage import storing
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.environment.runtime import Listener
-from rlbench_pin.errors import PlanningError
+from rlbench_pin.errors import PlanningError, storing
 from rlbench_pin.planning.plan import Plan, PlanRequest
 from rlbench_pin.sim import CameraView, World
 from rlbench_pin.tasks import find_task

@@ -21,11 +21,10 @@ from rlbench_pin.cli.options import (
     check_file,
     check_folder,
     checked_names,
-    storing,
     write_json,
     write_whole,
 )
-from rlbench_pin.errors import ResultsFileError, TaskEnvironmentError
+from rlbench_pin.errors import ResultsFileError, TaskEnvironmentError, storing
 
 if TYPE_CHECKING:
     from rlbench_pin.checking import TaskReport, Trial, TrialJournal
@@ -70,7 +69,7 @@ class Check(CheckPlan):
         wanted = {name: task for name, task in wanted.items() if name not in known}
         if self.out is not None:
             check_folder(self.out)
-        with closing(CheckBar()) as bar:
+        with closing(CheckBar("check")) as bar:
             items = [item for task in wanted.values() for item in self.items(task)]
             trials = run_trials(items, self.workers, self._journal(wanted), bar)
         of_task = {name: [t for t in trials if t.task == name] for name in wanted}

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 
 import tyro
 
-from rlbench_pin.cli.options import Cameras, Disturbances, RobotName, Size, TaskName, check_at_least, check_folder, storing
-from rlbench_pin.errors import DemoError
+from rlbench_pin.cli.options import Cameras, Disturbances, RobotName, Size, TaskName, check_at_least, check_folder
+from rlbench_pin.errors import DemoError, storing
 from rlbench_pin.observation import CAMERAS, Demo, Observation
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ from typing import Annotated
 
 import tyro
 
-from rlbench_pin.cli.options import storing, write_whole
-from rlbench_pin.errors import StorageError, TaskEnvironmentError
+from rlbench_pin.cli.options import write_whole
+from rlbench_pin.errors import StorageError, TaskEnvironmentError, storing
 
 TASK = Template('''\
 """$title. (One sentence: the goal.)"""

@@ -7,14 +7,13 @@ import json
 import os
 import tempfile
 from collections.abc import Callable, Iterable, Mapping
-from contextlib import AbstractContextManager
 from dataclasses import field, make_dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, get_type_hints
 
 import tyro
 
-from rlbench_pin.errors import TaskEnvironmentError
+from rlbench_pin.errors import TaskEnvironmentError, storing
 from rlbench_pin.observation import CAMERAS, PRODUCTS, Disturbance
 
 if TYPE_CHECKING:
@@ -114,13 +113,6 @@ def checked_names(words: Iterable[str], split: Callable[[Iterable[str]], tuple[s
     if not names:
         raise TaskEnvironmentError(f"No task was named. Use `{usage}`; `rlbench-pin list` prints the tasks.")
     return names
-
-
-def storing(path: Path) -> AbstractContextManager[None]:
-    """Return a context in which system errors become StorageError; see `datasets.storage.storing`."""
-    from rlbench_pin.datasets import storage
-
-    return storage.storing(path)
 
 
 def write_whole(path: Path, content: bytes) -> Path:

@@ -12,8 +12,8 @@ import numpy as np
 import tyro
 
 from rlbench_pin.cli.list_tasks import named_tasks
-from rlbench_pin.cli.options import MaybePath, Size, SomeTasks, check_at_least, check_file, checked_names, storing
-from rlbench_pin.errors import DemoError, TaskEnvironmentError
+from rlbench_pin.cli.options import MaybePath, Size, SomeTasks, check_at_least, check_file, checked_names
+from rlbench_pin.errors import DemoError, TaskEnvironmentError, storing
 
 if TYPE_CHECKING:
     from tqdm import tqdm

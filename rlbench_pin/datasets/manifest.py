@@ -18,8 +18,8 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from rlbench_pin.datasets.layout import check_inside, episode_file, manifest_path, stored_variations
-from rlbench_pin.datasets.storage import storing, write_whole
-from rlbench_pin.errors import EpisodeFileError
+from rlbench_pin.datasets.storage import write_whole
+from rlbench_pin.errors import EpisodeFileError, storing
 
 LARGEST = 2**64 - 1
 """The largest number that a dataset stores."""

@@ -11,17 +11,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from rlbench_pin.errors import DatasetConflict, InvalidValue, StorageError
+from rlbench_pin.errors import DatasetConflict, InvalidValue, storing
 from rlbench_pin.values import as_path, as_record
-
-
-@contextmanager
-def storing(path: Path) -> Iterator[None]:
-    """Convert an OSError to a StorageError that names `path`."""
-    try:
-        yield
-    except OSError as error:
-        raise StorageError(path, error) from error
 
 
 @contextmanager

@@ -12,8 +12,7 @@ from typing import cast
 import av
 import numpy as np
 
-from rlbench_pin.datasets.storage import storing
-from rlbench_pin.errors import DatasetError
+from rlbench_pin.errors import DatasetError, storing
 from rlbench_pin.values import as_image_size, as_path, as_whole
 
 _CODECS: tuple[tuple[str, dict[str, str]], ...] = (

@@ -7,16 +7,15 @@ problem sets, can be read too: boxes, cylinders and spheres, a start state and a
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
 import yaml
 
-from rlbench_pin.errors import ProblemFileError, StorageError
+from rlbench_pin.datasets.storage import write_whole
+from rlbench_pin.errors import ProblemFileError
 from rlbench_pin.robot.collision import body_geometry
 from rlbench_pin.robot.description import DEFAULT_ROBOT, RobotDescription, robot_description
 from rlbench_pin.robot.geometry import as_shape
@@ -114,16 +113,7 @@ def write_problem(problem: PlanningProblem, path: Path) -> None:
             for body in world.bodies
         ],
     }
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        temporary.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
-        os.replace(temporary, path)
-    except OSError as error:
-        raise StorageError(path, error) from error
-    finally:
-        with suppress(OSError):
-            temporary.unlink(missing_ok=True)
+    write_whole(path, (json.dumps(content, indent=1) + "\n").encode())
 
 
 def read_problem(path: Path) -> PlanningProblem:

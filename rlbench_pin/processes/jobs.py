@@ -21,7 +21,7 @@ from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
 
-from rlbench_pin.errors import InvalidArgument, RlbenchPinError, StorageError
+from rlbench_pin.errors import InvalidArgument, RlbenchPinError, storing
 from rlbench_pin.values import as_whole
 
 MAX_DEATHS = 3
@@ -377,7 +377,7 @@ def exclusive(path: Path) -> Iterator[None]:
         JournalInUse: Another process has locked the journal.
         StorageError: The disk cannot be written.
     """
-    with _storing(path):
+    with storing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         file = path.open("ab")
     with file:
@@ -401,7 +401,7 @@ class Journal:
     def __init__(self, path: Path) -> None:
         self.path = path
         data = b""
-        with _storing(path):
+        with storing(path):
             if path.is_file():
                 data = path.read_bytes()
             if (size := data.rfind(b"\n") + 1) < len(data):
@@ -415,7 +415,7 @@ class Journal:
         Raises:
             StorageError: The disk cannot be written.
         """
-        with _storing(self.path):
+        with storing(self.path):
             os.truncate(self.path, 0)
         self.lines = []
 
@@ -425,7 +425,7 @@ class Journal:
         Raises:
             StorageError: The disk cannot be written. Lines that were appended before are complete.
         """
-        with _storing(self.path):
+        with storing(self.path):
             self.path.parent.mkdir(parents=True, exist_ok=True)
             with self.path.open("ab") as file:
                 file.write((json.dumps(content) + "\n").encode())
@@ -439,7 +439,7 @@ def first_line(path: Path) -> dict[str, Any] | None:
     Raises:
         StorageError: It cannot be read.
     """
-    with _storing(path):
+    with storing(path):
         if not path.is_file():
             return None
         with path.open("rb") as file:
@@ -452,11 +452,3 @@ def _json_object(line: bytes) -> dict[str, Any] | None:
     except ValueError:
         return None
     return found if isinstance(found, dict) else None
-
-
-@contextmanager
-def _storing(path: Path) -> Iterator[None]:
-    try:
-        yield
-    except OSError as error:
-        raise StorageError(path, error) from error

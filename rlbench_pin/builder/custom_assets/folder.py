@@ -12,7 +12,7 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 
 from rlbench_pin.builder.custom_assets.uploads import UploadRefused
 from rlbench_pin.builder.server import MAX_UPLOAD_SIZE
-from rlbench_pin.errors import RlbenchPinError, StorageError
+from rlbench_pin.errors import RlbenchPinError, storing
 from rlbench_pin.values import as_path
 
 MESHES = (".obj", ".stl")
@@ -76,7 +76,7 @@ class Folder:
             StorageError: It cannot be written, or the name exists.
         """
         wanted = self.path(name)
-        try:
+        with storing(wanted):
             temporary = Path(tempfile.mkdtemp(prefix=f".{wanted.name}.", dir=self.root))
             try:
                 inside = Folder(temporary)
@@ -87,8 +87,6 @@ class Folder:
             except BaseException:
                 shutil.rmtree(temporary, ignore_errors=True)
                 raise
-        except OSError as error:
-            raise StorageError(wanted, error) from error
         return wanted
 
     def write(self, name: str, data: bytes) -> Path:
@@ -99,7 +97,7 @@ class Folder:
             StorageError: It cannot be written.
         """
         file = self.path(name)
-        try:
+        with storing(file):
             file.parent.mkdir(parents=True, exist_ok=True)
             self.path(name)  # the new parent folders are inside, too
             handle, temporary = tempfile.mkstemp(prefix=f".{file.name}.", dir=file.parent)
@@ -113,8 +111,6 @@ class Folder:
             except BaseException:
                 Path(temporary).unlink(missing_ok=True)
                 raise
-        except OSError as error:
-            raise StorageError(file, error) from error
         return file
 
 

@@ -21,7 +21,7 @@ from pathlib import Path
 
 from rlbench_pin.builder.document.errors import ChangedOnDisk, TaskFilesError
 from rlbench_pin.builder.document.texts import Texts
-from rlbench_pin.errors import InvalidValue, StorageError
+from rlbench_pin.errors import InvalidValue, StorageError, storing
 from rlbench_pin.values import as_text
 
 MAX_FILE_SIZE = 4_000_000
@@ -104,7 +104,7 @@ def write_pair(pair: Pair, contents: tuple[bytes, bytes], *, known: Contents | N
         ChangedOnDisk: The files have other contents than the known ones.
         StorageError: They cannot be written.
     """
-    try:
+    with storing(pair.folder):
         pair.folder.mkdir(parents=True, exist_ok=True)
         with alone_in(pair.folder):
             if known is not None and (changed := changed_files(pair, known)):
@@ -114,8 +114,6 @@ def write_pair(pair: Pair, contents: tuple[bytes, bytes], *, known: Contents | N
             journal = json.dumps({"format": _JOURNAL_FORMAT, "before": before, "files": texts}).encode()
             write_whole(pair.journal, journal)
             _finish(pair, contents)
-    except OSError as error:
-        raise StorageError(pair.folder, error) from error
 
 
 @contextmanager
@@ -165,11 +163,8 @@ def recover(pair: Pair) -> tuple[bytes, bytes] | None:
     """
     if not any(os.path.lexists(path) for path in (pair.journal, *pair.parts)):
         return None
-    try:
-        with alone_in(pair.folder):
-            return _recovered(pair)
-    except OSError as error:
-        raise StorageError(pair.folder, error) from error
+    with storing(pair.folder), alone_in(pair.folder):
+        return _recovered(pair)
 
 
 def _recovered(pair: Pair) -> tuple[bytes, bytes] | None:
@@ -245,14 +240,12 @@ def _journal_of(pair: Pair) -> tuple[list[str | None], tuple[bytes, bytes]] | No
 
 
 def _read(path: Path) -> bytes:
-    try:
+    with storing(path):
         if not path.is_file():
             raise TaskFilesError(path, "it does not exist.", "A task is a pair `<task>.toml` and `<task>.py` in one folder.")
         if (size := path.stat().st_size) > MAX_FILE_SIZE:
             raise TaskFilesError(path, f"it has {size} bytes.", f"Reduce it to at most {MAX_FILE_SIZE}.")
         return path.read_bytes()
-    except OSError as error:
-        raise StorageError(path, error) from error
 
 
 def _part(path: Path) -> Path:

@@ -17,7 +17,7 @@ from rlbench_pin.builder.view.catalogue import PRIMITIVES, SIZES, Asset, catalog
 from rlbench_pin.builder.view.placing import free_place, in_frame, own_points, top_grasp
 from rlbench_pin.builder.view.session import Session
 from rlbench_pin.builder.view.widgets import Panel
-from rlbench_pin.errors import RlbenchPinError, StorageError
+from rlbench_pin.errors import RlbenchPinError, storing
 from rlbench_pin.robot import DEFAULT_ROBOT, robot_description
 from rlbench_pin.scene import BodySpec
 from rlbench_pin.scene.spec import ROOT
@@ -275,11 +275,9 @@ class Adding:
     def _folder(self) -> Folder:
         """Return the folder of the task, which is created if necessary."""
         folder = self._session.document.folder
-        try:
+        with storing(folder):
             folder.mkdir(parents=True, exist_ok=True)
             return Folder(folder)
-        except OSError as error:
-            raise StorageError(folder, error) from error
 
     def _free_name(self, stem: str) -> str:
         """Return a name that no file in the folder of the task and no element of the scene has."""

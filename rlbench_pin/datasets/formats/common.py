@@ -16,8 +16,7 @@ import numpy as np
 from rlbench_pin.datasets.episode import Episode
 from rlbench_pin.datasets.layout import check_inside, chosen_tasks, manifest_path, stored_tasks
 from rlbench_pin.datasets.manifest import EpisodeEntry, read_manifest
-from rlbench_pin.datasets.storage import storing
-from rlbench_pin.errors import DatasetConflict, DatasetError
+from rlbench_pin.errors import DatasetConflict, DatasetError, storing
 from rlbench_pin.observation import CAMERAS
 from rlbench_pin.values import as_names, as_path
 

@@ -13,10 +13,10 @@ from pathlib import Path
 import numpy as np
 
 from rlbench_pin.datasets import encode_demo, read_demo
-from rlbench_pin.datasets.storage import storing, write_whole
+from rlbench_pin.datasets.storage import write_whole
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.task_environment import MAX_DEMO_ATTEMPTS, TaskEnvironment
-from rlbench_pin.errors import RlbenchPinError
+from rlbench_pin.errors import RlbenchPinError, storing
 from rlbench_pin.evaluation.challenge.client import IMAGES
 from rlbench_pin.evaluation.challenge.config import ChallengeConfig, NoDemonstrations, demonstration_seed
 from rlbench_pin.evaluation.challenge.learner import ImageFrames

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
-from rlbench_pin.datasets.storage import storing, write_whole
+from rlbench_pin.datasets.storage import write_whole
 from rlbench_pin.environment.actions.modes import ActionMode
 from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.task_environment import TaskEnvironment
+from rlbench_pin.errors import storing
 from rlbench_pin.evaluation.challenge.config import ChallengeConflict
 from rlbench_pin.evaluation.policies.policy import Policy
 from rlbench_pin.evaluation.policies.policy_server import WireError, pack, unpack

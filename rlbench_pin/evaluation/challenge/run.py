@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from rlbench_pin.datasets.storage import hold, storing, write_whole
+from rlbench_pin.datasets.storage import hold, write_whole
 from rlbench_pin.environment.demos import library_versions
-from rlbench_pin.errors import DatasetConflict
+from rlbench_pin.errors import DatasetConflict, storing
 from rlbench_pin.evaluation.challenge.client import LearnerClient
 from rlbench_pin.evaluation.challenge.config import ChallengeConfig, ChallengeConflict, ChallengeStopped, refuse_links
 from rlbench_pin.evaluation.challenge.demonstrations import ShownDemonstrations, ShownItem
