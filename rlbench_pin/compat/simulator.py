@@ -12,7 +12,6 @@ import numpy as np
 
 from rlbench_pin.compat.objects import ObjectTable
 from rlbench_pin.environment import ObservationConfig
-from rlbench_pin.environment.observations import CameraPlaces
 from rlbench_pin.environment.runtime import EmptyTable, Runtime, RuntimeT, build_runtime
 from rlbench_pin.errors import InvalidActionError
 from rlbench_pin.observation import Observation
@@ -42,7 +41,8 @@ class Simulator:
 
     def __init__(self, robot: str = DEFAULT_ROBOT) -> None:
         self.model = RobotModel(robot_description(robot))
-        self.planning, self._camera_places = PlannerConfig(), CameraPlaces()
+        self.planning = PlannerConfig()
+        self._camera_places: dict[str, FloatArray] = {}
         config = ObservationConfig()
         self.runtime: Runtime = build_runtime(EmptyTable, self.model, config, camera_places=self._camera_places)
         self.objects = ObjectTable(self.runtime, config)

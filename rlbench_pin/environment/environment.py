@@ -13,7 +13,7 @@ from rlbench_pin.datasets.layout import MANIFEST
 from rlbench_pin.environment.actions.modes import ActionMode, attaches_grasped
 from rlbench_pin.environment.factors import FactorSetting, FactorsLike
 from rlbench_pin.environment.observations.config import ObservationConfig
-from rlbench_pin.environment.observations.observe import Camera, CameraPlaces, Cameras, camera_misc
+from rlbench_pin.environment.observations.observe import Camera, Cameras, camera_misc
 from rlbench_pin.environment.randomization.config import (
     DynamicsRandomizationConfig,
     RandomizeEvery,
@@ -31,6 +31,7 @@ from rlbench_pin.robot.description import DEFAULT_ROBOT, robot_description
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.sim import RENDERERS, RendererName, World, give_back_memory
+from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import Task, find_task
 from rlbench_pin.values import as_choice, as_flag, as_number, as_path, as_record, as_seed, names_arguments
 
@@ -105,7 +106,7 @@ class Environment:
             max_acceleration=as_number(arm_max_acceleration, "arm_max_acceleration", InvalidArgument, above=0.0),
         )
         self._seeds = np.random.default_rng(None if seed is None else as_seed(seed, "seed", InvalidArgument))
-        self._places = CameraPlaces()
+        self._places: dict[str, FloatArray] = {}
         self._model: RobotModel | None = None
         self._runtime: Runtime | None = None
 

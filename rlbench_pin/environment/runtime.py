@@ -14,7 +14,7 @@ import numpy as np
 from rlbench_pin.control.compliant import CompliantFollowing
 from rlbench_pin.control.following import TrajectoryTracker
 from rlbench_pin.environment.observations.config import ObservationConfig
-from rlbench_pin.environment.observations.observe import CameraPlaces, Cameras, Observer
+from rlbench_pin.environment.observations.observe import Cameras, Observer
 from rlbench_pin.environment.other_bodies import resized, with_models
 from rlbench_pin.errors import InvalidActionError, NoShapedReward
 from rlbench_pin.observation import Observation
@@ -167,7 +167,7 @@ class Runtime:
         planner: MotionPlanner,
         config: ObservationConfig,
         attach_grasped_objects: bool = True,
-        camera_places: CameraPlaces | None = None,
+        camera_places: dict[str, FloatArray] | None = None,
     ) -> None:
         self.description, self.model, self.planner = robot, model, planner
         self._config, self._camera_places, self._attaches = config, camera_places, attach_grasped_objects
@@ -452,7 +452,7 @@ def build_runtime(
     planning: PlannerConfig | None = None,
     attach_grasped_objects: bool = True,
     renderer: RendererName = "cpu",
-    camera_places: CameraPlaces | None = None,
+    camera_places: dict[str, FloatArray] | None = None,
     kind: type[RuntimeT] = Runtime,  # type: ignore[assignment]
 ) -> RuntimeT:
     """Build the world of a task and set the task up.
@@ -464,7 +464,7 @@ def build_runtime(
         planning: Settings of the planner.
         attach_grasped_objects: As in `Runtime`.
         renderer: Renderer of images.
-        camera_places: Poses of moved cameras; shared with other runtimes.
+        camera_places: Poses (7,) of moved cameras, by name; shared with other runtimes.
         kind: `Runtime`, or a subclass of it.
     """
     spec = SceneSpec(format=1) if task is EmptyTable else task_scene(task)

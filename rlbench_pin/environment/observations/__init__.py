@@ -9,12 +9,11 @@ from rlbench_pin.environment.observations.config import (
     NoiseModel,
     ObservationConfig,
 )
-from rlbench_pin.environment.observations.observe import Camera, CameraPlaces, Cameras, Observer, camera_view, rgb_handles_to_mask
+from rlbench_pin.environment.observations.observe import Camera, Cameras, Observer, camera_view, rgb_handles_to_mask
 
 __all__ = [
     "Camera",
     "CameraConfig",
-    "CameraPlaces",
     "Cameras",
     "ExtraCamera",
     "GaussianNoise",

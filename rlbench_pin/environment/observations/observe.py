@@ -67,25 +67,6 @@ _DUST = 1e-12
 """Deviation of the norm above which a quaternion is normalised; other poses are stored unchanged."""
 
 
-class CameraPlaces:
-    """Moved cameras, with their poses (7,) in their parents; shared by all tasks of an `Environment`."""
-
-    def __init__(self) -> None:
-        self._poses: dict[str, FloatArray] = {}
-
-    def pose(self, name: str) -> FloatArray | None:
-        """Return the pose of a moved camera; None if it has the pose in its settings."""
-        return self._poses.get(name)
-
-    def put(self, name: str, pose: FloatArray) -> None:
-        """Move a camera to `pose` (7,) in its parent."""
-        self._poses[name] = pose.copy()
-
-    def put_back(self, name: str) -> None:
-        """Restore the pose of a camera in its settings."""
-        self._poses.pop(name, None)
-
-
 @dataclass(frozen=True)
 class Camera:
     """One camera of a runtime.
@@ -116,7 +97,7 @@ class Camera:
     @property
     def moved(self) -> bool:
         """Whether `set_pose` has moved the camera."""
-        return self.cameras.places.pose(self.name) is not None
+        return self.name in self.cameras.places
 
     def view(self) -> CameraView:
         """Return the view of the camera at this instant, for `World.render`."""
@@ -137,7 +118,7 @@ class Camera:
 
     def reset_pose(self) -> None:
         """Restore the pose in the settings."""
-        self.cameras.places.put_back(self.name)
+        self.cameras.places.pop(self.name, None)
 
 
 class Cameras:
@@ -147,10 +128,10 @@ class Cameras:
         world: The observed world.
         robot: The arm with the wrist camera.
         config: Their settings; read at each call.
-        places: Poses of the moved cameras.
+        places: Poses (7,) of the moved cameras in their parents, by name; shared by all tasks of an `Environment`.
     """
 
-    def __init__(self, world: World, robot: RobotDescription, config: ObservationConfig, places: CameraPlaces) -> None:
+    def __init__(self, world: World, robot: RobotDescription, config: ObservationConfig, places: dict[str, FloatArray]) -> None:
         self.config, self.places = config, places
         self._world, self._robot = world, robot
         self._views: dict[str, CameraView] = {}
@@ -182,7 +163,7 @@ class Cameras:
 
     def move(self, name: str, pose: FloatArray) -> None:
         """Move a camera to a pose (7,) in the world; its parent does not change."""
-        self.places.put(name, pose if self.parent(name) == "world" else relative(pose, self.carrier_pose(name)))
+        self.places[name] = pose if self.parent(name) == "world" else relative(pose, self.carrier_pose(name))
 
     def view(self, name: str) -> CameraView:
         """Return the view of a camera at this instant."""
@@ -191,7 +172,7 @@ class Cameras:
             view = camera_view(name, self.config.camera(name), self._world, self._robot)
         else:
             view = extra.view(self._world, self._robot)
-        local = self.places.pose(name)
+        local = self.places.get(name)
         if local is None:
             return view
         pose = local.copy() if self.parent(name) == "world" else compose(self.carrier_pose(name), local)
@@ -377,9 +358,11 @@ class Observer:
         appearance: Deviations of images from the settings.
     """
 
-    def __init__(self, world: World, model: RobotModel, config: ObservationConfig, places: CameraPlaces | None = None) -> None:
+    def __init__(
+        self, world: World, model: RobotModel, config: ObservationConfig, places: dict[str, FloatArray] | None = None
+    ) -> None:
         self._world, self._arm, self.config = world, model, config
-        self.cameras = Cameras(world, model.description, config, places or CameraPlaces())
+        self.cameras = Cameras(world, model.description, config, {} if places is None else places)
         self._model = ModelObserver(world, model)
         self.appearance = Appearance()
 
