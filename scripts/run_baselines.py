@@ -17,8 +17,9 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent))
 
 from baselines_lib.rows import TRIED, Command, Row, by_trial, commands, rows
-from baselines_lib.tables import RESULTS, write_tables
+from baselines_lib.tables import RESULTS, pages
 from tqdm import tqdm
+from update_readme import write_pages
 
 from rlbench_pin.evaluation import read_results, write_results
 
@@ -106,8 +107,7 @@ def main() -> int:
             run.play(row, bar)
     for row in chosen:
         run.keep(row)
-    write_tables()
-    return 0
+    return write_pages(False, pages())
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ import argparse
 import json
 import re
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -84,16 +84,20 @@ def replace_part(text: str, name: str, content: str) -> str:
     return pattern.sub(lambda _: f"{begin}\n{content}\n{end}", text)
 
 
-def update_page(description: str | None, page: Path, written_anew: Callable[[], tuple[str, str]]) -> int:
-    """Run the command line of a script that writes one page: update it, or say with `--check` whether it is out of date."""
-    parser = argparse.ArgumentParser(description=description)
-    parser.add_argument("--check", action="store_true", help="change nothing; exit 1 when the page is out of date")
-    arguments = parser.parse_args()
-    before, after = written_anew()
-    if not arguments.check:
-        page.write_text(after, encoding="utf-8")
-    print(f"{'out of date' if arguments.check else 'updated'}: {'nothing' if before == after else page.name}")
-    return int(arguments.check and before != after)
+def checks_only(description: str | None) -> bool:
+    """Read the command line of a script that writes pages: whether it has `--check`."""
+    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--check", action="store_true", help="change nothing; exit 1 when a page is out of date")
+    return bool(parser.parse_args().check)
+
+
+def write_pages(check: bool, pages: Mapping[Path, str]) -> int:
+    """Write the texts of pages, or with `check` only print which are out of date; return the exit status."""
+    outdated = [file for file, text in pages.items() if not file.is_file() or file.read_text(encoding="utf-8") != text]
+    for file in () if check else outdated:
+        file.write_text(pages[file], encoding="utf-8")
+    print(f"{'out of date' if check else 'updated'}: {', '.join(file.name for file in outdated) or 'nothing'}")
+    return int(check and bool(outdated))
 
 
 # document, marker of the part (None: all of it), results, text
@@ -107,24 +111,17 @@ PARTS = (
 
 def main() -> int:
     """Update, or check."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--check", action="store_true", help="change nothing; exit 1 when something is out of date")
-    arguments = parser.parse_args()
-    outdated = []
+    check, pages = checks_only(__doc__), dict[Path, str]()
     for document, marker, results, text in PARTS:
         if not (RESULTS / results).is_file():
             print(f"no docs/results/{results}, so {document} is not changed", file=sys.stderr)
             continue
         file = ROOT / document
-        before = file.read_text(encoding="utf-8") if file.is_file() else ""
         content = text(json.loads((RESULTS / results).read_text(encoding="utf-8")))
-        after = content if marker is None else replace_part(before, marker, content)
-        if before != after:
-            outdated.append(document)
-        if not arguments.check:
-            file.write_text(after, encoding="utf-8")
-    print(f"{'out of date' if arguments.check else 'updated'}: {', '.join(outdated) or 'nothing'}")
-    return int(arguments.check and bool(outdated))
+        if marker is not None:
+            content = replace_part(pages.get(file) or file.read_text(encoding="utf-8"), marker, content)
+        pages[file] = content
+    return write_pages(check, pages)
 
 
 if __name__ == "__main__":

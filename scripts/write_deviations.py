@@ -12,7 +12,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent))
 
 from reference_lib.docs import table
-from update_readme import update_page
+from update_readme import checks_only, write_pages
 
 from rlbench_pin.tasks import library_names, task_class, task_scene
 
@@ -36,10 +36,10 @@ def rows() -> Iterator[tuple[str, ...]]:
             yield ("" if number else f"`{name}`", entry.name, kind, entry.specified, entry.here, entry.reason)
 
 
-def written_anew() -> tuple[str, str]:
-    """Return the page as it is, and as it should be."""
-    return PAGE.read_text(encoding="utf-8"), f"{START}{table(HEAD, list(rows()))}\n"
+def page() -> str:
+    """Return the page as Markdown."""
+    return f"{START}{table(HEAD, list(rows()))}\n"
 
 
 if __name__ == "__main__":
-    sys.exit(update_page(__doc__, PAGE, written_anew))
+    sys.exit(write_pages(checks_only(__doc__), {PAGE: page()}))

@@ -18,6 +18,7 @@ from typing import Any
 sys.path.insert(0, str(Path(__file__).parent))
 
 from reference_lib.docs import table
+from update_readme import write_pages
 
 from rlbench_pin.evaluation import read_results
 from rlbench_pin.evaluation.results.profile import factor_profile
@@ -103,12 +104,9 @@ def main() -> int:
     made = joined([entry_of(path) for path in arguments.files])
     played = {key for entry in made for key in settings_of(entry)}
     entries = sorted([*(e for e in stored() if not played & settings_of(e)), *made], key=lambda entry: entry["policy"])
-    text = page(entries)
-    if arguments.check:
-        return int(not PAGE.is_file() or PAGE.read_text(encoding="utf-8") != text)
-    DATA.write_text(json.dumps(entries, indent=1) + "\n", encoding="utf-8")
-    PAGE.write_text(text, encoding="utf-8")
-    return 0
+    if not arguments.check:
+        DATA.write_text(json.dumps(entries, indent=1) + "\n", encoding="utf-8")
+    return write_pages(arguments.check, {PAGE: page(entries)})
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ from PIL import Image, ImageDraw
 sys.path.insert(0, str(Path(__file__).parent))
 
 from reference_lib.docs import table
-from update_readme import replace_part
+from update_readme import replace_part, write_pages
 
 from rlbench_pin.cli.main import main as command
 from rlbench_pin.environment.factors import Factor, factor_catalogue
@@ -89,14 +89,10 @@ def main() -> int:
     parser.add_argument("--check", action="store_true", help="change nothing; exit 1 when the table is out of date")
     parser.add_argument("--images", action="store_true", help="draw docs/images/factors.jpg as well")
     arguments = parser.parse_args()
-    before = PAGE.read_text(encoding="utf-8")
-    after = replace_part(before, "factors", f"\n{table(HEAD, rows(), 'llllllr')}\n")
-    if arguments.check:
-        return int(before != after)
-    PAGE.write_text(after, encoding="utf-8")
-    if arguments.images:
+    text = replace_part(PAGE.read_text(encoding="utf-8"), "factors", f"\n{table(HEAD, rows(), 'llllllr')}\n")
+    if arguments.images and not arguments.check:
         draw_sheet()
-    return 0
+    return write_pages(arguments.check, {PAGE: text})
 
 
 if __name__ == "__main__":

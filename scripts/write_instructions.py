@@ -14,7 +14,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from update_readme import update_page
+from update_readme import checks_only, write_pages
 
 from rlbench_pin.checking.page import markdown_table
 from rlbench_pin.errors import BoundaryError
@@ -70,10 +70,5 @@ def page() -> str:
     return "\n".join(parts)
 
 
-def written_anew() -> tuple[str, str]:
-    """Return the page as it is, and as it should be."""
-    return PAGE.read_text(encoding="utf-8") if PAGE.is_file() else "", page()
-
-
 if __name__ == "__main__":
-    sys.exit(update_page(__doc__, PAGE, written_anew))
+    sys.exit(write_pages(checks_only(__doc__), {PAGE: page()}))

@@ -6,7 +6,6 @@ With `--check` nothing is written; it only reports whether the page is out of da
 
 from __future__ import annotations
 
-import argparse
 import re
 import sys
 from collections.abc import Sequence
@@ -18,6 +17,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parent))
 
 from reference_lib.docs import table
+from update_readme import checks_only, write_pages
 
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.evaluation import Protocol, Results, load_protocol, protocol_names, read_results, summarise, summarise_protocol
@@ -133,18 +133,12 @@ def _section(of_protocol: Sequence[Entry]) -> str:
 
 def main() -> int:
     """Write the page, or check it."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--check", action="store_true", help="change nothing; exit 1 when the page is out of date")
-    arguments = parser.parse_args()
+    check = checks_only(__doc__)
     try:
-        text = page(entries())
+        return write_pages(check, {PAGE: page(entries())})
     except RlbenchPinError as error:
         print(error, file=sys.stderr)
         return 1
-    if arguments.check:
-        return int(not PAGE.is_file() or PAGE.read_text(encoding="utf-8") != text)
-    PAGE.write_text(text, encoding="utf-8")
-    return 0
 
 
 if __name__ == "__main__":

@@ -16,6 +16,7 @@ from typing import Any
 sys.path.insert(0, str(Path(__file__).parent))
 
 from reference_lib.docs import table
+from update_readme import write_pages
 
 from rlbench_pin.evaluation import read_results
 from rlbench_pin.evaluation.results.protocol_table import NO_CLAIM, summarise_protocol
@@ -88,12 +89,9 @@ def main() -> int:
     entries = stored()
     for path in arguments.files:
         entries = with_file(entries, path)
-    text = page(entries)
-    if arguments.check:
-        return int(not PAGE.is_file() or PAGE.read_text(encoding="utf-8") != text)
-    DATA.write_text(json.dumps(entries, indent=1) + "\n", encoding="utf-8")
-    PAGE.write_text(text, encoding="utf-8")
-    return 0
+    if not arguments.check:
+        DATA.write_text(json.dumps(entries, indent=1) + "\n", encoding="utf-8")
+    return write_pages(arguments.check, {PAGE: page(entries)})
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent))
 
 from reference_lib import action_modes, command_line, conditions, observations, scene_files
-from update_readme import replace_part
+from update_readme import replace_part, write_pages
 
 PAGES: Mapping[str, Callable[[], dict[str, str]]] = {
     "action_modes": action_modes.parts,
@@ -27,13 +27,12 @@ PAGES: Mapping[str, Callable[[], dict[str, str]]] = {
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "reference"
 
 
-def written_anew(page: str) -> tuple[str, str]:
-    """Return a page as it is, and as it should be."""
-    before = (FOLDER / f"{page}.md").read_text(encoding="utf-8")
-    after = before
+def text_of(page: str) -> str:
+    """Return a page as it should be."""
+    text = (FOLDER / f"{page}.md").read_text(encoding="utf-8")
     for marker, content in PAGES[page]().items():
-        after = replace_part(after, marker, f"\n{content}\n")
-    return before, after
+        text = replace_part(text, marker, f"\n{content}\n")
+    return text
 
 
 def main() -> int:
@@ -42,15 +41,7 @@ def main() -> int:
     parser.add_argument("pages", nargs="*", help=f"pages to write, of {', '.join(PAGES)}; all when none is named")
     parser.add_argument("--check", action="store_true", help="change nothing; exit 1 when something is out of date")
     arguments = parser.parse_args()
-    outdated = []
-    for page in arguments.pages or PAGES:
-        before, after = written_anew(page)
-        if before != after:
-            outdated.append(page)
-        if not arguments.check:
-            (FOLDER / f"{page}.md").write_text(after, encoding="utf-8")
-    print(f"{'out of date' if arguments.check else 'updated'}: {', '.join(outdated) or 'nothing'}")
-    return int(arguments.check and bool(outdated))
+    return write_pages(arguments.check, {FOLDER / f"{page}.md": text_of(page) for page in arguments.pages or PAGES})
 
 
 if __name__ == "__main__":

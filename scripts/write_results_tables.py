@@ -11,7 +11,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent))
 
 from reference_lib.docs import table
-from update_readme import replace_part, update_page
+from update_readme import checks_only, replace_part, write_pages
 
 from rlbench_pin.evaluation import episodes_needed
 from rlbench_pin.rates import wilson
@@ -38,12 +38,11 @@ def needed() -> str:
     return table(("Rates", *(f"{shared:.0%} as hard for both" for shared in SHARED)), rows, "lrrr")
 
 
-def written_anew() -> tuple[str, str]:
-    """Return the page as it is, and as it should be."""
-    before = PAGE.read_text(encoding="utf-8")
-    after = replace_part(before, "widths", f"\n{widths()}\n")
-    return before, replace_part(after, "needed", f"\n{needed()}\n")
+def page() -> str:
+    """Return the page with its tables as they should be."""
+    text = replace_part(PAGE.read_text(encoding="utf-8"), "widths", f"\n{widths()}\n")
+    return replace_part(text, "needed", f"\n{needed()}\n")
 
 
 if __name__ == "__main__":
-    sys.exit(update_page(__doc__, PAGE, written_anew))
+    sys.exit(write_pages(checks_only(__doc__), {PAGE: page()}))

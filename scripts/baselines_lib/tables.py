@@ -36,12 +36,6 @@ def pages() -> dict[Path, str]:
     return {PAGE: replace_part(PAGE.read_text(encoding="utf-8"), "scale", scale), REPORT: report(found)}
 
 
-def write_tables() -> None:
-    """Write both pages."""
-    for path, text in pages().items():
-        path.write_text(text, encoding="utf-8")
-
-
 def scale_table(found: dict[str, Results]) -> str:
     """Return a row per baseline: the mean over its tasks."""
     return table(HEAD, [_row(name, results, summary_of(results)) for name, results in found.items()], "lrrrrrrrl")
