@@ -100,12 +100,6 @@ def extent_along(parts: Iterable[Part], T_world_link: pin.SE3, directions: Float
     return np.stack([least, most])
 
 
-def visual_bounds(urdf: Path, link: str | None = None, scale: float = 1.0) -> FloatArray:
-    """Return the box (2, 3) of the visuals of a link in the link frame [m]; None selects the base link."""
-    name = read_urdf(urdf).base_link if link is None else link
-    return bounds(visual_geometry(urdf, scale).get(name, ()))
-
-
 def volume(shape: VolumeShape, size: Sequence[float]) -> coal.ShapeBase:
     """Build a sensor volume: box `x, y, z`; cylinder `diameter, length` along z; sphere `diameter` [m]."""
     if shape == "box":

@@ -8,7 +8,7 @@ import pytest
 from rlbench_pin.checking.sheets import demo_moments, events, moment_image, present_frame, task_view
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.observation import CAMERAS
-from rlbench_pin.robot.geometry import box_corners, visual_bounds
+from rlbench_pin.robot.geometry import bounds, box_corners, visual_geometry
 from rlbench_pin.sim import World
 from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import find_task
@@ -96,7 +96,7 @@ def test_the_gripper_is_in_the_image_where_it_holds_an_object() -> None:
         frames += [present_frame(world), present_frame(world)]
         view = task_view(world, frames, 64)
         shapes = [
-            box_corners(visual_bounds(robot.model.urdf, link), robot.link_pose(link))
+            box_corners(bounds(visual_geometry(robot.model.urdf)[link]), robot.link_pose(link))
             for link in (robot.description.hand_link, *robot.description.finger_links)
         ]
     u, v, depth = view.to_image @ np.append(np.concatenate(shapes), np.ones((24, 1)), axis=1).T
@@ -123,7 +123,7 @@ def corners_in(world: World, joint: str | None) -> FloatArray:
         return np.concatenate([box_corners(body.bounds(), body.pose) for body in world.bodies.values()])
     (chest,) = world.bodies.values()
     link = f"{joint}_link"
-    return box_corners(visual_bounds(chest.model.urdf, link, chest.model.scale), chest.link_pose(link))
+    return box_corners(bounds(visual_geometry(chest.model.urdf, chest.model.scale)[link]), chest.link_pose(link))
 
 
 @pytest.mark.simulation

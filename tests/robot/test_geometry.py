@@ -53,7 +53,9 @@ def test_bounds_are_tight_and_scale(urdf: Path) -> None:
     box = geometry.bounds(geometry.link_geometry(urdf)["base"])
     np.testing.assert_allclose(box, [[-0.1, -0.4, -0.3], [0.3, 0.4, 1.1]], atol=1e-12)
     np.testing.assert_allclose(geometry.bounds(geometry.link_geometry(urdf, 2.0)["base"]), 2.0 * box, atol=1e-12)
-    np.testing.assert_allclose(geometry.visual_bounds(urdf), [[-0.5, -0.5, 0.5], [0.5, 0.5, 1.5]], atol=1e-12)
+    np.testing.assert_allclose(
+        geometry.bounds(geometry.visual_geometry(urdf)["base"]), [[-0.5, -0.5, 0.5], [0.5, 0.5, 1.5]], atol=1e-12
+    )
 
 
 def test_meshes_become_convex_hulls() -> None:
