@@ -43,8 +43,53 @@ class Effort:
     """Most that a motor adds to reach its goal (n,) [N m]."""
 
 
-class Motors:
+class JointMotors:
     """Motors of some joints of the loaded robot.
+
+    Args:
+        model: The loaded robot.
+        joints: PyBullet's numbers of the n joints.
+    """
+
+    def __init__(self, model: LoadedModel, joints: Sequence[int]) -> None:
+        self._model, self._client, self._joints = model, model.client, list(joints)
+        self._ones = [1.0] * len(joints)
+
+    def follow(self, positions: list[float], velocities: list[float], gain: float, forces: list[float]) -> None:
+        """Track a motion from the next physics step on.
+
+        Args:
+            positions: Target joint positions (n,) [rad].
+            velocities: Target joint velocities (n,) [rad/s].
+            gain: Share of the position error that a motor removes in one physics step.
+            forces: Largest torques (n,) [N m].
+        """
+        bullet.setJointMotorControlArray(
+            self._model.uid,
+            self._joints,
+            bullet.POSITION_CONTROL,
+            targetPositions=positions,
+            targetVelocities=velocities,
+            positionGains=[gain] * len(positions),
+            velocityGains=self._ones,
+            forces=forces,
+            physicsClientId=self._client.id,
+        )
+
+    def turn(self, velocities: list[float], forces: list[float]) -> None:
+        """Move at joint velocities (n,) [rad/s] from the next physics step on, with torques of at most `forces` (n,) [N m]."""
+        bullet.setJointMotorControlArray(
+            self._model.uid,
+            self._joints,
+            bullet.VELOCITY_CONTROL,
+            targetVelocities=velocities,
+            forces=forces,
+            physicsClientId=self._client.id,
+        )
+
+
+class Motors(JointMotors):
+    """Motors of the arm.
 
     Inverse dynamics gives the torques for the weight and inertia of the arm in advance. PyBullet's solver has no warm start; with
     these torques it only solves for the rest, in a few iterations instead of fifty.
@@ -59,12 +104,12 @@ class Motors:
     """
 
     def __init__(self, model: LoadedModel, joints: Sequence[int], efforts: FloatArray) -> None:
-        self._model, self._client = model, model.client
-        self._joints, self._efforts = list(joints), efforts.tolist()
+        super().__init__(model, joints)
+        self._efforts = efforts.tolist()
         self.movable = sorted(info.index for info in model.joints.values())
         self._places = [self.movable.index(joint) for joint in joints]
         self._still = [0.0] * len(self.movable)
-        self._zeros, self._ones = [0.0] * len(joints), [1.0] * len(joints)
+        self._zeros = [0.0] * len(joints)
         # PyBullet keeps the masses of the first call until its server is built again: those of the robot's file.
         self._client.change(bullet.calculateInverseDynamics, model.uid, self._still, self._still, self._still)
 
@@ -101,38 +146,6 @@ class Motors:
     def _left(self, torques: list[float]) -> list[float]:
         """Return the torques that the motors can add to `torques`."""
         return [most - abs(torque) for torque, most in zip(torques, self._efforts, strict=True)]
-
-    def follow(self, positions: list[float], velocities: list[float], gain: float, forces: list[float]) -> None:
-        """Track a motion from the next physics step on.
-
-        Args:
-            positions: Target joint positions (n,) [rad].
-            velocities: Target joint velocities (n,) [rad/s].
-            gain: Share of the position error that a motor removes in one physics step.
-            forces: Largest torques (n,) [N m].
-        """
-        bullet.setJointMotorControlArray(
-            self._model.uid,
-            self._joints,
-            bullet.POSITION_CONTROL,
-            targetPositions=positions,
-            targetVelocities=velocities,
-            positionGains=[gain] * len(positions),
-            velocityGains=self._ones,
-            forces=forces,
-            physicsClientId=self._client.id,
-        )
-
-    def turn(self, velocities: list[float], forces: list[float]) -> None:
-        """Move at joint velocities (n,) [rad/s] from the next physics step on, with torques of at most `forces` (n,) [N m]."""
-        bullet.setJointMotorControlArray(
-            self._model.uid,
-            self._joints,
-            bullet.VELOCITY_CONTROL,
-            targetVelocities=velocities,
-            forces=forces,
-            physicsClientId=self._client.id,
-        )
 
     def release(self) -> None:
         """Exert no torque from the next physics step on."""

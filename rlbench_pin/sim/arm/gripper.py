@@ -10,7 +10,7 @@ import pinocchio as pin
 
 from rlbench_pin.errors import InvalidActionError, InvalidValue
 from rlbench_pin.robot import geometry
-from rlbench_pin.sim.arm.control import SimRobot
+from rlbench_pin.sim.arm.control import JointMotors, SimRobot
 from rlbench_pin.sim.arm.grasp import Attachment, Attachments
 from rlbench_pin.sim.body import Body, touched_links
 from rlbench_pin.sim.client import bullet
@@ -71,6 +71,7 @@ class SimGripper:
         description = robot.description
         self._grip = robot.grip
         self._joints = [self._model.joints[name].index for name in self._grip.drives]
+        self._motors = JointMotors(self._model, self._joints)
         self._range = description.gripper_open
         self._default_force, self._default_speed = description.gripper_force, description.grip_speed
         self._attachments = Attachments(self._model, description)
@@ -285,23 +286,6 @@ class SimGripper:
             speeds = [speed * lever for speed, lever in zip(speeds, levers, strict=True)]
             forces = [force / abs(lever) for force, lever in zip(forces, levers, strict=True)]
         if self._squeezing:
-            bullet.setJointMotorControlArray(
-                self._model.uid,
-                self._joints,
-                bullet.VELOCITY_CONTROL,
-                targetVelocities=speeds,
-                forces=forces,
-                physicsClientId=self._client.id,
-            )
-            return
-        bullet.setJointMotorControlArray(
-            self._model.uid,
-            self._joints,
-            bullet.POSITION_CONTROL,
-            targetPositions=positions,
-            targetVelocities=speeds,
-            positionGains=[_GAIN] * 2,
-            velocityGains=[1.0] * 2,
-            forces=forces,
-            physicsClientId=self._client.id,
-        )
+            self._motors.turn(speeds, forces)
+        else:
+            self._motors.follow(positions, speeds, _GAIN, forces)
