@@ -68,10 +68,10 @@ def everything() -> ObservationConfig:
 
 
 @cache
-def observed(task: str = "reach_target") -> Observation:
-    """Return the first observation of a task, with everything in it."""
+def observed() -> Observation:
+    """Return the first observation of `reach_target`, with everything in it."""
     with Environment(JointPositionActionMode(), obs_config=everything()) as environment:
-        return environment.get_task(task).reset(seed=0)[1]
+        return environment.get_task("reach_target").reset(seed=0)[1]
 
 
 def parts() -> dict[str, str]:

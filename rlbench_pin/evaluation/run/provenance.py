@@ -24,18 +24,18 @@ _BLOCK = 1 << 20
 _FORMAT = 1
 
 
-def checkout_commit(root: Path = _ROOT) -> str:
+def checkout_commit() -> str:
     """Return the commit of the package's git checkout, with ` changed` if files differ; empty outside a checkout."""
-    if not (root / ".git").exists():
+    if not (_ROOT / ".git").exists():
         return ""
-    commit = _git(root, "rev-parse", "HEAD")
-    return f"{commit} changed" if commit and _git(root, "status", "--porcelain", "--untracked-files=no") else commit
+    commit = _git("rev-parse", "HEAD")
+    return f"{commit} changed" if commit and _git("status", "--porcelain", "--untracked-files=no") else commit
 
 
-def _git(root: Path, *words: str) -> str:
-    """Return the output of git; empty if git is missing or fails."""
+def _git(*words: str) -> str:
+    """Return the output of git in the folder of the package; empty if git is missing or fails."""
     try:
-        done = subprocess.run(["git", "-C", str(root), *words], capture_output=True, text=True, timeout=20.0, check=True)
+        done = subprocess.run(["git", "-C", str(_ROOT), *words], capture_output=True, text=True, timeout=20.0, check=True)
     except (OSError, subprocess.SubprocessError):
         return ""
     return done.stdout.strip()
