@@ -29,7 +29,7 @@ from rlbench_pin.checking.records import (
 )
 from rlbench_pin.checking.validate import MAX_DRIFT, MAX_PENETRATION, poor_instructions, shared_instructions
 from rlbench_pin.environment.demos import SegmentReport
-from rlbench_pin.rates import Rate as Rate
+from rlbench_pin.rates import Rate
 from rlbench_pin.values import as_flag, as_record, as_several, as_text
 
 _NUMBER = re.compile(r"-?\d+(\.\d+)?")

@@ -105,17 +105,9 @@ class Inspector:
         return code
 
 
-def inspect_once(path: Path) -> None:
-    """Let a subprocess read a file; again only after the file has changed.
-
-    Raises:
-        EpisodeFileError: The subprocess crashed or exceeded the time limit.
-    """
-    _inspect(path, file_stamp(path))
-
-
 @lru_cache(maxsize=4096)
 def _inspect(path: Path, stamp: _Stamp) -> None:
+    """Let a subprocess read a file; again only after the file has changed."""
     with Inspector() as inspector:
         inspector.inspect(path)
 
@@ -138,7 +130,7 @@ def check_file(path: Path, sha256: str | None = None, inspector: Inspector | Non
     elif inspector is not None:
         inspector.inspect(path)
     else:
-        inspect_once(path)
+        _inspect(path, file_stamp(path))
 
 
 def altered(path: Path) -> EpisodeFileError:

@@ -102,7 +102,7 @@ def flange_mount(urdf: Path, flange: str) -> Mount:
     return Mount(end * axis, _rpy(rotation))
 
 
-def finger_layout(file: Path, base: str) -> FingerLayout:
+def finger_layout(file: Path) -> FingerLayout:
     """Return the fingers of a gripper whose z points out of the flange.
 
     The pads are the two links with collision shapes, at the ends of moving joints, that reach farthest along z.

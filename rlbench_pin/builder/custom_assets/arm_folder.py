@@ -114,7 +114,7 @@ def make_arm(
         if gripper is None:
             numbers = _shared_numbers(name, held.base)
         else:
-            layout = finger_layout(_written(Path(folder, "gripper"), held.asset), held.base)
+            layout = finger_layout(_written(Path(folder, "gripper"), held.asset))
             held, numbers = _with_tip(name, held, layout), _gripper_numbers(name, held.base, layout)
         note("placing base and gripper")
         file = _written(Path(folder, "first"), joined(name, arm, flange, held, place))

@@ -61,13 +61,13 @@ def arm_asset(name: str, urdf: Path, flange: str, note: OnNote) -> tuple[CustomA
         UploadRefused: The file is invalid, has no such link, or has a moving joint outside of the chain to the flange.
     """
     root = _read(urdf)
-    tree = _Tree(urdf.name, root)
+    tree = _Tree(root)
     flange = flange or tree.end()
     if flange not in tree.links:
         raise UploadRefused(urdf.name, f"it has no link '{flange}'", f"Links: {', '.join(tree.links)}.")
     _remove_below(root, tree, flange)
     _remove_world(root, tree)
-    tree = _Tree(urdf.name, root)
+    tree = _Tree(root)
     chain = {joint.get("name") for joint in tree.above(flange)}
     beside = [joint.get("name", "") for joint in tree.moving() if joint.get("name") not in chain]
     if beside:
@@ -96,14 +96,14 @@ def gripper_asset(name: str, urdf: Path, note: OnNote) -> Gripper:
             SubElement(SubElement(link, "contact"), "lateral_friction", value="1")
     source = _converted(urdf, root, hulls=False)
     asset = urdf_asset(f"{name}_gripper.urdf", _text(root), source, 1.0, None, note)
-    return Gripper(asset, clean_names(urdf.name, root.findall("link"))[_Tree(urdf.name, root).base])
+    return Gripper(asset, clean_names(urdf.name, root.findall("link"))[_Tree(root).base])
 
 
 def shared_gripper(name: str) -> Gripper:
     """Return the parallel gripper of the arms of the catalogue that have no gripper of their own."""
     file = robot_description(GRIPPER_OF).urdf
     root, hand = parse_xml(file.name, file.read_bytes()), f"{GRIPPER_OF}_hand"
-    tree = _Tree(file.name, root)
+    tree = _Tree(root)
     kept = {link for link in tree.links if link == hand or hand in tree.path(link)}
     for element in [e for e in root if (e.get("name") if e.tag == "link" else joint_end(e, "child")) not in kept]:
         root.remove(element)
@@ -171,7 +171,7 @@ def changed(asset: CustomAsset, change: Callable[[Element], None]) -> CustomAsse
 class _Tree:
     """Links and joints of a URDF file that is known to be a tree."""
 
-    def __init__(self, name: str, root: Element) -> None:
+    def __init__(self, root: Element) -> None:
         self._joints = {joint_end(joint, "child"): joint for joint in root.iterfind("joint")}
         self.links = [link.get("name", "").strip() for link in root.iterfind("link")]
         self.base = next(link for link in self.links if link not in self._joints)

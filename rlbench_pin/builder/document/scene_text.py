@@ -443,8 +443,7 @@ def _shortened(scene: SceneText, entry: Entry, kept: slice) -> str:
     item, called = entry.section.item("poses"), entry.section.item("name")
     assert item is not None and called is not None
     growth = len(text) - len(scene.text) if called.start < item.start else 0
-    start, end = (place + growth for place in item.value)
-    places = _array_items(text, start)
+    places = _array_items(text, item.value[0] + growth)
     chosen = places[kept]
     return replaced(text, [(places[0][0], chosen[0][0], ""), (chosen[-1][1], places[-1][1], "")])
 

@@ -100,7 +100,7 @@ def _opening(grow: float, low: float, high: float) -> Mesh:
     return hull_prism(np.array(points), low, high)
 
 
-def _stripes(side: int) -> Mesh:
+def _stripes() -> Mesh:
     """Return two stripes on either flank and a patch on the heel."""
     flank = [
         bevelled_box((0.005, 0.0554, 0.026), bevel=0.0005).moved((x, 0.0, 0.031), (0.0, 0.35, 0.0)) for x in (-0.012, -0.001)
@@ -118,7 +118,7 @@ def _shoe(name: str, side: int) -> Model:
         Visual(mesh_shape("laces", _laces(side)), LACE, crease=0.4),
         Visual(mesh_shape("collar", _opening(0.004, 0.055, 0.0605)), RUBBER, crease=0.4),
         Visual(mesh_shape("opening", _opening(0.0, 0.058, 0.061)), LINING, crease=0.4),
-        Visual(mesh_shape("stripes", _stripes(side)), LACE, crease=0.4),
+        Visual(mesh_shape("stripes", _stripes()), LACE, crease=0.4),
     )
     half = WIDTH / 2.0
     heel = hull_prism(
