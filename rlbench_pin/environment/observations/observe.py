@@ -163,7 +163,7 @@ class Cameras:
 
     def move(self, name: str, pose: FloatArray) -> None:
         """Move a camera to a pose (7,) in the world; its parent does not change."""
-        self.places[name] = pose if self.parent(name) == "world" else relative(pose, self.carrier_pose(name))
+        self.places[name] = pose.copy() if self.parent(name) == "world" else relative(pose, self.carrier_pose(name))
 
     def view(self, name: str) -> CameraView:
         """Return the view of a camera at this instant."""
