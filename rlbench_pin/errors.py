@@ -123,9 +123,13 @@ class UnknownName(RlbenchPinError):
         super().__init__(f"No {kind} is called '{name}'.{guess}{where}")
 
 
+_LISTED = 12
+"""Maximum number of names in a message."""
+
+
 def _listing(names: Sequence[str]) -> str:
-    shown = ", ".join(sorted(names)[:12])
-    more = len(names) - 12
+    shown = ", ".join(sorted(names)[:_LISTED])
+    more = len(names) - _LISTED
     return f"{shown or 'none'}, and {more} more" if more > 0 else shown or "none"
 
 

@@ -153,7 +153,14 @@ class TipController:
         limits: JointLimits | None = None,
         posture: FloatArray | None = None,
     ) -> None:
-        """Prepare a controller; for the arguments see `DifferentialIK`."""
+        """Prepare a controller.
+
+        Args:
+            model: The arm.
+            config: Settings.
+            limits: Joint limits; None takes those of the arm.
+            posture: Configuration (n,) that the null space is moved towards [rad]; None takes the home configuration of the arm.
+        """
         check_made_of(model, config, DifferentialIKConfig)
         self.model, self.config = model, config
         self._approach = TipApproach(config.tip, config.dt)
