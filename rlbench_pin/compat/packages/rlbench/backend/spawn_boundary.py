@@ -212,6 +212,7 @@ class SpawnBoundary:
         )
 
     def _choose(self) -> BoundaryObject:
+        """Return a random boundary, with probabilities proportional to the areas or volumes."""
         return self._boundaries[int(np.random.choice(len(self._boundaries), p=self._probabilities))]
 
     def clear(self) -> None:
@@ -281,7 +282,7 @@ class Workspace(SpawnBoundary):
 
     @contextmanager
     def drawing_from(self, rng: np.random.Generator | None) -> Iterator[None]:
-        """Draw from `rng` in a block; None is numpy's global generator."""
+        """Draw from `rng` within a `with` block; None is numpy's global generator."""
         before, self._area.rng = self._area.rng, rng
         try:
             yield
