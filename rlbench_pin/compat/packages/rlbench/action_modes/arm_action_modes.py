@@ -86,7 +86,7 @@ class JointPosition(OneStepPart, modes.JointPosition, ArmActionMode):
 
 
 class JointTorque(OneStepPart, modes.JointTorque, ArmActionMode):
-    """Joint torques [N m] for one step, including those against gravity; then the arm stops."""
+    """Joint torques [N m] for one step, including those against gravity, positive in the direction of the joint; then stop."""
 
     def set_control_mode(self, robot: Robot) -> None:
         """Switch position control of the arm off."""
