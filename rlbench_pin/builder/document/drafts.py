@@ -101,7 +101,7 @@ class DraftKeeper:
             self._closed = True
 
     def _of_now(self) -> tuple[Draft, ...]:
-        """Return a draft of the present texts; none when all edits are saved."""
+        """Return a draft of the current texts; none when all edits are saved."""
         document = self._document
         is_new = document.saved == (None, None)
         if not document.unsaved or (is_new and document.texts == self._first):

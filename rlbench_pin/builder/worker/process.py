@@ -105,7 +105,7 @@ class WorkerLimits:
     reset: float = 20.0
     """Between two layouts that are tried for an episode."""
     place: float = 10.0
-    """To take over new poses of a scene."""
+    """Time limit for new poses of a scene."""
     reach: float = 5.0
     """To check the reachability of all waypoints."""
     follow: float = 5.0
@@ -242,7 +242,7 @@ class WorkerProcess:
         generation: Number of processes so far; the state of earlier ones is lost.
         python: The task file that it works on.
         pid: Process id; None before it has answered.
-        running: Name of the present operation, or empty.
+        running: Name of the current operation, or empty.
     """
 
     def __init__(self, name: str, folder: Path, limits: WorkerLimits) -> None:
@@ -260,7 +260,7 @@ class WorkerProcess:
         """Reserve the process for a block.
 
         Raises:
-            WorkerBusy: Another operation did not end in time, or a callback of the present one asks.
+            WorkerBusy: Another operation did not end in time, or a callback of the current one asks.
         """
         thread = threading.get_ident()
         if self._turn_thread == thread or not self._turn.acquire(timeout=self._limits.wait):
@@ -328,7 +328,7 @@ class WorkerProcess:
         return self._read(operation, message)
 
     def stop(self) -> bool:
-        """End the present operation, from another thread; return False if there is none.
+        """End the current operation, from another thread; return False if there is none.
 
         The process is asked first, and lives on if it stops in time.
         """
