@@ -96,32 +96,32 @@ _RULES = ruled((POSITIVE, _TIMES), (counted(2**28, 2**50), "memory"))
 
 @dataclass(frozen=True, kw_only=True)
 class WorkerLimits:
-    """Time limits [s] of the operations, which end the process, and its memory."""
+    """Time limits [s] of the operations, after which the process is ended, and its memory limit."""
 
     start: float = 60.0
-    """Until a new process has loaded its libraries."""
+    """Time limit for the start of a process until its libraries are loaded."""
     open: float = 20.0
-    """To build a task."""
+    """Time limit for building a task."""
     reset: float = 20.0
-    """Between two layouts that are tried for an episode."""
+    """Time limit for each layout that is tried for an episode."""
     place: float = 10.0
     """Time limit for new poses of a scene."""
     reach: float = 5.0
-    """To check the reachability of all waypoints."""
+    """Time limit for checking the reachability of all waypoints."""
     follow: float = 5.0
-    """For one step of the arm after a dragged gripper."""
+    """Time limit for one step of the arm towards a dragged gripper."""
     paths: float = 60.0
-    """To plan the path to one waypoint."""
+    """Time limit for planning the path to one waypoint."""
     image: float = 20.0
-    """For the images of all cameras."""
+    """Time limit for the images of all cameras."""
     tick: float = 60.0
-    """Between two frames of a demonstration: planning a motion, or one control tick."""
+    """Time limit between two frames of a demonstration, for planning a motion or one control tick."""
     trial: float = 600.0
-    """For one trial of the validator."""
+    """Time limit for one trial of the validator."""
     wait: float = 5.0
-    """For the end of the operation before; after that, the next one is refused."""
+    """Maximum time to wait for the end of the previous operation; then the next operation raises WorkerBusy."""
     memory: int = 4 * 2**30
-    """Bytes of address space that a task may take in addition to the libraries."""
+    """Maximum address space of a task, in addition to that of the libraries [byte]."""
 
     def __post_init__(self) -> None:
         """Raise InvalidValue for a number that is NaN, of a wrong kind, or not above 0 (also a ValueError)."""
