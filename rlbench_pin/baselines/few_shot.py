@@ -23,18 +23,18 @@ from rlbench_pin.spatial import TABLE_HEIGHT, compose, pose_at
 CAMERAS = ("left_shoulder", "right_shoulder", "overhead", "front")
 """Cameras whose images are used."""
 LOW, HIGH = np.array([-0.12, -0.7, TABLE_HEIGHT + 0.006]), np.array([0.85, 0.7, TABLE_HEIGHT + 0.9])
-"""Corners of the box in which points count [m]."""
+"""Corners of the box in which points are used, in world coordinates [m]."""
 ARM_RADIUS, GRIPPER_RADIUS = 0.11, 0.13
-"""Points nearer to the line through the joints, or to the tip and above it, are the arm's [m]."""
+"""Points nearer than this to the lines between the joints, or from the last joint to the tip, belong to the arm [m]."""
 GRAIN = 0.007
-"""Edge of the cubes of which each keeps one point [m]."""
+"""Edge of the cubic cells of which each keeps one point [m]."""
 
 
 def scene_points(observation: Observation) -> np.ndarray:
-    """Return the points of a scene, shape (n, 6), see `registration`.
+    """Return the points of a scene without the arm: x, y, z [m] and the scaled colour (see `COLOUR`), shape (n, 6).
 
     Args:
-        observation: With `rgb` and `point_cloud` of the cameras, and `joint_poses` in `misc`.
+        observation: Observation with `rgb` and `point_cloud` of the cameras, and `joint_poses` in `misc`.
     """
     places, colours = camera_points(observation, CAMERAS)
     points = np.column_stack([places, colours * (COLOUR / 255.0)])
@@ -44,7 +44,7 @@ def scene_points(observation: Observation) -> np.ndarray:
 
 
 def _arm_distances(points: np.ndarray, observation: Observation) -> np.ndarray:
-    """Return how far points (n, 3) are outside of the arm, roughly [m]."""
+    """Return the approximate distances (n,) [m] of points (n, 3) from the surface of the arm; negative inside."""
     joints = np.asarray(observation.misc["joint_poses"], dtype=float)[:, :3]
     assert observation.gripper_pose is not None
     tip = np.asarray(observation.gripper_pose, dtype=float)[:3]
@@ -54,47 +54,49 @@ def _arm_distances(points: np.ndarray, observation: Observation) -> np.ndarray:
 
 
 def _line_distances(points: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Return the distances (n,) [m] of points (n, 3) from the line segment between `a` and `b`."""
     along = np.clip(((points - a) @ (b - a)) / ((b - a) @ (b - a)), 0.0, 1.0)
     return np.asarray(np.linalg.norm(points - (a + along[:, None] * (b - a)), axis=1))
 
 
 COLOUR = 0.06
-"""Distance that stands for the whole range of a colour [m]."""
+"""Distance that corresponds to the full range of a colour channel [m]."""
 KEPT = 0.8
-"""Share of the nearest neighbours that count; the others are hidden in one of the scenes."""
+"""Fraction of the smallest distances in a cost; the others belong to points that are hidden in one of the scenes."""
 FAR = 0.05
-"""Upper bound of distances [m]."""
+"""Upper bound of distances in a cost [m]."""
 TURNS = np.linspace(-np.pi, np.pi, 24, endpoint=False)
-"""Turns that are tried [rad]."""
+"""Initial yaw angles of the registration [rad]."""
 SHIFTS = [(x, y) for x in np.linspace(-0.2, 0.2, 5) for y in np.linspace(-0.2, 0.2, 5)]
-"""Shifts of a whole scene that are tried, beside those that bring the middles together [m]."""
+"""Initial offsets between the centres of two whole scenes [m]."""
 TURNING = 0.001
-"""Cost of a turn, so that of two that fit alike the smaller is taken [m/rad]."""
+"""Cost of a rotation, which prefers the smaller of two equally good ones [m/rad]."""
 COST_TOLERANCE = 0.001
-"""Smallest difference of costs that counts [m]."""
+"""Minimum relevant difference of costs [m]."""
 PLACES = 40
-"""Places that are tried."""
+"""Number of initial positions in the registration of a part."""
 SAMPLES, REFINED = (80, 200, 500), (10, 3)
-"""Points that motions are compared by, then refined by, then refined by again, and how many of them are each time."""
+"""Numbers of points for the comparison of all initial motions and for two refinements; numbers of refined motions."""
 OUTLYING, NEAR, NEIGHBOURS = 2.5, 0.2, 12
-"""Distances so many times the median do not count; how much neighbours count beside surfaces; neighbours that make a surface."""
+"""Outlier threshold as a multiple of the median distance; weight of point distances relative to plane distances; number of
+neighbours for a surface normal."""
 STEPS = 20
-"""Iterations of a refinement."""
+"""Maximum number of iterations of a refinement."""
 
 
 @dataclass(frozen=True)
 class PlanarMotion:
-    """A rotation about the vertical axis of the world, then a translation, from the scene of the demonstration to another."""
+    """Motion from the scene of a demonstration to the current one: a rotation about the vertical world axis, then a shift."""
 
     yaw: float = 0.0
-    """[rad]"""
+    """Rotation [rad]."""
     x: float = 0.0
-    """[m]"""
+    """Shift along x [m]."""
     y: float = 0.0
-    """[m]"""
+    """Shift along y [m]."""
 
     def of_points(self, points: np.ndarray) -> np.ndarray:
-        """Return points (n, 6) moved."""
+        """Return the moved points (n, 6); colours do not change."""
         c, s = np.cos(self.yaw), np.sin(self.yaw)
         moved = points.copy()
         moved[:, 0] = c * points[:, 0] - s * points[:, 1] + self.x
@@ -102,17 +104,17 @@ class PlanarMotion:
         return moved
 
     def of_pose(self, pose: np.ndarray) -> np.ndarray:
-        """Return a pose (7,) moved."""
+        """Return the moved pose (7,)."""
         return compose(pose_at((self.x, self.y, 0.0), yaw=self.yaw), pose)
 
     def then(self, step: PlanarMotion) -> PlanarMotion:
-        """Return this motion and another one after it, as one."""
+        """Return the composition of this motion and a second one after it."""
         x, y = step.of_points(np.array([[self.x, self.y, 0.0, 0.0, 0.0, 0.0]]))[0, :2]
         return PlanarMotion(self.yaw + step.yaw, float(x), float(y))
 
     @classmethod
     def about(cls, yaw: float, center: np.ndarray, target: np.ndarray) -> PlanarMotion:
-        """Return the turn that brings a point (2,) to another (2,)."""
+        """Return the motion with a rotation by `yaw` [rad] that moves the point `center` (2,) to `target` (2,) [m]."""
         c, s = np.cos(yaw), np.sin(yaw)
         return cls(yaw, float(target[0] - c * center[0] + s * center[1]), float(target[1] - s * center[0] - c * center[1]))
 
@@ -123,14 +125,14 @@ class Match:
 
     motion: PlanarMotion
     cost: float
-    """Mean distance of neighbours, of place and colour together [m]."""
+    """Mean distance of nearest neighbours in position and scaled colour [m]."""
 
 
 class Scene:
-    """Points that parts of another scene are looked for in.
+    """Target of a registration: a scene to which other scenes or parts of them are aligned.
 
     Args:
-        points: Shape (n, 6).
+        points: Points of the scene, shape (n, 6).
     """
 
     def __init__(self, points: np.ndarray) -> None:
@@ -139,25 +141,25 @@ class Scene:
         self._normals = surface_normals(points, self._tree)
 
     def cost(self, moved: np.ndarray) -> float:
-        """Return the mean distance of points (m, 6) to their neighbours here, without the worst."""
+        """Return the mean distance [m] of points (m, 6) to their nearest neighbours in this scene, without the largest."""
         return kept_mean(self._tree.query(moved, distance_upper_bound=FAR)[0])
 
     def whole(self, part: np.ndarray) -> Match:
-        """Return the motion of a whole scene (m, 6) that fits best, measured in both directions."""
+        """Return the best motion of a whole scene (m, 6); its cost is measured in both directions."""
         center, here = part[:, :2].mean(axis=0), self.points[:, :2].mean(axis=0)
         tried = [PlanarMotion.about(yaw, center, here + shift) for yaw in TURNS for shift in SHIFTS]
         return self._best(part, [PlanarMotion(), *tried], both_ways=True)
 
     def staying(self, part: np.ndarray, motion: PlanarMotion) -> Match:
-        """Return a motion as it is, and how well it fits a part (m, 6)."""
+        """Return a given motion and its cost for a part (m, 6), without registration."""
         return Match(motion, self._misfit(motion, thinned(part, SAMPLES[-1])) + COST_TOLERANCE)
 
     def part(self, part: np.ndarray, likely: PlanarMotion) -> Match:
-        """Return the motion of a part (m, 6) that fits best.
+        """Return the best motion of a part of a scene.
 
         Args:
-            part: Its points.
-            likely: A motion that is kept, but for a little, unless another one fits clearly better.
+            part: Points of the part (m, 6).
+            likely: Expected motion; it is only refined, unless another one is better by `COST_TOLERANCE`.
         """
         center = part[:, :2].mean(axis=0)
         places = thinned(self.points, PLACES)[:, :2]
@@ -166,7 +168,7 @@ class Scene:
         return other if other.cost + COST_TOLERANCE < kept.cost else kept
 
     def _best(self, part: np.ndarray, tried: Sequence[PlanarMotion], both_ways: bool) -> Match:
-        """Return the best motion: those tried are compared, refined by few points, then by more, fewer of them each time."""
+        """Return the best motion: compare all initial ones, refine the best with some points, and the best of them with more."""
         few, some, more = (thinned(part, most) for most in SAMPLES)
         distances = self._tree.query(np.concatenate([m.of_points(few) for m in tried]), distance_upper_bound=FAR)[0]
         costs = [kept_mean(of_one) for of_one in distances.reshape(len(tried), len(few))]
@@ -176,17 +178,18 @@ class Scene:
         return min(matches, key=lambda match: match.cost)
 
     def _misfit(self, motion: PlanarMotion, points: np.ndarray) -> float:
-        """Return how badly a motion fits, by some points (n, 6)."""
+        """Return the cost of a motion [m] for points (n, 6), with the cost of its rotation."""
         return self.cost(motion.of_points(points)) + TURNING * abs(float(np.angle(np.exp(1j * motion.yaw))))
 
     def _back(self, motion: PlanarMotion, whole: np.ndarray) -> float:
-        """Return how far what is here is from a whole scene (n, 6) that was moved."""
+        """Return the mean distance [m] of this scene to a moved whole scene (n, 6)."""
         here = thinned(self.points, SAMPLES[-1])
         return kept_mean(KDTree(motion.of_points(whole)).query(here, distance_upper_bound=FAR)[0])
 
     def _refined(self, part: np.ndarray, motion: PlanarMotion) -> PlanarMotion:
-        """Bring a part nearer, again and again: to the surfaces of its neighbours, so that it slides along them, and a little
-        to the neighbours themselves.
+        """Return a motion after refinement by iterative closest points.
+
+        The distances are those to the surfaces, so that a part can slide along them, and with less weight those to the points.
         """
         for _ in range(STEPS):
             moved = motion.of_points(part)
@@ -196,7 +199,7 @@ class Scene:
             center = ours[:, :2].mean(axis=0)
             x, y = (ours[:, :2] - center).T
             zero, one = np.zeros_like(x), np.ones_like(x)
-            flat = np.stack([np.column_stack([-y, one, zero]), np.column_stack([x, zero, one])])  # how a step moves x and y
+            flat = np.stack([np.column_stack([-y, one, zero]), np.column_stack([x, zero, one])])  # Jacobian of x and y
             rows = np.concatenate([np.einsum("nk,knj->nj", normals[:, :2], flat), *(NEAR * flat)])
             wanted = np.concatenate([(normals * gaps).sum(axis=1), *(NEAR * gaps[:, :2].T)])
             turn, *shift = np.linalg.lstsq(rows, wanted, rcond=None)[0]
@@ -207,33 +210,33 @@ class Scene:
 
 
 def surface_normals(points: np.ndarray, tree: KDTree) -> np.ndarray:
-    """Return the direction in which the neighbours of each point (n, 6) spread least, shape (n, 3)."""
+    """Return the surface normals at points (n, 6), from the principal axes of their neighbours, shape (n, 3)."""
     around = points[tree.query(points, k=min(NEIGHBOURS, len(points)))[1].reshape(len(points), -1), :3]
     spread = around - around.mean(axis=1, keepdims=True)
     return np.asarray(np.linalg.eigh(np.einsum("nki,nkj->nij", spread, spread))[1][:, :, 0])
 
 
 def kept_mean(distances: np.ndarray) -> float:
-    """Return the mean of the least distances, each cut off at `FAR`."""
+    """Return the mean of the smallest distances (a fraction `KEPT` of all), each clipped to `FAR`."""
     cut = np.sort(np.minimum(distances, FAR))
     return float(cut[: max(1, int(KEPT * len(cut)))].mean())
 
 
 def thinned(points: np.ndarray, most: int) -> np.ndarray:
-    """Return at most so many of the points (n, 6), evenly taken in their order."""
+    """Return at most `most` of the points (n, 6), with even spacing in their order."""
     return points[np.linspace(0, len(points) - 1, min(most, len(points))).astype(int)]
 
 
 TOGETHER = 0.2
-"""Key frames that follow each other within this distance belong to one part of the scene, which the gripper may touch [m]."""
+"""Maximum distance of consecutive key frames in one part of the scene, which the gripper may touch [m]."""
 RADIUS = 0.15
-"""A part of the scene is what is so near to its key frames [m]."""
+"""Maximum distance of the points of a part from its key frames [m]."""
 FEWEST = 40
-"""Points of a part at least; with fewer, it moves as its neighbour does."""
+"""Minimum number of points of a part; a part with fewer gets the motion of its neighbour."""
 WORDS = 0.02
-"""Cost of an instruction without a word in common [m]."""
+"""Cost of an instruction that shares no word [m]."""
 CONSIDERED = 4
-"""Demonstrations whose scenes fit best that are looked at more closely."""
+"""Number of best matching demonstrations whose parts are registered."""
 
 
 def nearest_config() -> ObservationConfig:
@@ -247,24 +250,27 @@ def nearest_config() -> ObservationConfig:
 
 @dataclass(frozen=True)
 class Part:
-    """Key frames that have to do with the same part of the scene."""
+    """Consecutive key frames at the same part of the scene."""
 
     frames: tuple[KeyFrame, ...]
+    """The key frames, in order."""
     points: np.ndarray
-    """What is around them in the first frame, shape (n, 6); nothing where there is too little."""
+    """Points near the key frames in the first observation, shape (n, 6); none if there are fewer than `FEWEST`."""
 
 
 @dataclass(frozen=True)
 class Shown:
-    """A demonstration as it is remembered."""
+    """A stored demonstration."""
 
     words: frozenset[str]
+    """Words of its instructions."""
     scene: np.ndarray
-    """Points of the first frame, shape (n, 6)."""
+    """Points of the first observation, shape (n, 6)."""
     parts: tuple[Part, ...]
+    """Its key frames, grouped by parts of the scene."""
 
     def misses(self, words: frozenset[str]) -> float:
-        """Return the cost of an instruction with these words [m]."""
+        """Return the cost [m] of the words of an instruction: 0 for the same words, `WORDS` for no word in common."""
         return WORDS * (1.0 - len(words & self.words) / max(1, len(words | self.words)))
 
 
@@ -328,7 +334,10 @@ class NearestPolicy(KeyFramePolicy):
         return plan[self._next - 1]
 
     def _looked(self, observation: Observation, instruction: str) -> list[list[KeyFrame]]:
-        """Return the key frames of the demonstrations that fit best, moved to what is seen; each plan ends with the way back."""
+        """Return the key frames of the best matching demonstrations, moved to the observed scene, the best first.
+
+        Each plan ends with the start pose.
+        """
         assert observation.gripper_pose is not None
         scene, home, words = Scene(scene_points(observation)), KeyFrame(observation.gripper_pose, True), words_of(instruction)
         wholes = [(scene.whole(shown.scene), shown) for shown in self._shown]
@@ -339,7 +348,7 @@ class NearestPolicy(KeyFramePolicy):
 
 
 def _moved(shown: Shown, scene: Scene, whole: Match, words: frozenset[str], local: bool) -> tuple[float, list[KeyFrame]]:
-    """Return how badly a demonstration fits, and its key frames moved to this scene, part by part or with the whole."""
+    """Return the cost [m] of a demonstration, and its key frames moved to this scene, by parts or with the whole scene."""
     find = scene.part if local else scene.staying
     matches = [find(part.points, whole.motion) if len(part.points) else None for part in shown.parts]
     costs = [match.cost for match in matches if match is not None]
@@ -350,7 +359,7 @@ def _moved(shown: Shown, scene: Scene, whole: Match, words: frozenset[str], loca
 
 
 def _motions(matches: Sequence[Match | None], whole: PlanarMotion) -> list[PlanarMotion]:
-    """Return the motion of each part; one that is not known moves as that before it, else as that after it, else as the whole."""
+    """Return the motion of each part; without a match it is that of the previous part, of the next, or of the whole scene."""
     motions = [None if match is None else match.motion for match in matches]
     for order in (range(1, len(motions)), range(len(motions) - 2, -1, -1)):
         step = order.step
@@ -360,7 +369,7 @@ def _motions(matches: Sequence[Match | None], whole: PlanarMotion) -> list[Plana
 
 
 def remembered(demonstration: Demonstration) -> Shown:
-    """Return what is remembered of a demonstration."""
+    """Return the record of a demonstration: its words, its scene and its key frames."""
     seen = demonstration.observations
     scene = scene_points(seen[0])
     groups: list[list[KeyFrame]] = []
@@ -379,11 +388,13 @@ def words_of(sentence: str) -> frozenset[str]:
 
 
 def _frame(observation: Observation) -> KeyFrame:
+    """Return the key frame of an observation: its tip pose and the state of its gripper."""
     assert observation.gripper_pose is not None
     return KeyFrame(observation.gripper_pose, bool((observation.gripper_open or 0.0) > 0.5))
 
 
 def _around(scene: np.ndarray, frames: Sequence[KeyFrame]) -> np.ndarray:
+    """Return the points (m, 6) of a scene within `RADIUS` of key frames; none if they are fewer than `FEWEST`."""
     near = np.zeros(len(scene), dtype=bool)
     for frame in frames:
         near |= np.linalg.norm(scene[:, :3] - frame.pose[:3], axis=1) < RADIUS

@@ -120,6 +120,7 @@ class KnownModel:
         return Axis(data.oMi[number].translation.copy(), turning.copy())
 
     def _configuration(self, joints: Mapping[str, float]) -> FloatArray:
+        """Return the configuration of the kinematic model for joint values; the others are 0."""
         q = pin.neutral(self.kinematics)
         for name, value in joints.items():
             q[self.kinematics.joints[self.kinematics.getJointId(name)].idx_q] = value
@@ -133,7 +134,7 @@ def _load(urdf: Path) -> KnownModel:
 
 
 def _sampled(link: UrdfLink) -> FloatArray:
-    """Return points spread evenly over the visuals of a link; the same at every call."""
+    """Return random points on the visuals of a link, uniform over their area; each call returns the same points."""
     rng = np.random.default_rng(0)
     corners = [shape_surface(shape) for shape in link.visuals]
     if not corners:
@@ -209,9 +210,9 @@ def back_project(depth: FloatArray, intrinsics: FloatArray, extrinsics: FloatArr
     """Return the world coordinates of every pixel, shape (h * w, 3) [m].
 
     Args:
-        depth: Along the optical axis (h, w) [m].
-        intrinsics: Camera to pixel (3, 3).
-        extrinsics: Camera to world (4, 4).
+        depth: Depth along the optical axis (h, w) [m].
+        intrinsics: Matrix from camera to pixel coordinates (3, 3).
+        extrinsics: Matrix from camera to world coordinates (4, 4).
     """
     height, width = depth.shape
     v, u = np.mgrid[0:height, 0:width] + 0.5
@@ -309,28 +310,28 @@ def rectangle(points: FloatArray) -> tuple[FloatArray, float, FloatArray]:
 
 
 def _turn(yaw: float) -> FloatArray:
-    """Return the matrix (2, 2) whose columns are the axes of a frame turned by `yaw` [rad]."""
+    """Return the rotation matrix (2, 2) of `yaw` [rad]."""
     c, s = np.cos(yaw), np.sin(yaw)
     return np.array([[c, -s], [s, c]])
 
 
 HEADINGS = 16
-"""Yaw angles from which registration starts."""
+"""Number of yaw angles from which the registration starts."""
 FARTHEST = 0.03
 """Upper bound of distances in a fit [m]."""
 POINTS = 1200
 """Number of scene points in the registration."""
 SURFACE = 12000
-"""Points of the model that they are brought to; with few, neighbours lie on different faces and normals are wrong."""
+"""Number of model points in the registration; with fewer, neighbours are on different faces and normals are wrong."""
 STAGES = (0.12, 0.04, 0.015)
-"""Largest distance of points that are brought together, one run after the other [m]."""
+"""Maximum correspondence distance of each stage of the registration [m]."""
 UNSEEN = 0.3
-"""Weight of the model's points, of which some are hidden, against the scene's, all of which belong to it."""
+"""Weight of the distances from model to scene, which are larger where the model is hidden; the other direction has the rest."""
 
 
 @dataclass(frozen=True, eq=False)
 class Located:
-    """A model in the scene."""
+    """A detected model in the scene."""
 
     model: KnownModel
     """The model."""
@@ -339,10 +340,10 @@ class Located:
     joints: Mapping[str, float]
     """Values of its joints."""
     error: float
-    """Mean distance of scene and model, each at most `FARTHEST` [m]."""
+    """Weighted mean distance of scene and model [m]; each distance is clipped to `FARTHEST`."""
 
     def point(self, local: FloatArray) -> FloatArray:
-        """Return a point (3,) of the frame of the model in the world."""
+        """Return the world coordinates (3,) [m] of a point in the frame of the model."""
         point: FloatArray = self.placement.act(np.asarray(local, dtype=float))
         return point
 
@@ -367,8 +368,8 @@ def locate(model: KnownModel, cloud: Cloud, states: Iterable[Mapping[str, float]
 
 
 def _best(model: KnownModel, joints: Mapping[str, float], scene: FloatArray) -> Located:
-    """Return the best fit of one state of the model."""
-    import small_gicp  # of the extra `classical`; other baselines need points alone
+    """Return the best registration of the model with given joint values."""
+    import small_gicp  # part of the extra `classical`; the other baselines work without it
 
     surface = outside(model.points_at(joints))
     surface = surface[:: max(1, len(surface) // SURFACE)]
@@ -391,12 +392,12 @@ def _best(model: KnownModel, joints: Mapping[str, float], scene: FloatArray) -> 
 
 
 def outside(points: FloatArray, cell: float = 0.02, depth: float = 0.01) -> FloatArray:
-    """Return those points (m, 3) of a surface (n, 3) that are seen from above or from a side, and not what is within.
+    """Return the points (m, 3) of a surface that are visible from above or from a side; inner points are removed.
 
     Args:
-        points: Points on the surface [m].
-        cell: Of the points in a square of this side across the direction of sight, the nearest one hides the others [m].
-        depth: Unless they lie less than this behind it [m].
+        points: Points on the surface (n, 3) [m].
+        cell: Edge of the cells across the viewing direction; the nearest point of a cell hides the others [m].
+        depth: Points less than this behind the nearest point stay visible [m].
     """
     seen = np.zeros(len(points), dtype=bool)
     for slope in (0.3, 0.8, 1.5):
@@ -411,7 +412,7 @@ def outside(points: FloatArray, cell: float = 0.02, depth: float = 0.01) -> Floa
 
 
 def _centred(surface: FloatArray, scene: FloatArray, yaw: float) -> pin.SE3:
-    """Return a placement of a heading that puts the middle of the model's box over that of the scene's."""
+    """Return the placement on the table with a yaw [rad] that aligns the centres of the boxes around model and scene."""
     turn = pin.rpy.rpyToMatrix(0.0, 0.0, yaw)
     turned = surface @ turn.T
     shift = 0.5 * (scene.min(axis=0) + scene.max(axis=0)) - 0.5 * (turned.min(axis=0) + turned.max(axis=0))
@@ -419,13 +420,13 @@ def _centred(surface: FloatArray, scene: FloatArray, yaw: float) -> pin.SE3:
 
 
 def _upright(placement: pin.SE3) -> pin.SE3:
-    """Return the placement with its heading alone, standing on the table."""
+    """Return the placement with only its yaw and its x and y, upright on the table."""
     yaw = float(np.arctan2(placement.rotation[1, 0], placement.rotation[0, 0]))
     return pin.SE3(pin.rpy.rpyToMatrix(0.0, 0.0, yaw), np.array([*placement.translation[:2], TABLE_HEIGHT]))
 
 
 def _misfit(tree: cKDTree, scene_tree: cKDTree, surface: FloatArray, scene: FloatArray, placement: pin.SE3) -> float:
-    """Return the mean distance of scene to model, and with less weight of model to scene [m]."""
+    """Return the weighted mean distance between scene and model [m], in both directions."""
     local = (scene - placement.translation) @ placement.rotation
     there = surface @ placement.rotation.T + placement.translation
     seen = np.minimum(tree.query(local)[0], FARTHEST).mean()
@@ -438,7 +439,7 @@ TABLE = ((1.6, 2.0, 0.1), (0.3, 0.0, TABLE_HEIGHT - 0.05))
 
 
 def near(world: WorldSnapshot, point: FloatArray, within: float) -> list[str]:
-    """Return the names of the boxes of a world, but the table, that come nearer to a point (3,) than `within` [m]."""
+    """Return the names of the boxes that are nearer than `within` [m] to a point (3,) [m]; the table is left out."""
     names = []
     for body in world.bodies:
         apart = np.abs(point - body.link_poses[0, :3]) - 0.5 * np.array(body.shapes[0].size)

@@ -31,9 +31,9 @@ from rlbench_pin.spatial import FloatArray, above_table, rotation_distance
 from rlbench_pin.values import as_record, as_whole
 
 POSITION, ROTATION, TORQUE = 1e-6, 1e-6, 1e-6
-"""Largest differences between simulation and model [m], [rad], and as a share of the largest torque."""
+"""Maximum differences between simulation and model [m], [rad], and as a fraction of the largest torque."""
 SOLVED = 0.995
-"""Least share of reachable poses that are solved."""
+"""Minimum fraction of reachable poses that inverse kinematics solves."""
 DEPTH = 0.002
 """Largest penetration of the pads into a cube after the gripper closed on it [m]."""
 SUNK = 0.005
@@ -43,9 +43,9 @@ POINTS_DOWN = -0.98
 WORKSPACE = ((0.15, -0.25, 0.1), (0.35, 0.25, 0.3))
 """Lower and upper corner of the box of tip positions; heights are above the table [m]."""
 SEEN = 0.3
-"""Smallest share of the wrist camera's image that must show the table."""
+"""Minimum fraction of the wrist camera image that must show the table."""
 TASKS = ("reach_target", "pick_and_lift")
-"""Tasks that are demonstrated."""
+"""Tasks whose demonstrations are checked."""
 
 
 @dataclass(frozen=True)
@@ -277,7 +277,7 @@ def encoded_demo(description: RobotDescription, task_name: str, seed: int = 1) -
 
 Checked = tuple[str, bool | None]
 Checker = Callable[[RobotDescription, int], Checked]
-"""Takes a description and a number of actions; returns the measured figure, and whether the check passed."""
+"""Function of a description and a number of actions that returns the measured figure, and whether the check passed."""
 
 
 def _tip(description: RobotDescription, _: int) -> Checked:

@@ -82,7 +82,7 @@ def _mark(draw: ImageDraw.ImageDraw, at: tuple[int, int], yaw: float | None, rea
 
 
 def _pixel(x: float, y: float) -> tuple[int, int]:
-    """World x, y [m] -> column, row of a panel; x grows upwards, y to the left."""
+    """Return column and row of a panel for world coordinates x, y [m]; x increases upwards, y to the left."""
     return round(_SCALE * (_TABLE[1][1] - y)), _MAP_CAPTION + round(_SCALE * (_TABLE[0][1] - x))
 
 
@@ -117,7 +117,7 @@ def draw_images(task: str, trials: Sequence[Trial], out: Path) -> dict[str, str]
 
 
 def _draw_sheet(task: str, trial: DemoTrial, out: Path) -> str:
-    """The events of a demonstration, from the task view and all cameras."""
+    """Draw the contact sheet of a demonstration, and return the name of its file."""
     sheet, _ = demo_sheet(find_task(task), trial.seed, trial.variation, attempt=len(trial.failed))
     file = Path("images") / f"{trial.task}.jpg"
     (out / file).parent.mkdir(parents=True, exist_ok=True)

@@ -65,7 +65,7 @@ def _arm_is_free(runtime: Runtime) -> bool:
 
 
 def _reached(planner: MotionPlanner, waypoints: Sequence[Waypoint], q: FloatArray, rng: np.random.Generator) -> tuple[bool, ...]:
-    """Visit the waypoints one after the other, each run with the grasp symmetry that reaches most of it."""
+    """Return which waypoints are reached in order; each group has the grasp symmetry that reaches most of its waypoints."""
     found: list[bool] = []
     previous = planner.model.tip_pose(q)
     for run in grasp_groups(waypoints):
@@ -79,7 +79,7 @@ def _reached(planner: MotionPlanner, waypoints: Sequence[Waypoint], q: FloatArra
 def _visit(
     planner: MotionPlanner, run: Sequence[Waypoint], turn: float, q: FloatArray, previous: FloatArray, rng: np.random.Generator
 ) -> tuple[list[bool], float, FloatArray]:
-    """Return which waypoints of a run are reached, how far the joints travel [rad], and where they end."""
+    """Return which waypoints of a group are reached, the joint motion [rad], and the final configuration (n,) [rad]."""
     reached, travel = [], 0.0
     for waypoint in run:
         poses = poses_of(waypoint, turn if turn <= np.pi else turn - 2.0 * np.pi, previous)

@@ -29,61 +29,61 @@ _FINER = 3
 _AFTER = 1.0
 """Time after success at which the last image is taken [s]."""
 _RELEASED, _FALLEN = 0.5, 0.03
-"""Time for which the gripper opens [s], and motion by which a body that it held has fallen then [m]."""
+"""Time for which the gripper opens [s], and minimum motion in this time of a held body that falls [m]."""
 _HIDDEN = ", arm hidden on the left"
 _HAND, _THROUGH, _COVERED, _BLUR = 0.95, 0.3, 0.22, 2.0
-"""Opacity of the hand where only the gripper is drawn, in front of all else and of the links of the task that matter and are not
-longer than so much [m], and how soft the border between both is [px]; fingers are opaque."""
+"""Where only the gripper is drawn: opacity of its hand in general, opacity in front of small relevant links of the task, maximum
+length of such links [m], and blur of the border between both [px]. Fingers are opaque."""
 _OUTLINE = 0.55
 """Opacity of the dark line around the hand."""
 _SHADOW = 0.4
-"""How much of the arm's shadow is seen where only the gripper is drawn."""
+"""Strength of the shadow of the arm where only the gripper is drawn."""
 _LARGE = 0.35
-"""From this longest side on a body is not framed whole [m]."""
+"""Minimum longest side of a large body, of which the image contains only a part [m]."""
 _NEAR = 0.16
-"""Distance from the links that move at which large bodies are framed [m]."""
+"""Maximum distance from moving links of the parts of large bodies that the image contains [m]."""
 _WHOLE, _TINY = 1.4, 0.1
-"""Large bodies are framed whole where all that is framed becomes no longer than by this factor, and where the longest link that
-moves keeps this share of its length."""
+"""The image contains whole large bodies if its content becomes at most this factor longer, and if the longest moving link has
+at least this fraction of the length of the content."""
 _AROUND = 0.04
-"""Room around all that is framed [m]."""
+"""Margin around the content of the image [m]."""
 _BESIDE_TASK = 0.09
-"""Distance from all else that is framed up to which the gripper is framed [m]."""
+"""Maximum distance of the gripper from the other content at which the image contains the gripper [m]."""
 _CLEAR_WAY = 0.05
-"""A way from the first to the last frame that is longer should lie across the image [m]."""
+"""Motions from the first to the last frame that are longer than this should be visible across the image [m]."""
 _LEVER = 0.1
-"""Distance from its axis at which a rotation is measured [m]."""
+"""Lever arm that converts rotations to distances [m]."""
 _SHORT, _LONG, _VERY_LONG = 10, 40, 350
 """Frames between contact and success without one half way, between contact and grasp from which on both are shown, and from which
 on more are shown: one between contact and grasp, and one for each quarter of the way between grasp and success."""
 _AT = 0.7
-"""Share of the time between contact and grasp at which the one between them is taken."""
+"""Time of the frame between contact and grasp, as a fraction of the time between them."""
 _STILL, _MOVED = 5e-4, 3e-3
-"""Motion of a link that is noise between two frames, and over a demonstration [m]."""
+"""Maximum motion of a stationary link between two frames, and over a demonstration [m]."""
 _DIRECTIONS = [(side * azimuth, tilt) for tilt in (25.0, 40.0, 55.0) for azimuth in range(15, 180, 30) for side in (1, -1)]
-"""Directions in which the camera may stand, seen from the task: from +x towards +y, and up [deg]."""
+"""Possible directions from the task to the camera: azimuth from +x towards +y, and elevation [deg]."""
 _NEAREST, _PER_RADIUS = 0.7, 3.4
-"""Distance of the camera from the middle of the task: at least [m], and as a multiple of the radius of the task."""
+"""Distance of the camera from the middle of the task: minimum [m], and multiple of the radius of the task."""
 _INSIDE = np.array([(-1.4, -1.75, 0.9), (1.9, 1.75, 2.5)])
-"""Box in which the camera may stand [m]."""
+"""Corners of the box of possible camera positions [m]."""
 _SMALL = 96
-"""Side of the masks by which the direction is chosen [px]."""
+"""Side of the masks for the choice of the direction [px]."""
 _ENOUGH = 0.7
-"""A view that shows so much of what the best one shows of a link is as good in that."""
+"""Fraction of the visible pixels of a link in the best view from which on more pixels do not improve a view."""
 _WELL = 0.3
-"""A view that shows so much of what the best one shows of a link shows it well."""
+"""Fraction of the visible pixels of a link in the best view from which on a view shows the link well."""
 _FINGERS, _END, _REVEALED, _APART = 1.4, 4.0, 3.0, 1.5
-"""Weights of what is seen of the fingers, of what has been moved at the end, of what a door or a lid hides, and of the distance
-in the image between what has been taken away and the rest."""
+"""Weights in the score of a view: visible fingers, moved links at the end, links that a door or lid hides, and distance in the
+image between removed bodies and the rest."""
 _STEEP = 0.8
-"""Loss of a view for each step of tilt above the flattest."""
+"""Decrease of the score for each step of elevation above the lowest."""
 _FACING, _BEFORE, _CLEARLY = 6.0, (-0.1, 0.5), 0.6
-"""Gain of a view from the side on which the bodies that move are; cosines between which it grows; and how clear that side is at
-least, as the length of the mean of unit vectors, to count in full."""
+"""Increase of the score of a view from the side of the moving bodies; range of cosines in which it grows; and minimum length of
+the mean of unit vectors towards that side for the full increase."""
 _ACROSS = 2.5
-"""Weight of the share of the motion's length that is seen."""
+"""Weight of the visible fraction of the length of the motion."""
 _BESIDE = 0.01
-"""Distance at which bodies touch, in images [m]."""
+"""Maximum distance of bodies that touch, for images [m]."""
 _MARGIN, _GAP, _CAPTION, _TITLE = 8, 8, 18, 54
 _INK, _PAPER, _FAINT = (30, 30, 30), (255, 255, 255), (110, 110, 110)
 

@@ -33,7 +33,7 @@ def install() -> None:
 
 
 def add_aliases(module: str, names: Iterable[str]) -> None:
-    """Make `import <module>.<name>` work for names of modules that RLBench or PyRep has; all stand for the module itself."""
+    """Make `import <module>.<name>` work for module names of RLBench or PyRep; each name refers to `module` itself."""
     target = sys.modules[module]
     for name in names:
         vars(target)[name] = target

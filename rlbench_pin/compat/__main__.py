@@ -1,4 +1,4 @@
-"""`python -m rlbench_pin.compat program.py`: run a program as plain python does, with `rlbench` and `pyrep` available."""
+"""`python -m rlbench_pin.compat program.py`: run a program like plain Python, with `rlbench` and `pyrep` available."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class NotFound(Exception):
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Run what the arguments name and return the exit code; `SystemExit` of the program passes through."""
+    """Run the program of the command-line arguments and return the exit code; `SystemExit` of the program passes through."""
     if not arguments or arguments[0] in ("-h", "--help"):
         (sys.stdout if arguments else sys.stderr).write(HELP)
         return DONE if arguments else MISUSED
@@ -54,7 +54,7 @@ def main(arguments: Sequence[str]) -> int:
 
 
 def _prepare(arguments: Sequence[str]) -> tuple[ModuleType, str | bytes | CodeType, list[str]]:
-    """Return the module `__main__`, its code, and the arguments that are left; the search path begins as plain python's."""
+    """Return the module `__main__`, its code, and the arguments of the program; set the search path as plain Python does."""
     first, *rest = arguments
     if first in ("-m", "-c"):
         if not rest:
@@ -77,12 +77,13 @@ def _prepare(arguments: Sequence[str]) -> tuple[ModuleType, str | bytes | CodeTy
 
 
 def _search_first(folder: str) -> None:
-    """Put the program's folder where python put the working folder, for `python -m`, at the head of the search path."""
+    """Replace the first entry of the search path, the working folder because of `python -m`, by the folder of the program."""
     if not sys.flags.safe_path:
         sys.path[0] = folder
 
 
 def _main_module(spec: ModuleSpec | None, file: str | None) -> ModuleType:
+    """Return an empty module `__main__` with the attributes that Python sets for a module specification or a file."""
     module = ModuleType("__main__")
     module.__spec__ = spec
     if spec is not None:
@@ -95,8 +96,8 @@ def _main_module(spec: ModuleSpec | None, file: str | None) -> ModuleType:
 
 
 def _module(name: str, folders: Sequence[str] | None = None) -> tuple[ModuleType, CodeType]:
-    """Return `__main__` and its code for a module or package by name, or for the `__main__` of some folder."""
-    install()  # before the search: the module may be one of ours, `-m rlbench.dataset_generator`
+    """Return `__main__` and its code for a module or package; `folders` are searched instead of the search path."""
+    install()  # before the search, for `-m rlbench.dataset_generator`
     try:
         spec = importlib.util.find_spec(name) if folders is None else PathFinder.find_spec(name, list(folders))
         if spec is not None and spec.submodule_search_locations is not None:

@@ -27,7 +27,7 @@ _WORDS = ("world", "end effector")
 
 
 class RelativeFrame(IntEnum):
-    """Frame of a Cartesian action; each equals the string that older programs use for it."""
+    """Frame of a Cartesian action; each value is also equal to the string that older programs use."""
 
     WORLD = 0
     EE = 1
@@ -50,10 +50,10 @@ def assert_action_shape(action: ArrayLike, expected_shape: tuple[int, ...]) -> N
 
 
 def calculate_delta_pose(robot: Any, action: Sequence[float] | FloatArray) -> FloatArray:
-    """Apply a delta to the tip's pose along world axes: positions are added, the rotation is multiplied from the left.
+    """Apply a delta in world axes to the tip pose: add the position, multiply the rotation from the left.
 
     Args:
-        robot: The robot of the tip.
+        robot: The robot.
         action: Delta pose (7,): x, y, z [m], qx, qy, qz, qw.
 
     Returns:
@@ -68,15 +68,15 @@ def pose_in_end_effector_frame(robot: Any, action: Sequence[float] | FloatArray)
 
 
 def tip_pose(robot: Any) -> FloatArray:
-    """Pose (7,) of the tip in the world."""
+    """Return the pose (7,) of the tip in the world."""
     return np.asarray(robot.arm.get_tip().get_pose(), dtype=float)
 
 
 class UserMode:
-    """A mode whose methods users write; calling a missing method raises an error that names it."""
+    """Base of action modes of users; each method that a user does not write raises an error with its name."""
 
     def action(self, scene: SceneLike, action: Action) -> None:
-        """Run one action to its end."""
+        """Execute one action to its end."""
         raise self._missing("action(scene, action)")
 
     def action_pre_step(self, scene: SceneLike, action: Action) -> None:
@@ -88,7 +88,7 @@ class UserMode:
         raise self._missing("action_step(scene, action)")
 
     def action_post_step(self, scene: SceneLike, action: Action) -> None:
-        """Come to rest, after the simulation was stepped."""
+        """Stop the motion, after the simulation steps."""
         raise self._missing("action_post_step(scene, action)")
 
     def action_shape(self, scene: SceneLike | None = None) -> tuple[int, ...]:
@@ -96,7 +96,7 @@ class UserMode:
         raise self._missing("action_shape(scene)", " that returns a tuple")
 
     def action_bounds(self, scene: SceneLike | None = None) -> tuple[FloatArray, FloatArray]:
-        """Return lowest and highest values of an action, each of shape (n,)."""
+        """Return lower and upper bounds of an action, each of shape (n,)."""
         raise self._missing("action_bounds()", " for this use, such as gymnasium")
 
     def _missing(self, method: str, purpose: str = "") -> NotImplementedError:
@@ -104,20 +104,20 @@ class UserMode:
 
 
 _SEARCH = {"trials": 100, "max_configs": 10, "max_time_ms": 10, "trials_per_goal": 5}
-"""Further planning arguments that arms of programs expect; the arm of this package has its own budget."""
+"""Additional planning arguments for arms that programs define; the arm of this package ignores them."""
 
 
 def plan_motion(scene: SceneLike, target: FloatArray, ignore_collisions: bool, second_try: bool) -> ConfigurationPath:
-    """Ask the arm for a path of the tip to a world pose (7,).
+    """Return a path of the arm that moves the tip to a world pose (7,).
 
     Args:
-        scene: What moves.
-        target: Where to.
+        scene: The scene of the arm.
+        target: Target pose of the tip (7,).
         ignore_collisions: Plan without collision checks.
         second_try: If planning with collision checks fails, plan without them.
 
     Raises:
-        InvalidActionError: No motion was found.
+        InvalidActionError: The target is outside the workspace, or no motion was found.
     """
     runtime_of(scene).check_target_in_workspace(target[:3])
     arm: Any = Panda() if isinstance(scene, Runtime) else scene.robot.arm
@@ -134,14 +134,14 @@ def run(scene: SceneLike, path: ConfigurationPath, on_step: OnStep | None) -> No
     """Follow a path to its end, or until the episode is over; with a callback always to its end.
 
     Args:
-        scene: What moves.
-        path: The motion.
-        on_step: Called with an observation after every step.
+        scene: The scene of the arm.
+        path: The path.
+        on_step: Function that is called with an observation after each step.
     """
     runtime = runtime_of(scene)
 
     def show() -> None:
-        """Gripper over what is seen after a step."""
+        """Call `on_step` with a new observation."""
         if on_step is not None:
             on_step(scene.get_observation())
 
@@ -157,7 +157,7 @@ def run(scene: SceneLike, path: ConfigurationPath, on_step: OnStep | None) -> No
 
 
 def setting(name: str) -> property:
-    """Return a property that reads and sets a setting of one of our modes, under the name that derived classes use."""
+    """Return a property that is an alias of the attribute `name`."""
 
     def read(self: Any) -> Any:
         return getattr(self, name)
@@ -169,13 +169,13 @@ def setting(name: str) -> property:
 
 
 class ScenePart(Mode):
-    """Mixin before one of our modes in the bases of a class."""
+    """Mixin that adds the interface of RLBench to a native action mode; it comes before the mode in the bases of a class."""
 
     def action(self, scene: SceneLike, action: object) -> None:
-        """Check one action, then run it to its end: the three parts below, one after the other.
+        """Check one action, then execute it to its end, by the next three methods.
 
         Raises:
-            InvalidActionError: The action is refused; nothing has moved.
+            InvalidActionError: The action is invalid; the robot has not moved.
         """
         self.action_pre_step(scene, action)
         self.action_step(scene, action)
@@ -186,30 +186,30 @@ class ScenePart(Mode):
         self.values(scene, action)
 
     def action_step(self, scene: SceneLike, action: object) -> None:
-        """Step the simulation until the action is done."""
+        """Step the simulation until the action is complete."""
         self.steps(runtime_of(scene), self.values(scene, action))
 
     def action_post_step(self, scene: SceneLike, action: object) -> None:
-        """Come to rest."""
+        """Stop the motion."""
 
     def action_shape(self, scene: SceneLike | None = None) -> tuple[int]:
         """Return the shape of an action."""
         return (self.spec(runtime_of(scene)).size,)
 
     def action_bounds(self, scene: SceneLike | None = None) -> tuple[FloatArray, FloatArray]:
-        """Return lowest and highest values of an action, each of shape (n,)."""
+        """Return lower and upper bounds of an action, each of shape (n,)."""
         spec = self.spec(runtime_of(scene))
         return spec.low.copy(), spec.high.copy()
 
     def values(self, scene: SceneLike, action: object) -> FloatArray:
-        """Return the numbers (n,) of an action, or raise InvalidActionError when it is refused."""
+        """Return the values (n,) of an action, or raise InvalidActionError if it is invalid."""
         runtime = runtime_of(scene)
         numbers = as_action(action, self.spec(runtime).size, type(self).__name__)
         return self.check(runtime, numbers)
 
 
 class OneStepPart(ScenePart):
-    """A mode that commands something and steps the simulation once, through the scene."""
+    """A mode that sets commands and steps the simulation once, through the scene."""
 
     def action_pre_step(self, scene: SceneLike, action: object) -> None:
         self.pre_step(runtime_of(scene), self.values(scene, action))

@@ -1,4 +1,4 @@
-"""Kinematics and planning for the arms of `pyrep`, in the present world."""
+"""Kinematics and planning for the arms of `pyrep`, in the current world."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ ALGORITHMS: dict[str, Algorithm] = {
     "BKPIECE1": "bkpiece",
     "LBKPIECE1": "lbkpiece",
 }
-"""PyRep's name of an algorithm -> ours; all other names mean our RRT-Connect."""
+"""PyRep's name of an algorithm -> our name; all other names select RRT-Connect."""
 USUAL_JERK = 1000.0
-"""Jerk limit above which changes of acceleration count as instantaneous [rad/s^3]."""
+"""From this jerk limit on, trajectories have no jerk limit [rad/s^3]."""
 
 
 @dataclass(frozen=True)
@@ -33,15 +33,15 @@ class Pace:
     """Limits of velocity, acceleration and jerk of an arm."""
 
     velocity: float
-    """[rad/s]."""
+    """Maximum velocity [rad/s]."""
     acceleration: float
-    """[rad/s^2]."""
+    """Maximum acceleration [rad/s^2]."""
     jerk: float
-    """[rad/s^3]."""
+    """Maximum jerk [rad/s^3]."""
 
 
 def euler_quaternion(euler: Sequence[float] | FloatArray) -> FloatArray:
-    """Return the quaternion (4,) of angles (3,) [rad] about x, then the new y, then the new z."""
+    """Return the quaternion (4,) of intrinsic rotations by angles (3,) [rad] about x, y, z, in this order."""
     halves = 0.5 * np.asarray(euler, dtype=float)
     about = [np.concatenate([np.zeros(3), np.sin(h) * np.eye(3)[i], [np.cos(h)]]) for i, h in enumerate(halves)]
     return compose(*about)[3:]
@@ -56,9 +56,9 @@ def world_pose(
     """Return a pose (7,) in the world.
 
     Args:
-        position: Shape (3,), [m].
-        euler: Angles (3,) about x, y, z, each about the turned axis [rad]; this or the quaternion.
-        quaternion: x, y, z, w.
+        position: Position (3,) [m].
+        euler: Intrinsic rotations (3,) about x, y, z [rad]; either this or the quaternion is given.
+        quaternion: Quaternion (4,): x, y, z, w.
         relative_to: Object in whose frame the pose is given; None is the world.
 
     Raises:
@@ -76,13 +76,13 @@ def world_pose(
 def plan_to(
     simulator: Simulator, pose: FloatArray, *, straight: bool | None, ignore_collisions: bool, algorithm: str = ""
 ) -> Plan:
-    """Plan from the present configuration to a tip pose (7,); see `MotionPlanner.plan_to_pose`.
+    """Plan from the current configuration to a tip pose (7,); see `MotionPlanner.plan_to_pose`.
 
     Args:
-        simulator: What moves.
-        pose: Goal of the tip in the world.
-        straight: Only straight lines, none, or straight ones first (None).
-        ignore_collisions: Plan without collision checks; otherwise bodies that the arm touches already may be touched.
+        simulator: The simulator of the arm.
+        pose: Target pose of the tip in the world (7,).
+        straight: True: only a straight line; False: no straight line; None: a straight line first.
+        ignore_collisions: Plan without collision checks; otherwise the bodies of `may_be_touched` are ignored.
         algorithm: PyRep's name of a sampling planner.
     """
     runtime = simulator.runtime
@@ -94,7 +94,7 @@ def plan_to(
 
 
 def may_be_touched(simulator: Simulator) -> tuple[str, ...]:
-    """Return the names of the bodies that plans ignore: those that the arm touches already, and those that are not collidable."""
+    """Return the names of the bodies that plans ignore: those that the arm touches now, and those that are not collidable."""
     return tuple(sorted({*uncollidable(simulator), *simulator.runtime.touching()}))
 
 
@@ -105,13 +105,13 @@ def uncollidable(simulator: Simulator) -> list[str]:
 
 
 def plan_along(runtime: Runtime, poses: Sequence[FloatArray]) -> Plan:
-    """Plan a motion whose tip passes poses (7,) without stopping, without collision checks."""
+    """Plan a motion of the tip through poses (7,), without stops and without collision checks."""
     runtime.refresh_planner()
     return runtime.planner.plan_curve(runtime.measured_start, list(poses))
 
 
 def timed(runtime: Runtime, points: FloatArray, pace: Pace) -> Trajectory:
-    """Time a path through configurations (m, n) [rad] as fast as the pace allows, at rest at both ends."""
+    """Return the fastest trajectory through configurations (m, n) [rad] within the limits, with zero velocity at both ends."""
     planner = runtime.planner
     return retime(
         points,
@@ -132,7 +132,7 @@ def paced(runtime: Runtime, plan: Plan, pace: Pace) -> Trajectory:
 def configurations(
     simulator: Simulator, pose: FloatArray, *, ignore_collisions: bool, starts: int, most: int
 ) -> list[FloatArray]:
-    """Return up to `most` configurations (n,) [rad] of different kinds whose tip is at a pose (7,), nearest first."""
+    """Return up to `most` different configurations (n,) [rad] with the tip at a pose (7,), the nearest first."""
     runtime = simulator.runtime
     collision = None
     if not ignore_collisions:
@@ -144,14 +144,14 @@ def configurations(
 
 
 def nearest_configuration(runtime: Runtime, pose: FloatArray) -> FloatArray:
-    """Return the configuration (n,) [rad] that a descent from the present posture finds for a tip pose (7,)."""
+    """Return the configuration (n,) [rad] for a tip pose (7,) that inverse kinematics finds from the current configuration."""
     return solve_ik(runtime.model, pose, runtime.robot.joint_positions, runtime.planning_rng, starts=1)[0]
 
 
 def arm_collides(simulator: Simulator, name: str | None) -> bool:
-    """Return whether the arm or a grasped body overlaps the body `name`; None: any collidable body, or the arm itself.
+    """Return whether the arm or a grasped body collides with the body `name`; None: with any collidable body, or itself.
 
-    A grasped body counts as overlapping the gripper while they touch.
+    A grasped body collides with the gripper while they touch.
     """
     runtime = simulator.runtime
     if name in runtime.gripper.grasped:
@@ -164,7 +164,7 @@ def arm_collides(simulator: Simulator, name: str | None) -> bool:
 
 
 def _planner(runtime: Runtime, algorithm: str) -> MotionPlanner:
-    """Return the runtime's planner, or one like it with another algorithm."""
+    """Return the planner of the runtime, or a new planner with the same settings and another algorithm."""
     config = runtime.planner.config
     wanted = replace(config, algorithm=ALGORITHMS.get(algorithm, config.algorithm))
     return runtime.planner if wanted == config else MotionPlanner(runtime.model, wanted)

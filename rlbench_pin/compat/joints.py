@@ -1,7 +1,7 @@
 """Joints of objects and of the robot: read, drive and restore them.
 
-`ArmMotors` and `FingerMotors` have the same methods. Every vector has one number per joint, in [rad] and [N m] for the arm, in
-[m] and [N] for the fingers.
+`ArmMotors` and `FingerMotors` have the same methods. Each vector (n,) has one value per joint: [rad], [rad/s] and [N m] for the
+arm, [m], [m/s] and [N] for the fingers.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ class Requested:
     velocities: FloatArray
     """Target velocities (n,)."""
     forces: FloatArray
-    """Force caps (n,)."""
+    """Maximum forces (n,)."""
 
 
 def _vector(numbers: Numbers, size: int, what: str) -> FloatArray:
-    """Return `size` finite numbers, or raise ValueError."""
+    """Return the numbers as an array (size,), or raise ValueError with `what` if they are not finite or too few or many."""
     values = np.array(numbers, dtype=float)
     if values.shape != (size,) or not np.isfinite(values).all():
         raise ValueError(f"{what} have to be {size} finite numbers, not {numbers!r}.")
@@ -40,7 +40,7 @@ def _vector(numbers: Numbers, size: int, what: str) -> FloatArray:
 
 
 class ArmMotors:
-    """Motors of the present arm."""
+    """Motors of the arm of the current simulator."""
 
     @property
     def _runtime(self) -> Runtime:
@@ -48,7 +48,7 @@ class ArmMotors:
 
     @property
     def _requested(self) -> Requested:
-        """Initially no velocity, and the full force of the motors."""
+        """Commands of the program; initially velocity 0 and the full force of the motors."""
         runtime = self._runtime
         return runtime.kept(ArmMotors, lambda: Requested(np.zeros(runtime.model.size), runtime.robot.effort_limits.copy()))
 
@@ -65,15 +65,15 @@ class ArmMotors:
         return self._runtime.robot.joint_torques
 
     def limits(self) -> FloatArray:
-        """Lowest and highest positions, shape (2, n)."""
+        """Lower and upper position limits, shape (2, n)."""
         return np.array([self._runtime.robot.lower, self._runtime.robot.upper])
 
     def velocity_limits(self) -> FloatArray:
-        """Largest speeds."""
+        """Velocity limits."""
         return self._runtime.robot.velocity_limits.copy()
 
     def teleport(self, positions: Numbers) -> None:
-        """Set the joint positions, at rest; grasped bodies move with the gripper."""
+        """Set the joint positions with velocity 0; grasped bodies move with the gripper."""
         runtime = self._runtime
         runtime.robot.reset_configuration(np.asarray(positions, dtype=float))
         hand = runtime.robot.link_pose(runtime.description.hand_link)
@@ -81,7 +81,7 @@ class ArmMotors:
             runtime.world.body(held.body).set_pose(compose(hand, held.T_hand_body))
 
     def target_positions(self) -> FloatArray:
-        """Target positions; without position control the measured ones."""
+        """Target positions; without position control the measured positions."""
         control = self._runtime.robot.control
         return control.target.copy() if control.mode == "position" else self.positions()
 
@@ -90,7 +90,7 @@ class ArmMotors:
         self._runtime.robot.set_position_targets(np.asarray(positions, dtype=float))
 
     def target_velocities(self) -> FloatArray:
-        """Velocities that were requested; zero under position control."""
+        """Target velocities; 0 with position control."""
         return self._requested.velocities.copy() if not self.control_loop() else np.zeros(self._runtime.model.size)
 
     def set_target_velocities(self, velocities: Numbers) -> None:
@@ -112,18 +112,18 @@ class ArmMotors:
             self._drive()
 
     def control_loop(self) -> bool:
-        """Whether positions are controlled."""
+        """Whether position control is on."""
         return self._runtime.robot.mode == "position"
 
     def set_control_loop(self, enabled: bool) -> None:
-        """Control positions, at first those measured; otherwise velocities, zero at first."""
+        """Switch to position control at the measured positions, or to velocity control with velocity 0."""
         if enabled and not self.control_loop():
             self._runtime.hold()
         elif not enabled and self.control_loop():
             self.set_target_velocities(np.zeros(self._runtime.model.size))
 
     def _drive(self) -> None:
-        """Command what was requested: torques where velocities out of reach meet capped forces, otherwise velocities."""
+        """Apply the requested commands: torques for velocities beyond the limits with limited forces, otherwise velocities."""
         robot, requested = self._runtime.robot, self._requested
         out_of_reach = bool((np.abs(requested.velocities) > robot.velocity_limits).any())
         if out_of_reach and bool((requested.forces < robot.effort_limits).any()):
@@ -133,7 +133,7 @@ class ArmMotors:
 
 
 class FingerMotors:
-    """Motors of the present gripper; a gear couples the fingers, so that they get the mean of the requested values."""
+    """Motors of the gripper of the current simulator; the fingers are coupled, so the mean of the requested values applies."""
 
     @property
     def _runtime(self) -> Runtime:
@@ -141,7 +141,7 @@ class FingerMotors:
 
     @property
     def _requested(self) -> Requested:
-        """Initially no velocity, and the full force of the motors."""
+        """Commands of the program; initially velocity 0 and the full force of the motors."""
         force = self._runtime.description.gripper_force
         return self._runtime.kept(FingerMotors, lambda: Requested(np.zeros(self._count), np.full(self._count, force)))
 
@@ -164,11 +164,11 @@ class FingerMotors:
         return np.array([np.zeros(self._count), np.full(self._count, self._runtime.description.gripper_open)])
 
     def velocity_limits(self) -> FloatArray:
-        """Speeds of gripper actions; faster ones may be requested."""
+        """Finger speeds of gripper actions; a program can request higher ones."""
         return np.full(self._count, self._runtime.description.finger_speed)
 
     def teleport(self, positions: Numbers) -> None:
-        """Put the fingers at positions, at rest; the arm is not changed."""
+        """Set the finger positions with velocity 0; the arm does not change."""
         runtime = self._runtime
         states, fingers = runtime.robot.joint_states(), slice(runtime.model.size, None)
         opening = np.clip(_vector(positions, self._count, "finger positions"), *self.limits())
@@ -187,7 +187,7 @@ class FingerMotors:
         return self._requested.velocities.copy()
 
     def set_target_velocities(self, velocities: Numbers) -> None:
-        """Open at a positive, close at a negative mean of velocities; hold at zero."""
+        """Open if the mean velocity is positive, close if it is negative, hold the position if it is 0."""
         requested = self._requested
         requested.velocities = _vector(velocities, self._count, "finger velocities")
         speed = float(requested.velocities.mean())
@@ -197,21 +197,22 @@ class FingerMotors:
             self._go(self._runtime.description.gripper_open if speed > 0.0 else 0.0, abs(speed))
 
     def set_forces(self, forces: Numbers) -> None:
-        """Cap the fingers' forces, from the next motion on."""
+        """Set the maximum forces of the fingers for the next motions."""
         self._requested.forces = np.abs(_vector(forces, self._count, "finger forces"))
 
     def control_loop(self) -> bool:
-        """Always true: finger motors follow positions, at a given speed."""
+        """Always True: finger motors follow positions at a given speed."""
         return True
 
     def set_control_loop(self, enabled: bool) -> None:
         """No effect: target velocities move the fingers in both modes."""
 
     def open_to(self, amount: float, speed: float) -> None:
-        """Go to an opening, 0 shut to 1 open, at a finger speed [m/s], with the force that was set."""
+        """Move to an opening (0 closed to 1 open) at a finger speed [m/s] with the maximum force of `set_forces`."""
         self._runtime.gripper.set_target(amount, speed, float(self._requested.forces.mean()) or None)
 
     def _go(self, position: float, speed: float) -> None:
+        """Move to a finger position [m] at a speed [m/s]."""
         self.open_to(float(np.clip(position / self._runtime.description.gripper_open, 0.0, 1.0)), speed)
 
 
@@ -219,7 +220,7 @@ Motors = ArmMotors | FingerMotors
 
 
 class BodyJointDrive:
-    """A joint of an object; its motor is the stiff one that locks it."""
+    """Access to a joint of an object; its only motor is the stiff lock."""
 
     speed_limit = float("inf")
 
@@ -236,7 +237,7 @@ class BodyJointDrive:
 
     @property
     def force(self) -> float:
-        """Force of the spring now; motors that lock are not measured."""
+        """Current force of the spring; 0 without a spring or when locked, since forces of locks are not measured."""
         spring = self._joint.spec.spring
         if spring is None or self._joint.locked:
             return 0.0
@@ -247,16 +248,16 @@ class BodyJointDrive:
         return float(self._joint.lower), float(self._joint.upper)
 
     def put(self, position: float) -> None:
-        """Put the joint at a value, at rest."""
+        """Set the joint position, with velocity 0."""
         self._joint.set_position(float(position))
 
     def target(self) -> float:
-        """Locked position, or the measured one."""
+        """Position of the lock; the measured position if the joint is not locked."""
         locked = self._joint.lock_position
         return self.position if locked is None else float(locked)
 
     def set_target(self, position: float) -> None:
-        """Lock the joint at a value: the motor drives it there, as fast as its force allows."""
+        """Lock the joint at a position; the motor moves it there as fast as its force allows."""
         self._joint.set_lock(float(np.clip(position, *self.limits)))
 
     def target_velocity(self) -> float:
@@ -264,7 +265,7 @@ class BodyJointDrive:
         return 0.0
 
     def set_target_velocity(self, velocity: float) -> None:
-        """Lock the joint where it is at 0; refuse any other speed."""
+        """Lock the joint at its current position if `velocity` is 0; raise UnsupportedCall otherwise."""
         if velocity != 0.0:
             raise UnsupportedCall(
                 f"set_joint_target_velocity({velocity}) of '{self._joint.name}'",
@@ -281,17 +282,17 @@ class BodyJointDrive:
         )
 
     def is_driven(self) -> bool:
-        """Whether it is locked."""
+        """Whether the joint is locked."""
         return bool(self._joint.locked)
 
     def set_driven(self, driven: bool) -> None:
-        """Lock the joint where it is, or unlock it."""
+        """Lock the joint at its current position, or unlock it."""
         if driven != self._joint.locked:
             self._joint.set_lock(self.position if driven else None)
 
 
 class RobotJointDrive:
-    """A joint of the arm or gripper; the others keep their commands."""
+    """Access to one joint of the arm or gripper; the other joints keep their commands."""
 
     def __init__(self, motors: Motors, index: int, prismatic: bool) -> None:
         self._motors, self._index, self.prismatic = motors, index, prismatic
@@ -319,7 +320,7 @@ class RobotJointDrive:
         return float(self._motors.velocity_limits()[self._index])
 
     def put(self, position: float) -> None:
-        """Put the joint at a value, at rest; the others stay."""
+        """Set the joint position, with velocity 0 for all joints; the others keep their positions."""
         self._motors.teleport(self._with(self._motors.positions(), position))
 
     def target(self) -> float:
@@ -335,18 +336,19 @@ class RobotJointDrive:
         self._motors.set_target_velocities(self._with(self._motors.target_velocities(), velocity))
 
     def set_force(self, force: float) -> None:
-        """Cap the forces of all joints of the component equally: there are no caps for single joints."""
+        """Set the maximum force of all joints of the arm or gripper; single joints have no own limit."""
         self._motors.set_forces(np.full(len(self._motors.positions()), force))
 
     def is_driven(self) -> bool:
-        """Whether positions are controlled."""
+        """Whether position control is on."""
         return self._motors.control_loop()
 
     def set_driven(self, driven: bool) -> None:
-        """Control positions or velocities, of all joints of the component."""
+        """Switch all joints of the arm or gripper to position control or velocity control."""
         self._motors.set_control_loop(driven)
 
     def _with(self, values: np.ndarray, value: float) -> np.ndarray:
+        """Return a copy of values (n,) with the value of this joint replaced."""
         changed = np.array(values, dtype=float)
         changed[self._index] = value
         return changed
@@ -356,7 +358,7 @@ JointDrive = BodyJointDrive | RobotJointDrive
 
 
 def drive_of(table: ObjectTable, element: Element) -> JointDrive:
-    """Return the object that reads and drives a joint."""
+    """Return the access to a joint of an object or of the robot."""
     if element.kind == "joint":
         joint = table.world.joint(element.name)
         owner, _, name = element.name.partition("/")
@@ -383,7 +385,7 @@ class ConfigurationTree:
         return cls(poses, {e: drive_of(table, e).position for e in members if e.kind in ("joint", "robot_joint")})
 
     def write(self, table: ObjectTable) -> None:
-        """Restore all poses and joint values, at rest; objects that no longer exist are left out."""
+        """Restore all poses and joint positions, with velocity 0; objects that no longer exist are skipped."""
         for element, pose in self.poses.items():
             if table.exists(element):
                 table.scene_object(element).set_pose(pose, True)

@@ -22,5 +22,5 @@ TASK_SETS: dict[str, dict[str, tuple[str, ...]]] = {
 
 
 def all_tasks() -> tuple[str, ...]:
-    """Return all names of tasks that programs may use: the public set, PerAct's, and the further tasks of our library."""
+    """Return the names of all tasks that programs can use: the public set, those of PerAct, and the rest of our library."""
     return tuple(sorted({*KNOWN_TASKS, *PERACT_TASKS, *task_names()}))

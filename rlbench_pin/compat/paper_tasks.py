@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from rlbench.backend.task import Task as UserTask
 
 FIXED_ATTRIBUTES = ("pyrep", "robot", "name", "_native")
-"""Attributes of a user's task that never change."""
+"""Attributes of a user's task that are not part of the state of an episode."""
 
 
 class PaperTask(Task):
@@ -41,7 +41,7 @@ class PaperTask(Task):
     user_class: ClassVar[type[UserTask]]
     """Class of the user's task."""
     has_step: ClassVar[bool] = True
-    """Whether that class has a `step` of its own."""
+    """Whether that class defines `step`."""
 
     def __init__(self, world: World) -> None:
         super().__init__(world)
@@ -55,7 +55,7 @@ class PaperTask(Task):
         """The user's task.
 
         Raises:
-            TaskError: There is none yet.
+            TaskError: No user's task is connected yet.
         """
         if self._user is None:
             raise TaskError(
@@ -65,7 +65,7 @@ class PaperTask(Task):
         return cast("UserTask", self._user.owner)
 
     def tie(self, user: UserTask) -> None:
-        """Connect the user's task, whose views refer to this world from now on, and let it find its objects."""
+        """Connect the user's task, whose views then refer to this world, and call its `init_task`."""
         self._user = Remembered(user, FIXED_ATTRIBUTES)
         with self._draws.lent():
             user.load()
@@ -74,6 +74,7 @@ class PaperTask(Task):
         self._made = tuple(sorted(name for name in self.world.spawned if self._hangs_in_task(name)))
 
     def _hangs_in_task(self, name: str | None) -> bool:
+        """Return whether a body or frame is a descendant of the root of the task."""
         while name not in (None, ROOT, WORLD):
             name = self.world.places.parent(str(name).partition("/")[0])
         return name == ROOT
@@ -86,12 +87,12 @@ class PaperTask(Task):
 
     @classmethod
     def scene_file(cls) -> Path:
-        """Return the scene file: beside the user's module, called after the task or after the module.
+        """Return the scene file: in the folder of the user's module, with the name of the task or of the module.
 
-        A class derived from one of the library, or with the same name, has the scene of the library if it has no own scene file.
+        Without such a file, a class that is derived from a library task or has its name uses the scene of the library.
 
         Raises:
-            SceneNotFound: There is none.
+            SceneNotFound: There is no scene file.
         """
         name, module = snake_case(cls.user_class.__name__), module_file(cls.user_class)
         wanted = [module.with_name(f"{name}.toml")]
@@ -107,10 +108,10 @@ class PaperTask(Task):
     # What a task file overrides ---------------------------------------------------------------------------------------
 
     def init_task(self) -> None:
-        """No effect: the user's task finds its objects when it is connected to this one."""
+        """No effect: `tie` calls `init_task` of the user's task."""
 
     def init_episode(self, variation: int, rng: np.random.Generator) -> list[str]:
-        """Let the user's task lay out an episode; its draws from the global generators come from `rng`."""
+        """Set up an episode by the user's task; its draws from the global generators are seeded by `rng`."""
         self._draws.seed(int(rng.integers(2**32)))
         self._placement = rng
         try:
@@ -121,18 +122,18 @@ class PaperTask(Task):
         return list(dict.fromkeys(sentences)) if isinstance(sentences, list | tuple) else sentences
 
     def origin_episode(self, variation: int) -> list[str]:
-        """Set up an episode as the library task does from which the user's class is derived."""
+        """Set up an episode by the library task from which the user's class is derived."""
         rng = self._placement
         if rng is None:
             rng = np.random.default_rng(np.random.randint(2**31 - 1))  # noqa: NPY002
         return self.user_class.native_origin().init_episode(self, variation, rng)
 
     def variation_count(self) -> int:
-        """Return how many variations the user's task has."""
+        """Return the number of variations of the user's task."""
         return int(self.user.variation_count())
 
     def step(self) -> None:
-        """Run the user's step, if there is one."""
+        """Call `step` of the user's task, if it defines one."""
         if not self.has_step:
             super().step()
             return
@@ -140,20 +141,20 @@ class PaperTask(Task):
             self.user.step()
 
     def cleanup(self) -> None:
-        """Run the user's clean-up."""
+        """Call `cleanup` of the user's task."""
         with self._draws.lent():
             self.user.cleanup()
 
     def reward(self) -> float | None:
-        """Return the user's shaped reward."""
+        """Return the shaped reward of the user's task; None if it has none."""
         return self.user.reward()
 
     def get_low_dim_state(self) -> FloatArray:
-        """Return the user's state of the objects, shape (n,)."""
+        """Return the state of the objects from the user's task, shape (n,)."""
         return np.asarray(self.user.get_low_dim_state(), dtype=float)
 
     def poses_of_made(self) -> FloatArray:
-        """Return the poses of the shapes that the user's `init_task` hung in the task, by name; zeros for removed ones."""
+        """Return the poses of the shapes that the user's `init_task` added to the task, sorted by name; zeros if removed."""
         bodies = self.world.bodies
         return np.concatenate([np.zeros(0), *(bodies[name].pose if name in bodies else np.zeros(7) for name in self._made)])
 
@@ -162,16 +163,16 @@ class PaperTask(Task):
         return self.user.decorate_observation(observation)
 
     def is_static_workspace(self) -> bool:
-        """Return whether the user's task has a fixed place."""
+        """Return whether the user's task has a fixed pose on the table."""
         return bool(self.user.is_static_workspace())
 
     def base_rotation_bounds(self) -> RotationBounds:
-        """Return the user's bounds of the random rotation of the task root [rad]."""
+        """Return the bounds of the random rotation of the task root from the user's task [rad]."""
         low, high = self.user.base_rotation_bounds()
         return (float(low[0]), float(low[1]), float(low[2])), (float(high[0]), float(high[1]), float(high[2]))
 
     def success(self) -> tuple[bool, bool]:
-        """Return whether the user's goal is reached, and whether the episode is over."""
+        """Return whether the user's task is successful, and whether it ends the episode."""
         success, terminate = self.user.success()
         return bool(success), bool(terminate)
 
@@ -183,19 +184,21 @@ class PaperTask(Task):
     # Registrations ----------------------------------------------------------------------------------------------------
 
     def register_graspable_objects(self, names: Iterable[str]) -> None:
-        """Allow the gripper to grasp these bodies; earlier ones may have been removed since."""
+        """Allow the gripper to grasp these bodies, and remove registrations of bodies that no longer exist."""
         self._graspable = tuple(name for name in self._graspable if name in self.world.bodies)
         super().register_graspable_objects(names)
 
     def register_waypoint_ability_start(self, index: int, hook: WaypointHook) -> None:
-        """Call `hook(waypoint)` before the segment to a waypoint is planned, with the generators of this task."""
+        """Call `hook(waypoint)` before the segment to a waypoint is planned, with the random generators of this task."""
         super().register_waypoint_ability_start(index, self._drawing(hook))
 
     def register_waypoint_ability_end(self, index: int, hook: WaypointHook) -> None:
-        """Call `hook(waypoint)` after the segment to a waypoint was run, with the generators of this task."""
+        """Call `hook(waypoint)` after the segment to a waypoint was executed, with the random generators of this task."""
         super().register_waypoint_ability_end(index, self._drawing(hook))
 
     def _drawing(self, hook: WaypointHook) -> WaypointHook:
+        """Return a hook that calls `hook` with the random generators of this task."""
+
         def run(waypoint: Waypoint) -> None:
             with self._draws.lent():
                 hook(waypoint)
@@ -203,7 +206,7 @@ class PaperTask(Task):
         return run
 
     def forget_registrations(self) -> None:
-        """Forget everything that was registered."""
+        """Remove all registered conditions, graspable bodies and hooks."""
         self.register_success_conditions([])
         self.register_fail_conditions([])
         self.register_graspable_objects([])
@@ -229,7 +232,7 @@ def module_file(user: type) -> Path:
     """Return the file that defines a class.
 
     Raises:
-        TaskError: It was defined interactively, so that there is no file.
+        TaskError: The class was defined interactively, so there is no file.
     """
     try:
         return Path(inspect.getfile(user)).resolve()
@@ -243,7 +246,7 @@ def module_file(user: type) -> Path:
 
 @cache
 def adapter_of(user: type[UserTask], has_step: bool) -> type[PaperTask]:
-    """Return the native class that calls objects of a user's class; with `has_step` also after every tick."""
+    """Return the native class that calls objects of a user's class; `has_step`: also after each tick."""
     origin = user.native_origin()
     bases = (PaperTask,) if origin is Task else (PaperTask, origin)
     namespace = {"user_class": user, "has_step": has_step, "__doc__": user.__doc__, "__module__": user.__module__}

@@ -24,14 +24,14 @@ from rlbench_pin.tasks import Task
 
 
 class Simulator:
-    """One arm, and the world of the loaded task; before the first task an empty table.
+    """One arm, and the world of the loaded task; without a task the world is an empty table.
 
     Args:
         robot: Name of the arm.
 
     Attributes:
         model: Analytic model of the arm.
-        runtime: World, task and planner that views refer to; each `load` replaces it.
+        runtime: World, task and planner to which views refer; each `load` replaces it.
         objects: Names, handles and parents of all objects in that world.
         planning: Settings of planners that are created later.
     """
@@ -66,7 +66,7 @@ class Simulator:
 
     @property
     def world(self) -> World:
-        """The world that views refer to."""
+        """The world to which views refer."""
         return self.runtime.world
 
     def load(
@@ -76,7 +76,7 @@ class Simulator:
         attach_grasped_objects: bool = True,
         kind: type[RuntimeT] = Runtime,  # type: ignore[assignment]
     ) -> RuntimeT:
-        """Build the world of a task and replace the present one; the runtime has the class `kind`."""
+        """Build the world of a task, replace the current world by it, and return the runtime, an object of class `kind`."""
         runtime = build_runtime(
             task,
             self.model,
@@ -91,7 +91,7 @@ class Simulator:
         return runtime
 
     def unload(self) -> None:
-        """Replace the present world by an empty table."""
+        """Replace the current world by an empty table."""
         self.load(EmptyTable, ObservationConfig())
 
     def close(self) -> None:
@@ -106,7 +106,7 @@ class SceneMethods(Protocol):
 
     @property
     def runtime(self) -> Runtime:
-        """World, task and planner together."""
+        """World, task and planner."""
 
     @property
     def robot(self) -> Any:
@@ -119,17 +119,17 @@ class SceneMethods(Protocol):
         """Return an observation without a simulation step."""
 
     def check_target_in_workspace(self, pos: FloatArray) -> bool:
-        """Whether a target (3,) [m] may be reached for."""
+        """Whether a target (3,) [m] is inside the workspace."""
 
     def prepare(self) -> None:
-        """Prepare an episode; called before its objects are placed, in the original world."""
+        """Prepare an episode; called before its objects are placed."""
 
     def place(self, rng: np.random.Generator) -> None:
-        """Put the task at a random place on the table, drawn from `rng`."""
+        """Place the task at a random pose on the table, drawn from `rng`."""
 
 
 class SceneRuntime(Runtime):
-    """A runtime for one scene. Code of this package and programs call the same methods of the scene."""
+    """A runtime that steps and observes through a scene, so that overridden methods of the scene take effect."""
 
     _scene: SceneMethods | None = None
 
@@ -149,28 +149,28 @@ class SceneRuntime(Runtime):
         super().step()
 
     def begin(self, variation: int, planning: np.random.Generator, noise: np.random.Generator) -> None:
-        """Set the generators of an episode, and let the scene prepare it."""
+        """Set the random generators of an episode, and call `prepare` of the scene."""
         super().begin(variation, planning, noise)
         if self._scene is not None:
             self._scene.prepare()
 
     def place_task(self, rng: np.random.Generator) -> None:
-        """Put the task at a random place on the table, through the scene."""
+        """Place the task at a random pose on the table, through the scene."""
         if self._scene is None:
             super().place_task(rng)
         else:
             self._scene.place(rng)
 
     def get_observation(self) -> Observation:
-        """Observe without stepping, through the scene."""
+        """Return an observation without a simulation step, through the scene."""
         return self.observe() if self._scene is None else self._scene.get_observation()
 
     def observe(self) -> Observation:
-        """Observe without stepping."""
+        """Return an observation without a simulation step, not through the scene."""
         return super().get_observation()
 
     def check_target_in_workspace(self, position: FloatArray) -> None:
-        """Raise InvalidActionError when the scene says that `position` (3,) [m] is outside the workspace."""
+        """Raise InvalidActionError if `position` (3,) [m] is outside the workspace of the scene."""
         if self._scene is None or not self._scene.check_target_in_workspace(position):
             super().check_target_in_workspace(position)
         if self._scene is not None and not self._scene.check_target_in_workspace(position):
@@ -185,7 +185,7 @@ SceneLike = SceneMethods | Runtime
 
 
 def runtime_of(scene: SceneLike | None) -> Runtime:
-    """Return the runtime of a scene; of a runtime itself; of the simulator of this process when there is no scene.
+    """Return the runtime of a scene; a runtime itself; for None the runtime of the simulator of this process.
 
     Raises:
         TypeError: `scene` has another type.

@@ -46,6 +46,6 @@ def start() -> None:
     taken = taken_name()
     if taken is not None:
         sys.stderr.write(f"{VARIABLE}: {taken}\n")
-        os.environ[VARIABLE] = "0"  # in a virtual environment Python reads start-up files twice: report it once
+        os.environ[VARIABLE] = "0"  # Python executes start-up files twice in a virtual environment
         return
     add_packages()

@@ -21,11 +21,11 @@ from rlbench_pin.tasks.saved.portable_state import FUNCTIONS, PLAIN
 Recall = Callable[[], Any]
 """Restores the contents of a value, and returns it."""
 AS_THEY_ARE = ("pyrep.", "rlbench_pin.", "rlbench.")
-"""Modules of classes that keep no state of an episode, or whose state the world and the native task save."""
+"""Modules of classes whose objects are not saved: they have no state of an episode, or the world and the task save it."""
 OPENED = ("rlbench.backend.conditions.", "rlbench.backend.spawn_boundary.", "rlbench.backend.waypoints.")
 """Modules among them whose objects are saved like those of a user."""
 VIEWS, ROBOTS = ("pyrep.objects.",), ("pyrep.robots.",)
-"""Modules of views, of which is saved whether their object was removed; and modules of robots."""
+"""Modules of views (saved: whether their object was removed), and modules of robots (not saved)."""
 
 
 def keep(value: Any, seen: dict[int, Any] | None = None) -> Recall:
@@ -64,11 +64,12 @@ def keep(value: Any, seen: dict[int, Any] | None = None) -> Recall:
 
 
 def _is_of(value: Any, modules: tuple[str, ...]) -> bool:
+    """Return whether the class of a value, or one of its bases, is from one of the modules (prefixes with a final dot)."""
     return any(f"{kind.__module__}.".startswith(modules) for kind in type(value).__mro__)
 
 
 def _is_foreign(value: Any) -> bool:
-    """Whether the class of a value is not from the author of a task: a module, a logger, a lock."""
+    """Return whether the class of a value is from the standard library or numpy: a module, a logger, a lock."""
     package = type(value).__module__.partition(".")[0]
     return (package in sys.stdlib_module_names or package == "numpy") and not isinstance(value, SimpleNamespace)
 
@@ -78,6 +79,8 @@ def _set_bits(generator: np.random.Generator, state: Any) -> None:
 
 
 def _keep_by(value: Any, state: Any, give_back: Callable[[Any], object]) -> Recall:
+    """Return a function that calls `give_back(state)` and returns the value."""
+
     def recall() -> Any:
         give_back(state)
         return value
@@ -86,6 +89,7 @@ def _keep_by(value: Any, state: Any, give_back: Callable[[Any], object]) -> Reca
 
 
 def _keep_array(value: np.ndarray) -> Recall:
+    """Save the numbers of an array; a read-only array is not restored."""
     copy = value.copy()
 
     def recall() -> Any:
@@ -97,6 +101,7 @@ def _keep_array(value: np.ndarray) -> Recall:
 
 
 def _keep_container(value: Any, seen: dict[int, Any]) -> Recall:
+    """Save the items of a dict, list, deque, set or tuple with their contents."""
     if isinstance(value, dict):
         pairs = [(key, keep(item, seen)) for key, item in value.items()]
         return _keep_by(value, None, lambda _: _refill(value, value.update, [(key, item()) for key, item in pairs]))
@@ -109,23 +114,24 @@ def _keep_container(value: Any, seen: dict[int, Any]) -> Recall:
 
 
 def _refill(container: Any, fill: Callable[[Iterable[Any]], object], items: list[Any]) -> None:
+    """Replace the items of a container; `fill` adds items to it."""
     container.clear()
     fill(items)
 
 
 class Remembered:
-    """The attributes of one object, in the form that native tasks save.
+    """Saves and restores the attributes of one object, with the interface of the state of native tasks.
 
     Args:
         owner: The object.
-        without: Names of attributes that stay as they are.
+        without: Names of attributes that are not saved.
     """
 
     def __init__(self, owner: object, without: Iterable[str] = ()) -> None:
         self.owner, self._without = owner, frozenset(without)
 
     def state(self) -> dict[str, Recall]:
-        """Return the present values of the attributes."""
+        """Return the current values of the attributes, as functions that restore them."""
         seen: dict[int, Any] = {id(self.owner): self.owner}
         return {name: keep(value, seen) for name, value in vars(self.owner).items() if name not in self._without}
 
@@ -139,10 +145,10 @@ class Remembered:
 
 
 class GlobalDraws:
-    """Lets a task use the global generators of numpy and Python in a separate state.
+    """A separate state of the global random generators of numpy and Python, for a task.
 
-    Task files in the paper's style draw from `np.random`. Their draws repeat with the seed of the episode, and the draws of
-    other code do not change.
+    Task files in the style of RLBench draw from `np.random`. With this class their draws depend on the seed of the episode
+    only, and the draws of other code do not change.
     """
 
     def __init__(self) -> None:
@@ -150,12 +156,12 @@ class GlobalDraws:
         self.seed(0)
 
     def seed(self, seed: int) -> None:
-        """Restart from a seed in 0..2**32 - 1."""
+        """Set the state from a seed, 0 to 2**32 - 1."""
         self._state = (np.random.RandomState(seed).get_state(), random.Random(seed).getstate())
 
     @contextmanager
     def lent(self) -> Iterator[None]:
-        """Let the global generators continue from the state of the task, for the duration of a block."""
+        """Use the state of the task in the global generators within a `with` block; nested blocks have no effect."""
         if self._lent:
             yield
             return
@@ -170,7 +176,7 @@ class GlobalDraws:
             _set_global_state(before)
 
     def state(self) -> object:
-        """Return the state of the task's generators."""
+        """Return the state of the generators of the task."""
         return self._state
 
     def set_state(self, state: Any) -> None:

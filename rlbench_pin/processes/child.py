@@ -112,7 +112,7 @@ class ChildProcess:
 
 
 class _Output:
-    """The end of what a process prints, read by a thread so that the process never waits."""
+    """The last output of a process, read by a thread, so that the process never waits for a reader."""
 
     def __init__(self, stream: IO[bytes]) -> None:
         self._kept: deque[bytes] = deque()
@@ -130,7 +130,7 @@ class _Output:
                     size -= len(self._kept.popleft())
 
     def finish(self) -> None:
-        """Wait until everything is read; not for long, should something else hold the stream."""
+        """Wait for the end of the output, at most 1 s, because another process can keep the stream open."""
         self._thread.join(1.0)
         if not self._thread.is_alive():
             self._stream.close()
@@ -141,6 +141,7 @@ class _Output:
 
 
 def _describe(code: int) -> str:
+    """Return an exit code or signal as a sentence."""
     if code < 0:
         with contextlib.suppress(ValueError):
             return f"Its process was ended by {signal.Signals(-code).name}."
@@ -217,6 +218,7 @@ def _reap() -> dict[int, int]:
 
 
 def _has_children() -> bool:
+    """Return whether this process has children."""
     with contextlib.suppress(ChildProcessError):
         os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT)
         return True
@@ -224,6 +226,7 @@ def _has_children() -> bool:
 
 
 def _descendants(ancestor: int) -> list[int]:
+    """Return the ids of all processes below a process."""
     children: dict[int, list[int]] = {}
     for entry in Path("/proc").glob("[0-9]*"):
         with contextlib.suppress(OSError):  # it has ended
@@ -236,10 +239,10 @@ def _descendants(ancestor: int) -> list[int]:
 
 
 def _end_like(code: int) -> None:
-    """End this process with an exit code, or by a signal where it is negative."""
+    """End this process with an exit code; for a negative code by the signal with this number."""
     if code < 0:
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-        with contextlib.suppress(OSError):  # SIGKILL needs none
+        with contextlib.suppress(OSError):  # SIGKILL cannot have a handler
             signal.signal(-code, signal.SIG_DFL)
         os.kill(os.getpid(), -code)
     os._exit(code)

@@ -162,7 +162,7 @@ class RetryPolicy(Generic[ItemT]):
             started: Whether the worker was ready for its first item; otherwise its death is no fault of the item.
 
         Returns:
-            What the engine yields.
+            Events for the engine to yield.
         """
         if not started:
             self._failed_starts.append(cause)
@@ -180,11 +180,11 @@ class RetryPolicy(Generic[ItemT]):
         return self._per_item[item] >= self.max_deaths
 
     def check(self) -> None:
-        """Decide whether further workers are worth a try.
+        """Raise an error if too many workers died.
 
         Raises:
-            WorkersDie: `MAX_DEATHS_IN_A_ROW` have died with nothing finished in between, or `MAX_FAILED_STARTS` before they
-                were ready.
+            WorkersDie: `MAX_DEATHS_IN_A_ROW` workers died with no finished item in between, or `MAX_FAILED_STARTS` workers died
+                before they were ready.
         """
         if len(self._failed_starts) >= MAX_FAILED_STARTS:
             raise WorkersDie(self._failed_starts)
@@ -259,24 +259,24 @@ class _Process(Generic[ItemT, ResultT]):
         theirs.close()
         self.sentinel = self._process.sentinel
         self.items: tuple[ItemT, ...] = ()
-        """The item that it is making, if any."""
+        """The current item, if any."""
         self.started = False
-        """Whether its worker is known to be made."""
+        """Whether the process has reported that its worker is ready."""
 
     def give(self, item: ItemT) -> None:
-        """Send an item; if the process has died, `take` finds out."""
+        """Send an item; if the process has died, `take` returns no result."""
         self.items = (item,)
         with suppress(OSError):
             self.connection.send(item)
 
     def has_started(self) -> bool:
-        """Receive the first message; return False when the process died before."""
+        """Receive the first message, and return whether the worker is ready; False if the process has died."""
         with suppress(EOFError, OSError):
             self.started = self.connection.poll() and self.connection.recv() == _STARTED
         return self.started
 
     def take(self) -> tuple[ItemT, tuple[ResultT, ...]]:
-        """Return its item and the result; no result when it died."""
+        """Return the item and its result; no result if the process has died."""
         (item,), self.items = self.items, ()
         try:
             return item, (self.connection.recv(),) if self.connection.poll() else ()
@@ -284,14 +284,14 @@ class _Process(Generic[ItemT, ResultT]):
             return item, ()
 
     def end(self) -> str:
-        """Wait for the end of a process that died, and return its cause."""
+        """Wait for the end of a process that died, and return the signal or exit code."""
         self._process.join(_JOIN_TIMEOUT)
         self.stop()
         code = self._process.exitcode
         return signal.Signals(-code).name if code is not None and code < 0 else f"exit code {code}"
 
     def stop(self) -> None:
-        """End the process: closing the connection ends an idle one, a busy one is terminated."""
+        """End the process: close the connection, which ends an idle process, and terminate a busy one."""
         self.connection.close()
         if self.items:
             self._process.terminate()
@@ -302,7 +302,7 @@ class _Process(Generic[ItemT, ResultT]):
 
 
 def _work(connection: Connection, worker: Callable[[], Worker[ItemT, ResultT]]) -> None:
-    """Make the items that arrive until the connection closes."""
+    """Make the results of received items, and send them, until the connection closes."""
     with closing(worker()) as only, suppress(EOFError, OSError):
         connection.send(_STARTED)
         while True:
@@ -395,7 +395,7 @@ class Journal:
         path: The file. An incomplete last line, from a writer that was killed, is removed.
 
     Raises:
-        StorageError: It cannot be read or written.
+        StorageError: The file cannot be read or written.
     """
 
     def __init__(self, path: Path) -> None:
@@ -437,7 +437,7 @@ def first_line(path: Path) -> dict[str, Any] | None:
     """Return the first object of a journal that another process may be writing; None if there is no such object.
 
     Raises:
-        StorageError: It cannot be read.
+        StorageError: The file cannot be read.
     """
     with storing(path):
         if not path.is_file():
@@ -447,6 +447,7 @@ def first_line(path: Path) -> dict[str, Any] | None:
 
 
 def _json_object(line: bytes) -> dict[str, Any] | None:
+    """Return the JSON object of a line; None if the line is damaged."""
     try:
         found = json.loads(line)
     except ValueError:

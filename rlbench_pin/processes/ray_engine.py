@@ -58,7 +58,7 @@ class RayEngine:
             while idle and queue and not stop.is_set():
                 actor, item = idle.pop(), queue.popleft()
                 busy[actor.make.remote(item)] = (actor, item)
-            while idle:  # frees their cores for actors with an item that wait for one
+            while idle:  # idle actors would occupy cores that busy ones need
                 ray.kill(idle.pop())
             if not busy:
                 return
@@ -79,7 +79,7 @@ class RayEngine:
 
 
 class RayWorker:
-    """An actor: one worker, made in the process of the actor."""
+    """An actor: it creates one worker in its process, and makes the results of items."""
 
     def __init__(self, worker: Callable[[], Worker[Any, Any]]) -> None:
         self._worker = worker()
@@ -89,6 +89,7 @@ class RayWorker:
 
 
 def _new_actor(worker: Callable[[], Worker[ItemT, ResultT]]) -> ActorHandle:
+    """Start an actor with one core and one thread for linear algebra."""
     options = {"num_cpus": 1, "runtime_env": {"env_vars": {"OMP_NUM_THREADS": "1"}}}
     actor: ActorHandle = ray.remote(RayWorker).options(**options).remote(worker)
     return actor

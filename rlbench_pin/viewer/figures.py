@@ -31,7 +31,7 @@ from rlbench_pin.viewer.places import link_poses, places_at_rest
 _DIGITS = 6
 _UNLIT = "KHR_materials_unlit"
 _ONE_LEVEL, _LINEAR, _REPEAT = 9985, 9729, 10497
-"""LINEAR_MIPMAP_NEAREST, LINEAR and REPEAT of OpenGL: one level of a texture is read and not two, half the work."""
+"""LINEAR_MIPMAP_NEAREST, LINEAR and REPEAT of OpenGL: the renderer reads one level of a texture instead of two."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,17 +39,17 @@ class DrawnSurface:
     """A surface in the frame of its link."""
 
     corners: NDArray[np.float32]
-    """(n, 3) [m]."""
+    """Vertices (n, 3) [m]."""
     triangles: NDArray[np.uint32]
-    """Numbers of corners (m, 3)."""
+    """Vertex indices (m, 3)."""
 
 
 def drawn_surface(shape: UrdfShape, scale: float) -> DrawnSurface:
-    """Return the surface of a visual; a mesh file is read again after it has changed.
+    """Return the surface of a visual, scaled by `scale`; a mesh file is read again after a change.
 
     Raises:
-        AssetNotFound: Its mesh does not exist.
-        AssetInvalid: Its file is not a mesh.
+        AssetNotFound: The mesh file does not exist.
+        AssetInvalid: The file is not a mesh.
     """
     written = shape.mesh.stat().st_mtime_ns if shape.mesh is not None and shape.mesh.is_file() else 0
     return _drawn_surface(shape, scale, written)
@@ -60,7 +60,7 @@ def _drawn_surface(shape: UrdfShape, scale: float, written: int) -> DrawnSurface
     points, numbers = shape_surface(shape, scale)
     corners = points[numbers]
     normals = creased_normals(corners)
-    # Browsers average the normals of faces that share a corner: share corners where position and normal agree.
+    # Browsers average the normals of faces that share a vertex: merge only vertices with the same position and normal.
     both = np.concatenate([corners.reshape(-1, 3), normals.reshape(-1, 3)], axis=1).round(_DIGITS)
     unique, index = np.unique(both, axis=0, return_inverse=True)
     return DrawnSurface(unique[:, :3].astype(np.float32), index.reshape(-1, 3).astype(np.uint32))
@@ -70,11 +70,11 @@ def _drawn_surface(shape: UrdfShape, scale: float, written: int) -> DrawnSurface
 def room_glb(urdfs: tuple[Path, ...], *, lit: bool) -> bytes:
     """Return parts of the room as a GLB file with the textures of the simulation, visible from inside only.
 
-    Quads of one texture and colour become one mesh: without a GPU each mesh costs a third of a millisecond, however small.
+    Quads with the same texture and colour are one mesh: without a GPU each mesh takes a third of a millisecond for any size.
 
     Args:
-        urdfs: The parts.
-        lit: Whether lights and shadows fall on them; large surfaces are cheaper to draw without.
+        urdfs: Model files of the parts.
+        lit: Draw lights and shadows on the parts; large surfaces are faster without.
     """
     alike: dict[tuple[object, ...], list[Quad]] = {}
     for quad in (quad for urdf in urdfs for quad in read_quads(urdf)):
@@ -84,7 +84,7 @@ def room_glb(urdfs: tuple[Path, ...], *, lit: bool) -> bytes:
 
 
 def _unlit(glb: bytes) -> bytes:
-    """Return a GLB file whose materials ignore lights, with texture filters that are cheap."""
+    """Return a GLB file with materials that ignore lights, and with fast texture filters."""
     size = int.from_bytes(glb[12:16], "little")
     said = json.loads(glb[20 : 20 + size])
     for material in said["materials"]:
@@ -116,14 +116,15 @@ def _quads_mesh(quads: Sequence[Quad]) -> trimesh.Trimesh:
 
 
 def _four(corner: NDArray[np.float64], along: NDArray[np.float64], up: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the corners (4, k) of a parallelogram with a corner (k,) and edges (k,)."""
     return np.array([corner, corner + along, corner + along + up, corner + up])
 
 
 def merged_surface(parts: Iterable[tuple[DrawnSurface, FloatArray]]) -> DrawnSurface:
-    """Return several surfaces as one.
+    """Return one surface that contains several surfaces.
 
     Args:
-        parts: Each surface with the pose (7,) of its frame in that of the whole.
+        parts: Surfaces with the pose (7,) of their frame in the frame of the result.
     """
     corners, triangles, count = list[NDArray[np.float32]](), list[NDArray[np.uint32]](), 0
     for surface, pose in parts:
@@ -143,16 +144,16 @@ _GHOST_OPACITY = 0.45
 
 
 class ModelFigure:
-    """The links of one model, which are moved one by one.
+    """The links of one model, drawn separately.
 
     Args:
-        scene: Where it is drawn.
-        path: Name of its node, such as `/bodies/cup`.
-        urdf: The model's file.
-        color: Red, green, blue and perhaps opacity from 0 to 1 of all visuals; None takes those of the file.
-        scale: Factor on its lengths.
-        picked: Argument of `on_pick`; `{link}` in it becomes the name of the link.
-        on_pick: Called after a click on a link.
+        scene: Scene of the page.
+        path: Name of the node, such as `/bodies/cup`.
+        urdf: Model file.
+        color: Red, green, blue and optionally opacity from 0 to 1 of all visuals; None uses those of the file.
+        scale: Factor for the lengths.
+        picked: Argument of `on_pick`, in which `{link}` is replaced by the name of the link.
+        on_pick: Function that is called after a click on a link.
 
     Raises:
         AssetNotFound: The file or one of its meshes does not exist.
@@ -182,6 +183,7 @@ class ModelFigure:
             self._parts[link.name] = self._draw(node, link, surfaces[link.name], picked.replace("{link}", link.name))
 
     def _draw(self, node: str, link: UrdfLink, surfaces: tuple[DrawnSurface, ...], picked: str) -> list[tuple[MeshHandle, Rgb]]:
+        """Draw the visuals of a link, and return each mesh with its own colour."""
         parts = []
         colors = [shape.color for shape in link.visuals if shape.kind]
         for number, (surface, own) in enumerate(zip(surfaces, colors, strict=True)):
@@ -213,14 +215,14 @@ class ModelFigure:
                 _move(frame, pose)
 
     def paint(self, link: str, rgb: Rgb | None) -> None:
-        """Show one link in one colour; None restores its own colours."""
+        """Show a link in one colour; None restores its own colours."""
         for part, own in self._parts.get(link, ()):
             color = self._episode_colors.get(link, own) if rgb is None else rgb
             if tuple(part.color) != color:
                 part.color = color
 
     def set_color(self, link: str, rgb: Rgb | None) -> None:
-        """Change the colour of one link, to which `paint(link, None)` returns; None restores the one it was drawn with."""
+        """Set the own colour of a link, which `paint(link, None)` shows; None restores the initial colours."""
         if rgb != self._episode_colors.get(link):
             self._episode_colors.pop(link, None)
             if rgb is not None:
@@ -228,11 +230,11 @@ class ModelFigure:
             self.paint(link, None)
 
     def show(self, visible: bool) -> None:
-        """Show or hide it."""
+        """Show or hide the model."""
         self._top.visible = visible
 
     def remove(self) -> None:
-        """Remove it from the scene."""
+        """Remove the model from the scene."""
         self._top.remove()
 
 
@@ -240,12 +242,12 @@ _Drawn = tuple[str, int, BodySpec]
 
 
 class Figures:
-    """Draws scenes in one page, and moves the drawn bodies.
+    """Draws scenes in a page, and moves the drawn bodies.
 
     Args:
-        scene: Where to draw: that of a server, or of one of its clients.
-        robot: The arm; None is the default arm.
-        on_pick: Called with `<body>/<link>`, or the name of a ghost, after a click on it.
+        scene: Scene of a server or of one of its clients.
+        robot: The robot; None is the default robot.
+        on_pick: Function that is called after a click, with `<body>/<link>` or the name of a ghost.
     """
 
     def __init__(self, scene: SceneApi, robot: RobotDescription | None = None, on_pick: OnPick | None = None) -> None:
@@ -261,8 +263,9 @@ class Figures:
         self.arm(self._robot.home, [self._robot.gripper_open] * len(self._robot.gripper_joints))
 
     def _light_up(self) -> None:
+        """Create the lights and the room."""
         self._scene.set_up_direction("+z")
-        self._scene.configure_environment_map(None)  # costs more than all the rest without a GPU
+        self._scene.configure_environment_map(None)  # the slowest part of a frame without a GPU
         self._scene.add_light_ambient("/lights/ambient", intensity=1.3)
         self._draw_room("around", ROOM[1:], lit=False)
         self.shadows(True)
@@ -279,10 +282,10 @@ class Figures:
     # Bodies ----------------------------------------------------------------------------------------------------------
 
     def show(self, spec: SceneSpec) -> dict[str, str]:
-        """Draw the bodies of a scene at their initial poses; bodies that are drawn already stay.
+        """Draw the bodies of a scene at their initial poses; bodies that are already drawn are reused.
 
         Returns:
-            Body -> why it cannot be drawn.
+            Body -> reason why it cannot be drawn, as text.
         """
         wanted = {body.name: self._drawn(spec, body) for body in spec.body}
         for name in [name for name, (drawn, _) in self._bodies.items() if wanted.get(name) != drawn]:
@@ -325,7 +328,7 @@ class Figures:
             figure.show(name in bodies)
 
     def paint(self, colors: Mapping[str, Sequence[float]]) -> None:
-        """Show links, by `<body>/<link>`, in colours (3 or 4,) from 0 to 1 of an episode, all others in their own."""
+        """Show links, by `<body>/<link>`, in colours (3 or 4,) from 0 to 1; other links have their initial colours."""
         for name, (_, figure) in self._bodies.items():
             for link in figure.links:
                 color = colors.get(f"{name}/{link}")
@@ -335,7 +338,7 @@ class Figures:
     # Arm -------------------------------------------------------------------------------------------------------------
 
     def arm(self, q: Sequence[float] | FloatArray, fingers: Sequence[float] | FloatArray) -> None:
-        """Show the arm at joint positions (n,) [rad], with its fingers at (m,) [m]."""
+        """Show the arm at joint positions (n,) [rad] and finger positions (m,) [m]."""
         grip = fingers_of(self._robot)
         values = (*map(float, q), *grip.joint_values(np.asarray(fingers, dtype=float)).tolist())
         positions = dict(zip((*self._robot.arm_joints, *grip.joints), values, strict=True))
@@ -343,11 +346,11 @@ class Figures:
         self._arm.move({link: compose(base, pose) for link, pose in link_poses(self._urdf, positions).items()})
 
     def mark(self, names: Iterable[str], rgb: Rgb = (230, 40, 40)) -> None:
-        """Show links in one colour, and restore the colours of links marked before.
+        """Show links in one colour, and restore the colours of previously marked links.
 
         Args:
-            names: `<body>/<link>`, a whole `<body>`, or a link of the arm, with or without its name before it.
-            rgb: The colour.
+            names: `<body>/<link>`, `<body>` for all its links, or a link of the arm, with or without the name of the arm.
+            rgb: The colour, from 0 to 255.
         """
         self._paint_marked(restore=True)
         self._marked = set(names)
@@ -355,6 +358,7 @@ class Figures:
         self._paint_marked()
 
     def _paint_marked(self, restore: bool = False) -> None:
+        """Show the marked links in the colour of marks, or with `restore` in their own colours."""
         for name in self._marked:
             owner, _, link = name.partition("/")
             figure = self._bodies[owner][1] if owner in self._bodies else self._arm
@@ -365,12 +369,12 @@ class Figures:
     # Ghosts ----------------------------------------------------------------------------------------------------------
 
     def ghost(self, name: str, pose: PoseLike, rgb: Rgb) -> None:
-        """Show the open gripper, translucent, with its tip at a world pose (7,); a ghost of the same name moves there.
+        """Show a ghost: the open gripper, translucent, with its tip at a world pose (7,). An existing ghost moves there.
 
         Args:
             name: Name of the ghost, such as that of a waypoint.
             pose: Pose (7,) of the tip in the world.
-            rgb: Its colour, from 0 to 255.
+            rgb: The colour, from 0 to 255.
         """
         tip = as_pose(pose, "pose of a ghost")
         if (mesh := self._ghosts.get(name)) is None:
@@ -385,7 +389,7 @@ class Figures:
             mesh.color = rgb
 
     def remove_ghost(self, name: str) -> None:
-        """Remove a ghost, if there is one of that name."""
+        """Remove a ghost, if it exists."""
         if (found := self._ghosts.pop(name, None)) is not None:
             found.remove()
 
@@ -396,13 +400,14 @@ class Figures:
 
 
 def _rgb(color: Sequence[float]) -> Rgb:
+    """Convert a colour from 0 to 1 to a colour from 0 to 255, without opacity."""
     red, green, blue = (round(255 * share) for share in color[:3])
     return red, green, blue
 
 
 @lru_cache(maxsize=8)
 def _gripper_surface(robot: RobotDescription) -> DrawnSurface:
-    """Return the open gripper in the frame of its tip."""
+    """Return the surface of the open gripper in the frame of the tip."""
     urdf = read_urdf(robot.urdf)
     grip = fingers_of(robot)
     opened = grip.joint_values(np.full(len(grip.drives), robot.gripper_open))
@@ -417,5 +422,6 @@ def _gripper_surface(robot: RobotDescription) -> DrawnSurface:
 
 
 def _move(node: FrameHandle | MeshHandle, pose: FloatArray) -> None:
+    """Move a node of the page to a pose (7,)."""
     node.position = (pose[0], pose[1], pose[2])
     node.wxyz = (pose[6], pose[3], pose[4], pose[5])

@@ -1,4 +1,4 @@
-"""A thread that runs the jobs of a page, one by one, because a world belongs to the thread that created it."""
+"""A thread that runs the jobs of a page in order, because only the thread that created a world can use it."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ Job = Callable[[], None]
 
 
 class Interrupted(Exception):
-    """The job is no longer wanted."""
+    """The job was cancelled."""
 
 
 class JobThread:
-    """Runs jobs in a separate thread, in the order of their arrival.
+    """Runs jobs in a separate thread, in the order in which they were added.
 
     Args:
         name: Name of the thread.
-        on_error: Called in the thread with the exception of a job; the thread continues with the next job.
-        at_end: Called in the thread when it ends.
+        on_error: Function that is called in the thread with the exception of a job; the thread then runs the next job.
+        at_end: Function that is called in the thread when it ends.
     """
 
     def __init__(self, name: str, on_error: Callable[[Exception], None], at_end: Job = lambda: None) -> None:
@@ -33,9 +33,9 @@ class JobThread:
         """Add a job.
 
         Args:
-            job: Called in the thread.
-            kind: A waiting job of the same kind is dropped; empty keeps all.
-            instead: Drop all waiting jobs, and let the present one end at its next `check`.
+            job: Function that the thread calls.
+            kind: Kind of the job, which replaces a waiting job of the same kind; an empty kind replaces none.
+            instead: Remove all waiting jobs, and end the current job at its next `check`.
         """
         with self._changed:
             if self._stopped:
@@ -49,17 +49,17 @@ class JobThread:
             self._changed.notify_all()
 
     def check(self) -> None:
-        """Raise Interrupted if the present job has to end; long jobs call this regularly."""
+        """Raise Interrupted if the current job has to end; long jobs call this regularly."""
         if self._interrupted or self._stopped:
             raise Interrupted
 
     def wait(self, timeout: float) -> bool:
-        """Wait at most `timeout` [s] until all jobs are done, and return whether they are."""
+        """Wait up to `timeout` [s] for the end of all jobs, and return whether they have ended."""
         with self._changed:
             return self._changed.wait_for(lambda: not self._jobs and not self._busy, timeout)
 
     def stop(self) -> None:
-        """Interrupt the present job, drop the waiting ones, and end the thread."""
+        """Interrupt the current job, remove the waiting jobs, and end the thread."""
         with self._changed:
             self._stopped = True
             self._jobs.clear()
@@ -78,6 +78,7 @@ class JobThread:
         self._at_end()
 
     def _next(self) -> Job | None:
+        """Wait for the next job and return it; None if the thread has to end."""
         with self._changed:
             self._busy = self._interrupted = False
             self._changed.notify_all()

@@ -55,9 +55,9 @@ _EYE, _TARGET = (1.3, 0.9, 1.65), (0.15, 0.0, 0.95)
 _LEFT, _RIGHT = 300.0, 360.0
 """Widths of the panels [px]."""
 _RANDOM = 2**31
-"""Random seeds are below."""
+"""Upper bound of random seeds."""
 KEPT = 20
-"""Episodes of an evaluation that can be shown again."""
+"""Maximum number of stored episodes of an evaluation."""
 _NOW = "the one being played"
 _IMAGES = 0.2
 """Time between two rounds of camera images during an evaluation [s]."""
@@ -67,10 +67,10 @@ class LivePage:
     """Common parts of all views: the scene, the player, the camera images and a line of text.
 
     Args:
-        server: Serves the page.
-        build_controls: Called where the controls of the view belong, above the player.
-        on_look: Called if camera images are needed: another frame is shown, or images were switched on.
-        cameras: Whether the images are on at first.
+        server: Server of the page.
+        build_controls: Function that adds the controls of the view, above the player.
+        on_look: Function that is called when camera images are needed: for another frame, or after they were switched on.
+        cameras: Whether the images are initially switched on.
 
     Attributes:
         player: Shows recordings.
@@ -96,6 +96,7 @@ class LivePage:
         side.set_width(_LEFT)
 
     def _look(self) -> None:
+        """Request camera images, if they are switched on."""
         if self.images_wanted:
             self._on_look()
 
@@ -132,7 +133,7 @@ class LivePage:
 
     @contextmanager
     def computing(self, title: str) -> Iterator[Callable[[float], None]]:
-        """Show a progress bar for the duration of a block; yields a function that sets it, 0 to 1."""
+        """Show a progress bar during a `with` block; yields a function that sets it, from 0 to 1."""
         self.say(title, "is being computed. The 3D view is live meanwhile; camera images follow.")
         self._show_progress(0.0)
         self._progress.visible = True
@@ -151,7 +152,7 @@ class LivePage:
 
 
 class _Moments:
-    """The state of a world at each frame of a recording, some kilobytes each; for the thread of the world."""
+    """The state of a world at each frame of a recording; only for the thread of the world."""
 
     def __init__(self, runtime: Runtime) -> None:
         self._runtime = runtime
@@ -161,11 +162,11 @@ class _Moments:
         self._moments.clear()
 
     def keep(self) -> None:
-        """Keep the state of the world for the next frame."""
+        """Store the state of the world for the next frame."""
         self._moments.append(self._runtime.world.arrays(exact=False))
 
     def images(self, index: int) -> dict[str, np.ndarray]:
-        """Set the world back to a frame and return the images of the five cameras; empty if the frame is not kept."""
+        """Restore the world at a frame and return the images of the five cameras; empty if the frame is not stored."""
         if not 0 <= index < len(self._moments):
             return {}
         self._runtime.world.set_arrays(self._moments[index])
@@ -173,14 +174,14 @@ class _Moments:
 
 
 class _Feed:
-    """Shows a simulation in a page while it is recorded; for the thread that simulates.
+    """Shows a simulation in a page during the recording; only for the thread of the simulation.
 
     Args:
         page: The page.
         runtime: The running task.
-        moments: Keeps the states of the world; None keeps none.
-        check: Called at each frame; an exception ends the simulation.
-        follow: Show the newest frame; otherwise play at the chosen speed.
+        moments: Stores the states of the world; None stores none.
+        check: Function that is called at each frame; an exception ends the simulation.
+        follow: Show each new frame; otherwise play at the chosen speed.
 
     Attributes:
         segments: Number of segments so far.
@@ -227,8 +228,8 @@ class _WorldView:
     """A page with a world that is simulated in a separate thread.
 
     Attributes:
-        page: What the browser shows.
-        worker: The thread.
+        page: The page in the browser.
+        worker: The thread of the simulation.
     """
 
     def __init__(self, server: ViserServer) -> None:
@@ -238,14 +239,14 @@ class _WorldView:
         self.worker = JobThread("simulation", self.page.fail, self._shut_down)
 
     def _build(self, server: ViserServer) -> None:
-        """Draw the controls."""
+        """Add the controls of the view."""
         raise NotImplementedError
 
     def _look(self) -> None:
         self.worker.post(self._take_images, "look")
 
     def close(self) -> None:
-        """End the thread and free the world."""
+        """End the thread and close the world."""
         self.page.player.close()
         self.worker.stop()
 
@@ -269,13 +270,13 @@ class _WorldView:
 
 
 class TaskView(_WorldView):
-    """Resets and demonstrates one task: the episode of a seed, its variations, its demonstration.
+    """Shows episodes and demonstrations of one task, by seed and variation.
 
     Args:
-        server: Serves the page.
+        server: Server of the page.
         task: The task.
         seed: Seed of the first episode.
-        variation: Its variation.
+        variation: Variation of the first episode.
     """
 
     def __init__(self, server: ViserServer, task: type[Task], seed: int = 0, variation: int = 0) -> None:
@@ -299,16 +300,16 @@ class TaskView(_WorldView):
 
     @property
     def episode(self) -> tuple[int, int]:
-        """Seed and variation that are chosen."""
+        """Chosen seed and variation."""
         return int(self._seed.value), int(self._variation.value)
 
     def reset(self, seed: int) -> None:
-        """Start the episode of a seed, and end the present job."""
+        """Start the episode of a seed, and end the current job."""
         self._seed.value = min(max(seed, 0), LARGEST_SEED)  # type: ignore[misc]
         self.worker.post(self._reset, "reset", instead=True)
 
     def demonstrate(self) -> None:
-        """Play the demonstration of the chosen episode, and end the present job."""
+        """Execute the demonstration of the chosen episode, and end the current job."""
         self.worker.post(self._demonstrate, "demonstrate", instead=True)
 
     def _move(self, where: str) -> None:
@@ -364,14 +365,14 @@ class DatasetView(_WorldView):
     """Replays the stored demonstrations of a dataset.
 
     Args:
-        server: Serves the page.
+        server: Server of the page.
         root: Folder of the dataset.
         own: Tasks from files of the user, by name; they take precedence.
-        trust_task_files: Whether task files in the dataset may run.
+        trust_task_files: Whether to allow execution of task files in the dataset.
 
     Raises:
         DatasetError: The folder contains no demonstrations.
-        UntrustedTaskFile: The first task is code in the dataset, which may not run.
+        UntrustedTaskFile: The first task is a task file in the dataset, whose execution is not allowed.
     """
 
     def __init__(
@@ -399,7 +400,7 @@ class DatasetView(_WorldView):
         moves.on_click(lambda event: self._move(1 if event.target.value == "next" else -1))
 
     def open(self, task: str, number: int) -> None:
-        """Show demonstration `number` of a task, from 0 in natural order and clamped, and end the present job."""
+        """Show a demonstration of a task, and end the current job; `number` counts from 0 in natural order and is clamped."""
         last = len(self._files[task]) - 1
         self._number.max = last
         self._number.value = min(max(number, 0), last)  # type: ignore[misc]
@@ -438,7 +439,7 @@ class DatasetView(_WorldView):
 
 @dataclass(frozen=True, eq=False)
 class _Played:
-    """An episode of an evaluation that is over."""
+    """A completed episode of an evaluation."""
 
     title: str
     spec: SceneSpec
@@ -446,10 +447,10 @@ class _Played:
 
 
 class EvaluationView:
-    """Shows the episodes that a `LiveRunner` plays in the thread that calls `evaluate`; changes nothing in them.
+    """Shows the episodes that a `LiveRunner` executes in the thread that calls `evaluate`, without an effect on them.
 
     Args:
-        server: Serves the page.
+        server: Server of the page.
     """
 
     def __init__(self, server: ViserServer) -> None:
@@ -467,12 +468,12 @@ class EvaluationView:
         self._choice.on_update(self._chosen)
 
     def close(self) -> None:
-        """Stop showing."""
+        """Close the player of the page."""
         self.page.player.close()
 
     @contextmanager
     def watching(self, item: EpisodeItem, task: TaskEnvironment) -> Iterator[None]:
-        """Show the episode that is played in a block."""
+        """Show the episode that is executed in a `with` block."""
         began, frames, segments = time.monotonic(), list[Frame](), list[Segment]()
         feed: _Feed | None = None
 
@@ -485,7 +486,7 @@ class EvaluationView:
                     return
                 if feed is not None:
                     feed.frame(frame)
-                else:  # it begins, or another episode was shown meanwhile: show it from its beginning
+                else:  # first frame, or another episode was shown in the meantime
                     feed = _Feed(self.page, task.runtime, follow=True)
                     self.page.say(self._now, "is being played.")
                     for seen in frames:
@@ -512,10 +513,10 @@ class EvaluationView:
                     self._played[self._now] = _Played(self._now, task.world.spec, recorder.recording())
 
     def ended(self, item: EpisodeItem, record: EpisodeRecord) -> None:
-        """Keep the episode that was played last, with its result."""
+        """Store the last executed episode with its result."""
         with self._lock:
             played = self._played.pop(_title(item), None)
-            if played is None:  # it did not even start
+            if played is None:  # the episode did not start
                 self.page.say(_title(item), f"was not played: {record.fault_detail}", wrong=True)
                 return
             recording = replace(played.recording, failure=None if record.success else _failure(record))
@@ -530,7 +531,7 @@ class EvaluationView:
 
     @property
     def episodes(self) -> tuple[str, ...]:
-        """Titles of the episodes that are kept, the latest first, each with its result."""
+        """Titles of the stored episodes with their results, the newest first."""
         with self._lock:
             return tuple(reversed(self._played))
 
@@ -552,7 +553,7 @@ class EvaluationView:
 
 
 class LiveRunner(EpisodeRunner):
-    """Plays episodes as `EpisodeRunner` does, and shows them in a view.
+    """Executes episodes like `EpisodeRunner`, and shows them in a view.
 
     Args:
         config: The evaluation.
@@ -564,17 +565,19 @@ class LiveRunner(EpisodeRunner):
         self._view = view
 
     def make(self, item: EpisodeItem) -> EpisodeOutcome:
-        """Play an episode, and show it."""
+        """Execute an episode, and show it."""
         outcome = self.play(item, lambda task: self._view.watching(item, task))
         self._view.ended(item, outcome.record)
         return outcome
 
 
 def _title(item: EpisodeItem) -> str:
+    """Return the title of an episode in the page."""
     return f"{item.name}, seed {item.seed}, variation {item.variation}"
 
 
 def _failure(record: EpisodeRecord) -> Failure:
+    """Return the failure of an episode, with its end, its error and its refused actions."""
     fault = f" {record.fault}: {record.fault_detail}" if record.fault else ""
     refused = ", ".join(f"{count} x {cause}" for cause, count in record.refused.items())
     refusals = f" Refused actions: {refused}." if refused else ""

@@ -15,12 +15,12 @@ from rlbench_pin.urdf import Urdf, UrdfJoint, UrdfOrigin, read_urdf
 
 
 def link_poses(urdf: Urdf, joints: Mapping[str, float], scale: float = 1.0) -> dict[str, FloatArray]:
-    """Return the pose (7,) of each link in the frame of the base link; links without a chain of joints to it are left out.
+    """Return the pose (7,) of each link in the frame of the base link; links that no joints connect to it are left out.
 
     Args:
         urdf: The content of the file.
-        joints: Position of each joint by name [rad] or [m]; 0 for joints that are not named.
-        scale: Factor on the lengths of the file.
+        joints: Positions of joints by name [rad] or [m]; the default is 0.
+        scale: Factor for the lengths of the file.
     """
     poses = {urdf.base_link: IDENTITY.copy()}
     waiting = list(urdf.joints)
@@ -38,7 +38,7 @@ def origin_pose(origin: UrdfOrigin | None, scale: float = 1.0) -> FloatArray:
 
 
 def _moved(joint: UrdfJoint, position: float) -> FloatArray:
-    """Return the pose (7,) of the child of a joint in the frame that the child has at position 0."""
+    """Return the pose (7,) of the child link at a joint position, relative to its pose at position 0."""
     pose, axis = IDENTITY.copy(), np.array(joint.axis)
     axis = axis / max(float(np.linalg.norm(axis)), 1e-12)
     if joint.kind == "prismatic":

@@ -16,102 +16,103 @@ from rlbench_pin.viewer.readout import conditions_html, failure_html, framed, in
 from rlbench_pin.viewer.recording import Frame, Recording, Segment
 
 NEAREST = "nearest reachable pose"
-"""Name of the ghost that shows it."""
+"""Name of the ghost at the nearest reachable pose."""
 SPEEDS = (0.25, 0.5, 1.0, 2.0, 4.0)
 """Simulated seconds per second of real time."""
 _RED, _AMBER = (230, 40, 40), (255, 176, 0)
 _TICK = 1.0 / 30.0
 """Time between two frames in the page [s]."""
 _PLOTS = (("Positions", "rad", "arm"), ("Velocities", "rad/s", "velocities"), ("Torques", "Nm", "torques"))
-"""Title, unit and field of `Frame`."""
+"""Plots of the joints: title, unit and field of `Frame`."""
 
 
 @dataclass
 class Timeline:
-    """The frames of a recording by time, and the one that is shown."""
+    """Playback state of a recording: the times of its frames, and the shown frame."""
 
     times: list[float] = field(default_factory=list)
     """Time of each frame [s], increasing."""
     segments: tuple[int, ...] = ()
-    """Number of the first frame of each segment, increasing."""
+    """Index of the first frame of each segment, increasing."""
     index: int = 0
-    """Number of the frame that is shown."""
+    """Index of the shown frame."""
     playing: bool = False
+    """Whether the recording is playing."""
     speed: float = 1.0
     """Simulated seconds per second of real time."""
     growing: bool = False
-    """Whether more frames are to come."""
+    """Whether frames can still be added."""
     following: bool = False
-    """Whether the newest frame is shown as it arrives."""
+    """Whether each added frame is shown."""
     _rest: float = 0.0
     """Simulated time since the shown frame [s]."""
 
     @property
     def last(self) -> int:
-        """Number of the last frame; 0 if there is none."""
+        """Index of the last frame; 0 if there is none."""
         return max(len(self.times) - 1, 0)
 
     @property
     def share(self) -> float:
-        """Time of the shown frame relative to the first and the last one, 0 to 1."""
+        """Time of the shown frame as a fraction of the recording, from 0 to 1."""
         if not self.times or self.times[-1] <= self.times[0]:
             return 0.0
         return (self.times[self.index] - self.times[0]) / (self.times[-1] - self.times[0])
 
     @property
     def segment(self) -> int | None:
-        """Number of the segment of the shown frame; None before the first."""
+        """Index of the segment of the shown frame; None before the first."""
         begun = [number for number, begins in enumerate(self.segments) if begins <= self.index]
         return begun[-1] if begun else None
 
     def load(self, times: Sequence[float], segments: Sequence[int] = ()) -> None:
-        """Take over a recording and show its first frame, paused."""
+        """Set a recording and show its first frame, paused."""
         self.times, self.segments = list(times), tuple(segments)
         self.index, self.playing, self.following, self.growing, self._rest = 0, False, False, False, 0.0
 
     def begin(self, follow: bool) -> None:
-        """Drop all frames and wait for new ones: show the newest if `follow`, else play from the first."""
+        """Remove all frames and expect new ones: show the newest if `follow`, else play from the first."""
         self.load(())
         self.growing, self.following, self.playing = True, follow, not follow
 
     def add(self, time: float) -> None:
-        """Append a frame; it is shown if the newest is followed."""
+        """Append a frame, and show it if `following`."""
         self.times.append(time)
         if self.following:
             self.index = self.last
 
     def complete(self, times: Sequence[float], segments: Sequence[int]) -> None:
-        """Take over the whole of a recording that has grown; the shown frame and `playing` stay."""
+        """Set the complete recording; the shown frame and `playing` do not change."""
         self.times, self.segments, self.growing, self.following = list(times), tuple(segments), False, False
         self.index = min(self.index, self.last)
 
     def seek(self, index: int) -> None:
-        """Show a frame, clamped to the recording, and pause."""
+        """Show a frame and pause; the index is clamped to the recording."""
         self.index = min(max(index, 0), self.last)
         self.playing, self.following, self._rest = False, False, 0.0
 
     def jump(self, direction: int) -> None:
-        """Go to the start of the next segment (1) or of the one before (-1); beyond them to the end or the beginning."""
+        """Go to the next (1) or previous (-1) start of a segment; without one to the end or the start of the recording."""
         if direction > 0:
             self.seek(min((begins for begins in self.segments if begins > self.index), default=self.last))
         else:
             self.seek(max((begins for begins in self.segments if begins < self.index), default=0))
 
     def play(self) -> None:
-        """Play, from the beginning if the end is shown and no more frames are to come."""
+        """Play; if the last frame is shown and the recording is complete, start from the first."""
         if self.index >= self.last and not self.growing:
             self.index = 0
         self.playing, self.following, self._rest = self.last > 0 or self.growing, False, 0.0
 
     def toggle(self) -> None:
-        """Pause if it plays, else play."""
+        """Pause if playing, else play."""
         if self.playing:
             self.seek(self.index)
         else:
             self.play()
 
     def advance(self, seconds: float) -> bool:
-        """Advance by real time and return whether another frame is shown; at the end it pauses, or waits for more frames."""
+        """Advance by real time [s] and return whether the shown frame has changed; at the end, pause or wait for frames."""
         if not self.playing or not self.times:
             return False
         before = self.index
@@ -181,15 +182,15 @@ class _Controls:
 
 
 class Player:
-    """Shows recordings, one at a time; all tabs of a page see the same frame.
+    """Shows recordings, one at a time; all tabs of a page show the same frame.
 
-    Its methods may be called from any thread.
+    Any thread can call its methods.
 
     Args:
-        gui: Where its controls are drawn: that of a server, so that all tabs share them.
-        figures: The scene that it moves.
-        on_show: Called with number and frame whenever a frame is shown.
-        together: Returns a context whose changes the page shows at once, such as `server.atomic`.
+        gui: Graphical interface of a server, so that all tabs share the controls.
+        figures: The drawn scene.
+        on_show: Function that is called with index and frame when a frame is shown.
+        together: Function that returns a context whose changes the page shows at once, such as `server.atomic`.
     """
 
     def __init__(
@@ -218,12 +219,12 @@ class Player:
 
     @property
     def recording(self) -> Recording:
-        """The recording that is shown, with the frames so far."""
+        """The shown recording, with the frames so far."""
         with self._lock:
             return replace(self._recording, frames=tuple(self._frames))
 
     def load(self, recording: Recording, *, play: bool = False) -> None:
-        """Show a recording from its beginning.
+        """Show a recording from its start.
 
         Args:
             recording: The recording.
@@ -237,12 +238,12 @@ class Player:
             self._refresh()
 
     def begin(self, conditions: Sequence[str], instruction: str = "", *, follow: bool = False) -> None:
-        """Show a simulation that runs now, whose frames `add` brings, until `finish`.
+        """Show a running simulation, whose frames are passed to `add`, until `finish`.
 
         Args:
             conditions: The success conditions as text.
-            instruction: The first sentence of the episode.
-            follow: Show the newest frame as it arrives; otherwise play at the chosen speed.
+            instruction: The first instruction of the episode.
+            follow: Show each new frame; otherwise play at the chosen speed.
         """
         with self._lock:
             self._take(Recording((), tuple(conditions), instruction))
@@ -250,7 +251,7 @@ class Player:
             self._refresh()
 
     def add(self, frame: Frame) -> None:
-        """Append a frame of the simulation that runs now."""
+        """Append a frame of the running simulation."""
         with self._lock:
             self._frames.append(frame)
             self.timeline.add(frame.time)
@@ -258,13 +259,13 @@ class Player:
                 self._show()
 
     def add_segment(self, segment: Segment) -> None:
-        """Append a segment of the simulation that runs now."""
+        """Append a segment of the running simulation."""
         with self._lock:
             self._recording = replace(self._recording, segments=(*self._recording.segments, segment))
             self.timeline.segments = (*self.timeline.segments, segment.begins)
 
     def finish(self, recording: Recording) -> None:
-        """Take over the whole of the recording that `add` brought; the shown frame and whether it plays stay."""
+        """Set the complete recording at the end of the simulation; the shown frame does not change, and playback continues."""
         with self._lock:
             self._take(recording)
             self.timeline.complete(*_timing(recording))
@@ -294,7 +295,7 @@ class Player:
             self._show()
 
     def _refresh(self) -> None:
-        """Draw what depends on the recording as a whole, and the frame."""
+        """Update the failure, the plots and the shown frame."""
         if not self._closed:
             failure, frames = self._recording.failure, self._frames
             self._failure.content = "" if failure is None else failure_html(failure)

@@ -15,12 +15,13 @@ from rlbench_pin.spatial import FloatArray
 from rlbench_pin.viewer.recording import Failure, Frame, Segment
 
 COLORS = ("#e6194b", "#f58231", "#c9a600", "#3cb44b", "#17a2b8", "#4363d8", "#911eb4", "#808080")
-"""Of joints, in order."""
+"""Colours of the joints, in order."""
 HOLDS, OPEN = "#2e9e44", "#9aa0a6"
-"""Colours of a condition that holds and of one that does not."""
+"""Colours of a condition that holds and of a condition that does not."""
 _NOW = "rlbench-pin-now"
+"""CSS class of the cursors."""
 _POINTS = 240
-"""Points of a line in a plot at most; more are not seen."""
+"""Maximum number of points of a line in a plot."""
 _BOX = "position:relative;margin:2px 0 8px"
 _TEXT = "padding:0 0.75em;font-size:0.85em;line-height:1.4"
 _CURSOR = f'<div class="{_NOW}" style="position:absolute;top:0;bottom:0;width:2px;margin-left:-1px;background:#ff6d00"></div>'
@@ -49,6 +50,7 @@ def conditions_html(texts: Sequence[str], met: Sequence[bool], history: Sequence
 
 
 def _condition(text: str, holds: bool, history: Sequence[bool]) -> str:
+    """Return one condition with its mark and the bar of the time during which it holds."""
     mark, color, word = ("&#10003;", HOLDS, "holds") if holds else ("&#9675;", OPEN, "does not hold")
     bars = "".join(f'<rect x="{a}" y="0" width="{b - a}" height="1" fill="{HOLDS}"/>' for a, b in _intervals(history))
     strip = (
@@ -62,7 +64,7 @@ def _condition(text: str, holds: bool, history: Sequence[bool]) -> str:
 
 
 def _intervals(history: Sequence[bool]) -> Iterator[tuple[int, int]]:
-    """Yield first and last frame of each interval in which a condition holds; a single frame is one wide."""
+    """Yield the first and last frame of each interval in which a condition holds; each interval is at least one frame wide."""
     last, begins = max(len(history) - 1, 1), -1
     for number, holds in enumerate((*history, False)):
         if holds and begins < 0:
@@ -76,9 +78,9 @@ def plot_html(title: str, unit: str, values: FloatArray) -> str:
     """Return a plot of one line for each joint over time.
 
     Args:
-        title: What it shows.
-        unit: Its unit.
-        values: (frames, joints).
+        title: Title of the plot.
+        unit: Unit of the values.
+        values: Values (frames, joints).
     """
     head = f"<div><b>{escape(title)}</b> [{escape(unit)}]</div>"
     if len(values) < 2:
@@ -101,6 +103,7 @@ def plot_html(title: str, unit: str, values: FloatArray) -> str:
 
 
 def _line(rows: NDArray[np.int_], x: FloatArray, y: FloatArray, color: str) -> str:
+    """Return an SVG line through the points with coordinates `x` (k,) and `y[rows]` (k,)."""
     points = " ".join(f"{a:.0f},{b:.1f}" for a, b in zip(x, y[rows], strict=True))
     return f'<polyline points="{points}" fill="none" {_stroke(color, 1.5)}/>'
 
@@ -110,6 +113,7 @@ def _stroke(color: str, width: float) -> str:
 
 
 def _tick(value: float, place: str) -> str:
+    """Return the label of an axis at a CSS position."""
     return f'<span style="position:absolute;left:2px;{place};font-size:10px;opacity:0.8">{value:.3g}</span>'
 
 
@@ -131,9 +135,9 @@ def instant_html(frame: Frame, index: int, count: int, segment: Segment | None) 
 
     Args:
         frame: The frame that is shown.
-        index: Its number.
+        index: Index of the frame.
         count: Number of frames.
-        segment: The segment that it belongs to.
+        segment: Segment of the frame; None before the first.
     """
     way = "" if segment is None else f" &middot; to {escape(segment.waypoint)}"
     method = f" ({escape(segment.method)})" if segment is not None and segment.method else ""
@@ -155,7 +159,7 @@ def failure_html(failure: Failure) -> str:
 
 
 def images_html(images: Mapping[str, NDArray[np.uint8]]) -> str:
-    """Return images (h, w, 3) by name, two in a row, each with its name."""
+    """Return images (h, w, 3) in a grid of two columns, each with its name as the caption."""
     cells = "".join(
         f'<figure style="margin:0"><img alt="{name}" style="width:100%;display:block" src="{_data_url(image)}">'
         f'<figcaption style="font-size:0.75em">{name}</figcaption></figure>'
@@ -165,6 +169,7 @@ def images_html(images: Mapping[str, NDArray[np.uint8]]) -> str:
 
 
 def _data_url(image: NDArray[np.uint8]) -> str:
+    """Return an image (h, w, 3) as the data URL of a JPEG file."""
     file = io.BytesIO()
     Image.fromarray(image).save(file, "JPEG", quality=85)
     return "data:image/jpeg;base64," + base64.b64encode(file.getvalue()).decode()

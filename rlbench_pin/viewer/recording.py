@@ -50,7 +50,7 @@ from rlbench_pin.tasks import (
 )
 
 FileKind = Literal["scene", "task"]
-"""`<task>.toml` or `<task>.py`."""
+"""Kind of a file of a task: `<task>.toml` or `<task>.py`."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Problem:
     file: FileKind
     """The file."""
     line: int | None
-    """Line, from 1; None when it concerns the whole file."""
+    """Line, from 1; None for the whole file."""
     message: str
     """The problem, the allowed values, and the next step."""
 
@@ -70,10 +70,9 @@ class Frame:
     """The world at the end of one control tick."""
 
     time: float
-    """Since the reset [s]."""
+    """Time since the reset [s]."""
     poses: Mapping[str, FloatArray]
-    """`<body>/<link>` -> pose (7,) of the link's URDF frame in the world, for each link of every body of the scene, also those
-    that do not collide."""
+    """`<body>/<link>` -> pose (7,) of the link frame in the world, for all links of all bodies of the scene."""
     arm: FloatArray
     """Joint positions of the arm [rad], shape (n,)."""
     fingers: FloatArray
@@ -85,14 +84,14 @@ class Frame:
     conditions_met: tuple[bool, ...]
     """Whether each success condition holds, in their order."""
     success: bool
-    """Whether the goal is reached."""
+    """Whether all success conditions hold."""
     colors: Mapping[str, tuple[float, float, float, float]] = field(default_factory=dict)
-    """`<body>/<link>` -> rgba in 0..1, of the links that were painted since their file was read."""
+    """`<body>/<link>` -> RGBA from 0 to 1 of links whose colour differs from their model file."""
 
 
 @dataclass(frozen=True, eq=False)
 class Failure:
-    """Why a demonstration or a waypoint failed."""
+    """Failure of a reset, a demonstration or a waypoint."""
 
     cause: str
     """Cause as text, with the next step."""
@@ -101,9 +100,9 @@ class Failure:
     pairs: tuple[tuple[str, str], ...] = ()
     """Pairs of links in contact, by name."""
     nearest: FloatArray | None = None
-    """The nearest pose (7,) that the tip reaches, where one is known."""
+    """The reachable tip pose (7,) nearest to the target; None if unknown."""
     problem: Problem | None = None
-    """The line of the task's own code that raised it, where it did."""
+    """The line of the task file that raised the error; None if other code did."""
 
 
 @dataclass(frozen=True)
@@ -113,31 +112,31 @@ class Segment:
     waypoint: str
     """Name of the waypoint."""
     begins: int
-    """Number of the frame at which it begins."""
+    """Index of its first frame."""
     method: str
     """Planning method."""
 
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """A demonstration or another stretch of simulation, frame by frame."""
+    """Recording of a demonstration or another part of a simulation."""
 
     frames: tuple[Frame, ...]
-    """One for each control tick, the reset first."""
+    """One frame for each control tick, with the reset first."""
     conditions: tuple[str, ...]
     """The success conditions as text, in the order of `Frame.conditions_met`."""
     instruction: str = ""
-    """The first sentence of the episode."""
+    """The first instruction of the episode."""
     segments: tuple[Segment, ...] = ()
     """The segments, in order."""
     failure: Failure | None = None
-    """None when the goal was reached."""
+    """The failure; None after success."""
     added: tuple[BodySpec, ...] = ()
-    """Bodies that were added to the world, each under its name in `Frame.poses`; where they are in a frame, they are there."""
+    """Bodies that were added to the world; a frame contains them while its `poses` has their names."""
 
 
 def evaluate_conditions(conditions: Sequence[Condition]) -> tuple[bool, ...]:
-    """Return whether each condition holds now; conditions that count do not change."""
+    """Return whether each condition holds now; the state of the conditions does not change."""
     before = [condition.state() for condition in conditions]
     try:
         return tuple(bool(condition.met()) for condition in conditions)
@@ -158,7 +157,7 @@ def missing_conditions(task: Task) -> tuple[str, ...]:
 
 
 def condition_text(condition: Condition) -> str:
-    """Return a condition in a few words; for one that a task file defines, the name of its class."""
+    """Return a condition as a short text; for a condition class of a task file, the name of the class."""
     return next((text(condition) for kind, text in _TEXTS if isinstance(condition, kind)), type(condition).__name__)
 
 
@@ -196,12 +195,12 @@ def failure_of(error: RlbenchPinError, waypoint: str, task: Task) -> Failure:
     """Return the record of an error of a demonstration, with the evidence of the planning errors that caused it.
 
     Args:
-        error: What ended the demonstration.
-        waypoint: Name of the waypoint that was approached, or empty.
+        error: Error that ended the demonstration.
+        waypoint: Name of the waypoint that was approached; empty if there was none.
         task: The running task; a DemoError lists the conditions that do not hold.
     """
     cause, missing = str(error), missing_conditions(task) if isinstance(error, DemoError) else ()
-    if isinstance(error, ResetError):  # count causes that differ in their numbers alone together
+    if isinstance(error, ResetError):  # causes that differ only in numbers are counted together
         groups: dict[str, list[str]] = {}
         for text in error.causes:
             groups.setdefault(_NUMBER.sub("#", text), []).append(text)
@@ -216,7 +215,7 @@ def failure_of(error: RlbenchPinError, waypoint: str, task: Task) -> Failure:
 
 
 def _chain(error: BaseException) -> Iterator[BaseException]:
-    """Yield an error and the errors that it was raised from, in turn."""
+    """Yield an error, its cause, the cause of the cause, and so on."""
     link: BaseException | None = error
     while link is not None:
         yield link
@@ -224,20 +223,20 @@ def _chain(error: BaseException) -> Iterator[BaseException]:
 
 
 OnFrame = Callable[[Frame], None]
-"""Called with every frame as it is recorded; an exception ends the simulation."""
+"""Function that is called with each recorded frame; an exception ends the simulation."""
 OnSegment = Callable[[Segment], None]
-"""Called when the motion to a waypoint is about to begin."""
+"""Function that is called before each segment."""
 
 
 class FrameRecorder(Listener):
-    """Records the world at the beginning of a `with` block and after each control tick in it; changes nothing.
+    """Records the world at the start of a `with` block and after each control tick in it, without an effect on the simulation.
 
-    It does not advance conditions that count: the caller evaluates the task in every tick, as actions and demonstrations do.
+    It does not change the state of conditions: the caller evaluates the task in each tick, as actions and demonstrations do.
 
     Args:
         runtime: The running task.
-        on_frame: Called with every frame.
-        on_segment: Called with every segment of a demonstration.
+        on_frame: Function that is called with each frame.
+        on_segment: Function that is called with each segment of a demonstration.
 
     Attributes:
         frames: The frames so far.
@@ -265,7 +264,7 @@ class FrameRecorder(Listener):
         self._listening.__exit__(kind, error, traceback)
 
     def frame(self) -> Frame:
-        """Return the world as it is now, without keeping it."""
+        """Return a frame of the current world, without storing it."""
         runtime, robot = self._runtime, self._runtime.robot
         met = evaluate_conditions(runtime.task.get_success_conditions())
         return Frame(
@@ -287,11 +286,12 @@ class FrameRecorder(Listener):
             self._on_segment(self.segments[-1])
 
     def recording(self, failure: Failure | None = None) -> Recording:
-        """Return what was recorded so far."""
+        """Return the recording so far, with a failure if there is one."""
         texts, instruction = success_texts(self._runtime.task), next(iter(self._runtime.instructions), "")
         return Recording(tuple(self.frames), texts, instruction, tuple(self.segments), failure, tuple(self.added.values()))
 
     def _keep(self) -> None:
+        """Store a frame of the current world, and call `on_frame`."""
         frame = self.frame()
         self.added.update(self._runtime.world.spawned)
         self.frames.append(frame)
@@ -300,7 +300,7 @@ class FrameRecorder(Listener):
 
 
 def _painted_links(world: World) -> dict[str, tuple[float, float, float, float]]:
-    """Return `<body>/<link>` -> rgba of the links whose colour differs from their URDF file."""
+    """Return `<body>/<link>` -> RGBA from 0 to 1 of the links whose colour differs from their URDF file."""
     return {
         f"{name}/{link}": colors[index]
         for name, body in world.bodies.items()
@@ -311,7 +311,7 @@ def _painted_links(world: World) -> dict[str, tuple[float, float, float, float]]
 
 
 def record_reset(task_environment: TaskEnvironment, seed: int, variation: int) -> Recording:
-    """Reset a task and return the frame after it, with the reason if no start is found.
+    """Reset a task and return a recording with the frame after it, and with the failure if no start was found.
 
     Args:
         task_environment: The task.
@@ -334,14 +334,14 @@ def record_demonstration(
     on_frame: OnFrame | None = None,
     on_segment: OnSegment | None = None,
 ) -> Recording:
-    """Reset a task, play its demonstration once and return every frame, with the reason if it fails.
+    """Reset a task, execute its demonstration once and return the recording, with the failure if there is one.
 
     Args:
         task_environment: The task.
         seed: Seed of the episode.
         variation: Its variation.
-        on_frame: Called with every frame, the reset first; an error that it raises ends the demonstration and is passed on.
-        on_segment: Called with every segment as it begins.
+        on_frame: Function that is called with each frame, the reset first; its errors end the demonstration and are passed on.
+        on_segment: Function that is called before each segment.
     """
     runtime, start = task_environment.runtime, record_reset(task_environment, seed, variation)
     if start.failure is not None:
@@ -357,19 +357,20 @@ def record_demonstration(
 
 
 def recording_of_demo(task_environment: TaskEnvironment, demo: Demo, on_frame: OnFrame | None = None) -> Recording:
-    """Restore the start of a stored demonstration, replay it, and return every frame.
+    """Restore the start of a stored demonstration, replay it, and return the recording.
 
-    It plays the recorded actions, or without them the recorded joint positions and gripper openings. A motion of the gripper
-    has one frame per control tick, however many were stored. The segments lead from key frame to key frame.
+    The replay uses the recorded actions, or without them the recorded joint positions and gripper openings. Motions of the
+    gripper have one frame per control tick, for any number of stored frames. A segment is a motion between two key frames.
 
     Args:
-        task_environment: Its task, with absolute joint positions and an opening as actions, as `make_environment` has them.
-        demo: The demonstration; images are not needed.
-        on_frame: Called with every frame, the start first; an error that it raises ends the motion and is passed on.
+        task_environment: Environment of the task, whose actions are absolute joint positions and an opening, as in
+            `make_environment`.
+        demo: The demonstration; it needs no images.
+        on_frame: Function that is called with each frame, the start first; its errors end the replay and are passed on.
 
     Raises:
-        TaskEnvironmentError: It is of another task, or its start state cannot be restored.
-        DemoError: It contains neither actions nor joint positions.
+        TaskEnvironmentError: The demonstration is of another task, or its start state cannot be restored.
+        DemoError: The demonstration contains neither actions nor joint positions.
     """
     actions = list(_actions(demo))
     instructions, _ = task_environment.reset_to_demo(demo)
@@ -403,7 +404,12 @@ def _actions(demo: Demo) -> Iterator[FloatArray]:
 
 
 def _segments(demo: Demo, places: list[int]) -> tuple[Segment, ...]:
-    """Return the segments to the key frames that were played; none if velocities or gripper openings are not stored."""
+    """Return the segments between key frames; none if velocities or gripper openings are not stored.
+
+    Args:
+        demo: The demonstration.
+        places: Index of the recorded frame for each replayed frame of the demonstration.
+    """
     try:
         ends = [index for index in key_frames(demo) if index < len(places)]
     except DatasetError:
@@ -426,7 +432,7 @@ def _missed(demo: Demo, recorder: FrameRecorder, places: list[int], refused: str
 
 
 def camera_images(runtime: Runtime, size: int = 160) -> dict[str, NDArray[np.uint8]]:
-    """Return the present image (size, size, 3) of each of the five cameras, with the shadows of the settings."""
+    """Return the current image (size, size, 3) of each of the five cameras, with shadows as in the observation settings."""
     config = runtime.observer.config
     runtime.world.renderer.lighting = config.lighting
     requests = [

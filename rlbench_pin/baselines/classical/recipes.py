@@ -95,7 +95,7 @@ def colored(candidates: Sequence[Cloud], name: str) -> Cloud:
 
 
 def parts_colored(cloud: Cloud, rgb: Sequence[float], within: float = 0.3, least: float = 0.4) -> Cloud:
-    """Return the points whose hue is near to that of a colour (3,), and whose brightness is a share `least` of it."""
+    """Return the points of a hue within `within` of that of a colour (3,), at least `least` times as bright."""
     wanted = np.array(rgb) / max(rgb)
     brightest = np.maximum(cloud.colors.max(axis=1), 1e-3)
     near = np.linalg.norm(cloud.colors / brightest[:, None] - wanted, axis=1) < within
@@ -119,7 +119,7 @@ CLEAR = 0.03
 
 @dataclass(frozen=True)
 class Door:
-    """A part on an upright hinge that is pushed shut."""
+    """A door with a vertical hinge that the gripper pushes closed."""
 
     model: str
     """File of the model."""
@@ -128,14 +128,14 @@ class Door:
     link: str
     """The part."""
     states: tuple[float, ...]
-    """Angles that it may stand at [rad]."""
+    """Angles of the hinge to try in the detection [rad]."""
     grip: float
-    """Where it is pushed, as a share of its width from the hinge."""
+    """Distance of the contact point from the hinge, as a fraction of the width."""
 
 
 @dataclass(frozen=True)
 class Lid:
-    """A part on a level hinge that is folded down."""
+    """A lid with a horizontal hinge that the gripper folds down."""
 
     model: str
     """File of the model."""
@@ -144,11 +144,11 @@ class Lid:
     link: str
     """The part."""
     states: tuple[float, ...]
-    """Angles that it may stand at [rad]."""
+    """Angles of the hinge to try in the detection [rad]."""
     press: float
-    """Height of the tip over the hinge when it is pressed flat [m]."""
+    """Height of the tip over the hinge while it presses the lid flat [m]."""
     reach: float
-    """How far from the hinge it is pressed [m]."""
+    """Distance of the contact point from the hinge [m]."""
 
 
 MICROWAVE_DOOR = Door("microwave/microwave", "door", "door_link", (0.8, 1.2, 1.6), 0.75)
@@ -179,7 +179,7 @@ def pull_drawer(gripper: Gripper, asked: Instruction) -> Moves:
     axis, points = world_axis(chest, joint), chest.link_points(f"drawer_{level}_link")
     bar = _outermost(points, axis.direction) - 0.006 * axis.direction
     far = bar + (0.19 - chest.joints[joint]) * axis.direction
-    level_turns = sloping(-axis.direction, (0.0,), (0.0, 0.4, -0.4, 0.785, -0.785))  # from sloping ones the bar slips
+    level_turns = sloping(-axis.direction, (0.0,), (0.0, 0.4, -0.4, 0.785, -0.785))  # a sloping gripper loses the handle
     turns = [turn for turn in level_turns if abs(turn[2, 1]) > 0.9]
     ways = [[placed(t, bar - 0.1 * t[:, 2]), placed(t, bar), placed(t, far)] for t in turns]
     yield from pull(gripper, gripper.choose(ways))
@@ -225,7 +225,7 @@ def world_axis(found: Located, joint: str) -> Axis:
 
 
 def _outermost(points: FloatArray, direction: FloatArray) -> FloatArray:
-    """Return the middle (3,) of what of some points (n, 3) is farthest along a direction."""
+    """Return the middle (3,) [m] of those points (n, 3) [m] that are farthest along a direction, within 4 mm."""
     along = points @ direction
     last = points[along > along.max() - 0.004]
     middle = 0.5 * (last.min(axis=0) + last.max(axis=0))
@@ -233,12 +233,12 @@ def _outermost(points: FloatArray, direction: FloatArray) -> FloatArray:
 
 
 def _on_leaf(points: FloatArray, axis: Axis, share: float) -> tuple[FloatArray, FloatArray]:
-    """Return a point (3,) on the outside of a leaf, and the unit vector (3,) out of it, the way that it opens.
+    """Return a point (3,) [m] on the outside of a door or lid, and the outward normal (3,), its opening direction there.
 
     Args:
-        points: Surface of the leaf (n, 3) [m].
-        axis: Its hinge; the angle grows when it opens.
-        share: How far from the hinge, as a share of its width.
+        points: Surface of the door or lid (n, 3) [m].
+        axis: Its hinge; the angle increases when it opens.
+        share: Distance of the point from the hinge, as a fraction of the width.
     """
     offset = points - axis.origin
     offset = offset - np.outer(offset @ axis.direction, axis.direction)
@@ -255,20 +255,20 @@ def _on_leaf(points: FloatArray, axis: Axis, share: float) -> tuple[FloatArray, 
 
 @dataclass(frozen=True)
 class Bar:
-    """A part on a hinge, with a bar parallel to that."""
+    """A handle: a bar, parallel to the hinge of its part."""
 
     model: str
     """File of the model."""
     joint: str
-    """Its hinge."""
+    """The hinge of the part."""
     link: str
-    """The part; its x-axis points from the bar to it."""
+    """The part; its x-axis points from the bar to the part."""
     middle: tuple[float, float, float]
     """Middle of the bar, in the frame of the part [m]."""
     begin: float
-    """Angle that it stands at [rad]."""
+    """Initial angle [rad]."""
     end: float
-    """Angle that it is brought to [rad]."""
+    """Final angle [rad]."""
 
 
 MICROWAVE_BAR = Bar("microwave/microwave", "door", "door_link", (-0.06, -0.255, 0.0), 0.0, 1.5)
@@ -278,7 +278,7 @@ HOOD_DOWN = Bar("hooded_grill/hooded_grill", "lid", "hood", (-0.334, 0.0, 0.042)
 
 
 def turn_bar(gripper: Gripper, bar: Bar) -> Moves:
-    """Grip a bar, go about its hinge with it, let go and draw back; the gripper turns less than the part."""
+    """Grasp a bar, move it about its hinge, release it and move back; the gripper rotates less than the part."""
     state = {bar.joint: bar.begin}
     found = locate(KnownModel.named(bar.model), everything(gripper), [state])
     axis, part = world_axis(found, bar.joint), found.placement * found.model.placement(bar.link, state)
@@ -298,18 +298,18 @@ def turn_bar(gripper: Gripper, bar: Bar) -> Moves:
 
 
 def _across_bar(turns: list[FloatArray], bar: FloatArray) -> list[FloatArray]:
-    """Return the orientations whose fingers are on both sides of a bar along a direction (3,)."""
+    """Return the orientations whose fingers are on both sides of a bar; `bar` (3,) is its direction."""
     return [turn for turn in turns if abs(turn[:, 1] @ bar) < 0.2]
 
 
 GRATE = 0.14
 """Height of the grate of the grill [m]."""
 FINGERS = 0.035
-"""How far the open fingers reach to each side [m]."""
+"""Distance from the tip to the outside of an open finger [m]."""
 
 
 def lift_block_to_ring(gripper: Gripper, asked: Instruction) -> Moves:
-    """Hold the block of the colour where the ring floats."""
+    """Lift the block of the named colour to the middle of the floating ring."""
     seen = objects(gripper)
     floating = [item for item in seen if bottom(item) > 0.1]
     if not floating:
@@ -321,7 +321,7 @@ def lift_block_to_ring(gripper: Gripper, asked: Instruction) -> Moves:
 
 
 def lift_cup(gripper: Gripper, asked: Instruction) -> Moves:
-    """Grip the cup of the colour at its rim, one finger inside, and raise it."""
+    """Grasp the cup of the named colour at its rim, with one finger inside, and lift it."""
     cups = objects(gripper)
     cup = colored(cups, asked.colors[0])
     rest = np.concatenate([other.points for other in cups if other is not cup] or [np.full((1, 3), 9.0)])
@@ -336,7 +336,7 @@ def lift_cup(gripper: Gripper, asked: Instruction) -> Moves:
 
 
 def lift_lid(gripper: Gripper, asked: Instruction) -> Moves:
-    """Take the lid of the pan by its knob, its highest part, and hold it above."""
+    """Grasp the lid of the pan at its knob, the highest part, and lift it."""
     pan = everything(gripper)
     top = pan.points[:, 2].max()
     knob = pan.where(pan.points[:, 2] > top - 0.01)
@@ -345,7 +345,7 @@ def lift_lid(gripper: Gripper, asked: Instruction) -> Moves:
 
 
 def bin_paper(gripper: Gripper, asked: Instruction) -> Moves:
-    """Pick the ball of paper, the palest of the small objects, and let it fall into the bin."""
+    """Pick up the paper ball, which is the object nearest to white among the small ones, and drop it into the bin."""
     seen = objects(gripper)
     bin_, small = seen[0], [item for item in seen[1:] if item.size[2] < 0.08]
     paper = colored(small, "white")
@@ -357,7 +357,7 @@ def bin_paper(gripper: Gripper, asked: Instruction) -> Moves:
 
 
 def meat_off_grill(gripper: Gripper, asked: Instruction) -> Moves:
-    """Take the piece of meat off the grate, and lay it on the table by a long side of the grill."""
+    """Pick up the named piece of meat from the grate, and place it on the table at a long side of the grill."""
     cloud = everything(gripper)
     grill = locate(KnownModel.named("grill/grill"), cloud.between(0.0, 0.142))
     pieces = [piece for piece in clusters(cloud.between(0.147, 0.25), gap=0.01) if piece.size[:2].max() < 0.2]
@@ -371,7 +371,7 @@ def meat_off_grill(gripper: Gripper, asked: Instruction) -> Moves:
 
 
 def meat_on_grill(gripper: Gripper, asked: Instruction) -> Moves:
-    """Take the piece of meat from the table, and lay it in the middle of the grate."""
+    """Pick up the named piece of meat from the table, and place it in the middle of the grate."""
     seen = objects(gripper)
     grill = locate(KnownModel.named("grill/grill"), seen[0])
     middle, yaw = _meat([item for item in seen[1:] if item.size[2] < 0.08], asked, 0.0)
@@ -380,7 +380,7 @@ def meat_on_grill(gripper: Gripper, asked: Instruction) -> Moves:
 
 
 def unplug(gripper: Gripper, asked: Instruction) -> Moves:
-    """Grip the charger, which is what stands out of the wall, and pull it straight out."""
+    """Grasp the charger, the object in front of the socket panel, and pull it straight out."""
     cloud = everything(gripper)
     panel = locate(KnownModel.named("socket_panel/socket_panel"), cloud)
     local = (cloud.points - panel.placement.translation) @ panel.placement.rotation
@@ -395,7 +395,19 @@ def unplug(gripper: Gripper, asked: Instruction) -> Moves:
 
 
 def _meat(pieces: Sequence[Cloud], asked: Instruction, ground: float) -> tuple[FloatArray, float]:
-    """Return middle x, y (2,) and heading across of the piece of meat whose height over the ground [m] is that of the named."""
+    """Find the named piece of meat among candidates by its thickness.
+
+    Args:
+        pieces: Candidates.
+        asked: Instruction with the name, chicken or steak.
+        ground: Height of the surface below the pieces over the table [m].
+
+    Returns:
+        Middle x, y (2,) [m], and the heading across the piece [rad].
+
+    Raises:
+        NothingFound: There is no candidate.
+    """
     word = asked.one_of(("chicken", "steak")) or "steak"
     if not pieces:
         raise NothingFound(f"No {word} is seen.")
@@ -406,7 +418,17 @@ def _meat(pieces: Sequence[Cloud], asked: Instruction, ground: float) -> tuple[F
 
 
 def _across(yaw: float, middle: FloatArray, item: Cloud, others: Sequence[Cloud], count: int = 2) -> list[FloatArray]:
-    """Return downward orientations at a yaw [rad] and turned from it, those first whose fingers have most room."""
+    """Return the downward orientations whose fingers have enough room beside the other objects.
+
+    Without enough room it is the heading with the most room.
+
+    Args:
+        yaw: First heading of the fingers [rad].
+        middle: Middle of the object (2,) [m].
+        item: The object to grasp.
+        others: All detected objects.
+        count: Number of headings, evenly spaced over 180 degrees.
+    """
     rest = np.concatenate([o.points for o in others if o is not item and bottom(o) < 0.1] or [np.full((1, 3), 9.0)])[:, :2]
     yaws = [yaw + k * np.pi / count for k in range(count)]
     room = []
@@ -418,18 +440,19 @@ def _across(yaw: float, middle: FloatArray, item: Cloud, others: Sequence[Cloud]
 
 
 PRESSED = 0.0455
-"""Height of the tip when a cap is down: 6 mm below its top, 9.5 mm of fingers [m]."""
+"""Height of the tip over the table when a button cap is pressed down by 6 mm [m]; the fingers are 9.5 mm below the tip."""
 RED, GREEN = (1.0, 0.0, 0.0), (0.0, 0.7, 0.15)
+"""Colours of button caps and the block, and of the target square: red, green, blue from 0 to 1."""
 
 
 def reach_ball(gripper: Gripper, asked: Instruction) -> Moves:
-    """Bring the tip to the ball of the colour."""
+    """Move the tip to the ball of the named colour."""
     ball = colored([item for item in objects(gripper) if bottom(item) > 0.02], asked.colors[0])
     yield from touch(gripper, ball.middle, all_down())
 
 
 def press_buttons(gripper: Gripper, asked: Instruction) -> Moves:
-    """Press the caps of the bases of the colours, in their order."""
+    """Press the buttons whose bases have the named colours, in the order of the instruction."""
     buttons = [(middle, cloud) for cloud in objects(gripper) for middle in _caps(cloud)]
     bases = [_base(middle, cloud) for middle, cloud in buttons]
     for name in asked.colors:
@@ -439,7 +462,7 @@ def press_buttons(gripper: Gripper, asked: Instruction) -> Moves:
 
 
 def press_lamp_button(gripper: Gripper, asked: Instruction) -> Moves:
-    """Press the red cap of the button of a lamp."""
+    """Press the red cap of the lamp button."""
     caps = [middle for cloud in objects(gripper) for middle in _caps(cloud)]
     if not caps:
         raise NothingFound("No cap of a button is seen.")
@@ -447,7 +470,7 @@ def press_lamp_button(gripper: Gripper, asked: Instruction) -> Moves:
 
 
 def flip_switch(gripper: Gripper, asked: Instruction) -> Moves:
-    """Push the raised half of the rocker in, sloping down towards the wall."""
+    """Push the raised half of the rocker switch in, with a gripper that slopes down towards the wall."""
     states = [{"rocker_joint": -0.6}, {"rocker_joint": 0.6}]
     panel = locate(KnownModel.named("switch_panel/switch_panel"), everything(gripper), states)
     inwards = panel.placement.rotation[:, 0]
@@ -460,7 +483,7 @@ def flip_switch(gripper: Gripper, asked: Instruction) -> Moves:
 
 
 def shove_block(gripper: Gripper, asked: Instruction) -> Moves:
-    """Shove the red block onto the green square; look again after each push."""
+    """Push the red block onto the green square, with at most three pushes and a new detection before each."""
     view = gripper.look()
     square = max(clusters(parts_colored(view.marks, GREEN, 0.4)), key=len, default=None)
     for _ in range(3):
@@ -475,7 +498,7 @@ def shove_block(gripper: Gripper, asked: Instruction) -> Moves:
 
 
 def _shove(gripper: Gripper, block: FloatArray, along: FloatArray, length: float) -> Moves:
-    """Push a block of 6 cm at x, y (2,) straight along a direction (2,) over a length [m], and go up."""
+    """Push a block of 6 cm at x, y (2,) [m] straight along a direction (2,) over a length [m], and move up."""
     start, up = block - 0.075 * along, np.array([0.0, 0.0, 0.12])
     end = block + (length - 0.04) * along
     forward = np.array([*along, 0.0])
@@ -485,7 +508,7 @@ def _shove(gripper: Gripper, block: FloatArray, along: FloatArray, length: float
 
 
 def _caps(cloud: Cloud) -> list[FloatArray]:
-    """Return the middles x, y (2,) of round red objects as high as caps."""
+    """Return the middles x, y (2,) [m] of small red parts at the height of button caps."""
     level = cloud.between(0.035, 0.05)
     return [
         part.middle[:2]
@@ -495,24 +518,25 @@ def _caps(cloud: Cloud) -> list[FloatArray]:
 
 
 def _base(middle: FloatArray, cloud: Cloud) -> Cloud:
-    """Return the points of a button of middle x, y (2,) that do not belong to its cap."""
+    """Return the points of the base of a button with its middle at x, y (2,) [m]; the cap is left out."""
     apart = np.linalg.norm(cloud.points[:, :2] - middle, axis=1)
     return cloud.where((apart > 0.024) & (apart < 0.045))
 
 
 Play = Callable[[Gripper, Instruction], Moves]
+"""A recipe as a function of the gripper and the instruction."""
 
 
 @dataclass(frozen=True)
 class Recipe:
-    """Words of instructions and the skills for them."""
+    """Words of an instruction, and the function for such instructions."""
 
     objects: str
     """Words or phrases of which one must occur: `a|b`."""
     asks: str
     """Further words of which one must occur; empty for none."""
     play: Play
-    """The skill to execute."""
+    """The function to execute."""
 
     def fits(self, asked: Instruction) -> bool:
         """Return whether an instruction matches this recipe."""
@@ -520,14 +544,17 @@ class Recipe:
 
 
 def _door(door: Door) -> Play:
+    """Return `push_door` for one door."""
     return lambda gripper, asked: push_door(gripper, door)
 
 
 def _bar(bar: Bar) -> Play:
+    """Return `turn_bar` for one handle."""
     return lambda gripper, asked: turn_bar(gripper, bar)
 
 
 def _lid(lid: Lid) -> Play:
+    """Return `fold_lid` for one lid."""
     return lambda gripper, asked: fold_lid(gripper, lid)
 
 
@@ -568,7 +595,7 @@ TASKS = (
 
 
 def find_recipe(asked: Instruction) -> Play:
-    """Return the skill for an instruction.
+    """Return the function for an instruction: the first recipe that matches it.
 
     Raises:
         NothingFound: There is no recipe for it.

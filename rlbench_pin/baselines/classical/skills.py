@@ -20,9 +20,9 @@ from rlbench_pin.scene.snapshot import WorldSnapshot
 from rlbench_pin.spatial import FloatArray, se3_to_pose
 
 PAD = 0.0095
-"""How far the fingers reach beyond the tip frame [m]."""
+"""Distance from the tip frame to the ends of the fingers [m]."""
 DOWN = np.array([0.0, 0.0, -1.0])
-"""Towards the table."""
+"""Direction from the gripper to the table, a unit vector (3,)."""
 
 
 class NothingFound(RlbenchPinError):
@@ -30,7 +30,10 @@ class NothingFound(RlbenchPinError):
 
 
 def pointing(direction: FloatArray, across: FloatArray) -> FloatArray:
-    """Return the rotation (3, 3) of a gripper that points along `direction`, fingers apart along `across` as far as that goes."""
+    """Return the gripper orientation (3, 3) that points along `direction`, with the fingers apart along `across`.
+
+    The fingers are apart along the component of `across` that is perpendicular to `direction`.
+    """
     z = np.asarray(direction, dtype=float) / np.linalg.norm(direction)
     y = np.asarray(across, dtype=float) - (z @ across) * z
     y = y / np.linalg.norm(y)
@@ -38,28 +41,28 @@ def pointing(direction: FloatArray, across: FloatArray) -> FloatArray:
 
 
 def both_ways(turns: Sequence[FloatArray]) -> list[FloatArray]:
-    """Return rotations, each also with the fingers swapped."""
+    """Return each rotation, followed by the same rotation with the fingers swapped."""
     half = np.diag([-1.0, -1.0, 1.0])
     return [turn @ t for turn in turns for t in (np.eye(3), half)]
 
 
 def down(yaw: float) -> FloatArray:
-    """Return the rotation (3, 3) of a gripper that points down with its fingers apart along a heading [rad]."""
+    """Return the gripper orientation (3, 3) that points down, with the fingers apart along a heading [rad]."""
     return pointing(DOWN, np.array([np.cos(yaw), np.sin(yaw), 0.0]))
 
 
 def all_down(count: int = 8) -> list[FloatArray]:
-    """Return rotations of a gripper that points down, all around."""
+    """Return `count` gripper orientations that point down, with evenly spaced headings."""
     return [down(float(yaw)) for yaw in np.linspace(-np.pi, np.pi, count, endpoint=False)]
 
 
 def sloping(direction: FloatArray, slopes: Sequence[float], turns: Sequence[float] = (0.0,)) -> list[FloatArray]:
-    """Return rotations of a gripper that points along a level direction, turned about the vertical and sloping down.
+    """Return gripper orientations that point along a horizontal direction, with each slope and each rotation about the vertical.
 
     Args:
-        direction: Level direction (3,).
-        slopes: How far down it points [rad].
-        turns: How far it is turned aside [rad].
+        direction: Horizontal direction (3,).
+        slopes: Angles of the gripper below the horizontal [rad].
+        turns: Rotations about the vertical [rad].
     """
     found = []
     for turn in turns:
@@ -71,23 +74,23 @@ def sloping(direction: FloatArray, slopes: Sequence[float], turns: Sequence[floa
 
 
 def placed(turn: FloatArray, point: FloatArray) -> pin.SE3:
-    """Return a gripper of an orientation (3, 3) whose tip is at a point (3,) [m]."""
+    """Return the gripper placement with an orientation (3, 3) and the tip at a point (3,) [m]."""
     return pin.SE3(np.asarray(turn), np.asarray(point, dtype=float))
 
 
 PULLING = 0.1
-"""Speed of the tip that pulls at something [m/s]."""
+"""Speed of the tip while it pulls an object [m/s]."""
 ABOVE = 0.1
-"""How far before an object the gripper stops first [m]."""
+"""Distance to the object at which an approach starts [m]."""
 
 
 def touch(gripper: Gripper, point: FloatArray, turns: Sequence[FloatArray]) -> Moves:
-    """Bring the tip to a point (3,), with the first of some orientations (3, 3) that the arm reaches."""
+    """Move the tip to a point (3,) [m], with the best of several orientations (3, 3)."""
     yield from gripper.go(gripper.choose([[placed(turn, point)] for turn in turns]))
 
 
 def press(gripper: Gripper, point: FloatArray, turns: Sequence[FloatArray], back: float = ABOVE) -> Moves:
-    """Push the closed fingers to a point (3,) along the gripper, and go back by `back` [m]."""
+    """Push the closed fingers to a point (3,) [m] along the gripper axis, and move back by `back` [m]."""
     way = gripper.choose([approach(turn, point, back) for turn in turns])
     yield from gripper.go(way, is_open=False)
     yield from gripper.slide(way.targets[1:])
@@ -95,7 +98,7 @@ def press(gripper: Gripper, point: FloatArray, turns: Sequence[FloatArray], back
 
 
 def pull(gripper: Gripper, way: Way) -> Moves:
-    """Go to the first placement of a way, close the fingers at the second, and take what they hold along the others, gently."""
+    """Move to the first placement of a way, grasp at the second, and move slowly along the others with the grasped part."""
     yield from gripper.go(way, is_open=True)
     yield from gripper.slide(way.targets[1:2])
     yield from gripper.grip(False)
@@ -103,7 +106,7 @@ def pull(gripper: Gripper, way: Way) -> Moves:
 
 
 def pick(gripper: Gripper, point: FloatArray, turns: Sequence[FloatArray], lift: float = ABOVE) -> Moves:
-    """Close the fingers about a point (3,), and lift what they hold straight up by `lift` [m]."""
+    """Grasp at a point (3,) [m], and lift the object straight up by `lift` [m]."""
     up = np.array([0.0, 0.0, lift])
     way = gripper.choose([[*approach(turn, point, ABOVE), placed(turn, point + up)] for turn in turns])
     yield from gripper.go(way, is_open=True)
@@ -113,7 +116,7 @@ def pick(gripper: Gripper, point: FloatArray, turns: Sequence[FloatArray], lift:
 
 
 def place(gripper: Gripper, point: FloatArray, over: float = ABOVE) -> Moves:
-    """Bring what is held over a point (3,), lower it there, let go, and go up again by `over` [m]."""
+    """Move the held object to `over` [m] above a point (3,) [m], lower it, release it, and move up again."""
     turn, up = gripper.tip.rotation, np.array([0.0, 0.0, over])
     turns = [turn @ pin.rpy.rpyToMatrix(0.0, 0.0, yaw) for yaw in (0.0, np.pi, 0.5 * np.pi, -0.5 * np.pi)]
     way = gripper.choose([[placed(t, point + up), placed(t, point)] for t in turns])
@@ -128,8 +131,8 @@ def sweep(gripper: Gripper, paths: Sequence[Sequence[pin.SE3]], back: FloatArray
 
     Args:
         gripper: The gripper.
-        paths: Placements of the tip, one after the other; all of them do.
-        back: From where the gripper comes to the start of a path, as an offset (3,) [m].
+        paths: Alternative paths; each is a sequence of placements of the tip.
+        back: Offset (3,) from the start of a path to the end of the free motion [m].
     """
     way = gripper.choose([[pin.SE3(path[0].rotation, path[0].translation + back), *path] for path in paths])
     yield from gripper.go(way, is_open=False)
@@ -137,22 +140,22 @@ def sweep(gripper: Gripper, paths: Sequence[Sequence[pin.SE3]], back: FloatArray
 
 
 def arc(axis: Axis, point: FloatArray, angles: Iterable[float]) -> list[FloatArray]:
-    """Return a point (3,) turned about an axis by each angle [rad]."""
+    """Return a point (3,) [m] rotated about an axis, once for each angle [rad]."""
     offset = point - axis.origin
     return [axis.origin + pin.exp3(angle * axis.direction) @ offset for angle in angles]
 
 
 def approach(turn: FloatArray, point: FloatArray, back: float) -> list[pin.SE3]:
-    """Return two placements of a gripper: `back` before a point (3,) along its z, and there [m]."""
+    """Return two placements of the gripper: `back` [m] before a point (3,) [m] along its z-axis, and at the point."""
     return [placed(turn, point - back * turn[:, 2]), placed(turn, point)]
 
 
 MEANT = 0.07
-"""What is nearer than this to where the tip goes may be touched [m]."""
+"""Obstacles nearer than this to the target of the tip may be touched [m]."""
 PLANNING = PlannerConfig(
     max_velocity=1.5, margin=0.008, clearance=0.02, certify=False, ik_starts=15, checks=6000, attempts=1, simplify_checks=600
 )
-"""Free motions."""
+"""Settings of the planner for free motions."""
 
 
 class Driver:
@@ -172,15 +175,21 @@ class Driver:
         self._world: WorldSnapshot | None = None
 
     def update(self, objects: Cloud, q: FloatArray, fingers: FloatArray) -> None:
-        """Use the detected obstacles as the world, with the arm at `q` (n,) [rad] and its fingers at `fingers` (2,) [m]."""
+        """Set the obstacles of the planner.
+
+        Args:
+            objects: Detected points of the objects.
+            q: Joint positions of the arm (n,) [rad].
+            fingers: Positions of the fingers (2,) [m].
+        """
         self._world = WorldSnapshot.from_point_cloud(objects.points, q, fingers, boxes={"table": TABLE})
         self._planner.update(self._world)
 
     def reach(self, q: FloatArray, target: pin.SE3, rng: np.random.Generator) -> tuple[FloatArray, bool]:
-        """Return the configuration (n,) nearest to `q` whose tip is at a placement, and whether it is free.
+        """Return the configuration (n,) [rad] nearest to `q` with the tip at `target`, and whether it is free of collisions.
 
         Raises:
-            NoIkSolution: There is none.
+            NoIkSolution: The arm cannot reach the target.
         """
         pose = se3_to_pose(target)
         try:
@@ -189,7 +198,10 @@ class Driver:
             return solve_ik(self.arm, pose, q, rng, starts=10)[0], False
 
     def plan(self, q: FloatArray, goal: FloatArray, rng: np.random.Generator) -> tuple[Trajectory, bool]:
-        """Return a timed motion from `q` to `goal` (n,) [rad], and whether it goes around what is seen; else straight there."""
+        """Return a timed motion from `q` to `goal`, both (n,) [rad], and whether it avoids the obstacles.
+
+        Without a collision-free motion it is a straight motion in joint space.
+        """
         try:
             meant = self._meant(self.arm.tip_se3(goal))
             return self._planner.plan_to_configuration(q, goal, allowed=meant, rng=rng).trajectory, True
@@ -197,16 +209,16 @@ class Driver:
             return self._planner.plan_to_configuration(q, goal, ignore_collisions=True, rng=rng).trajectory, False
 
     def follower(self, trajectory: Trajectory) -> TrajectoryFollower:
-        """Return what gives the joint velocity of each tick along a trajectory."""
+        """Return a controller that computes the joint velocity of each tick along a trajectory."""
         return TrajectoryFollower(trajectory, self._following)
 
     def towards(self, q: FloatArray, v: FloatArray, target: pin.SE3) -> FloatArray:
-        """Return the joint velocity (n,) [rad/s] that brings the tip to a placement in one tick, as far as limits allow.
+        """Return the joint velocity (n,) [rad/s] that moves the tip to a placement in one tick, within the limits.
 
         Args:
             q: Measured configuration (n,) [rad].
             v: Last command (n,) [rad/s].
-            target: Where the tip should be a tick later.
+            target: Placement of the tip after the tick.
         """
         here = self.arm.tip_se3(q)
         turn = pin.log3(target.rotation @ here.rotation.T)
@@ -214,22 +226,22 @@ class Driver:
         return self._cartesian.velocity_for_twist(q, v, twist)
 
     def _meant(self, target: pin.SE3) -> list[str]:
-        """Return the names of the boxes that the gripper goes to."""
+        """Return the names of the obstacles at a target of the tip; the gripper may touch them."""
         return [] if self._world is None else near(self._world, target.translation, MEANT)
 
 
 SPEED, TURNING = 0.2, 1.0
-"""Of the tip where it slides [m/s], [rad/s]."""
+"""Speed of the tip on a straight motion [m/s], and its angular speed [rad/s]."""
 PACES = 4
-"""Ticks in which a sliding tip reaches its speed, and in about which it stops."""
+"""Ticks that the tip needs for acceleration to this speed; deceleration takes about as many."""
 LAG = 0.015
-"""The next station waits until the tip is nearer than this [m]; an angle of 1 rad counts as much as 0.1 m."""
+"""Maximum distance to the current station before the target advances [m]; 1 rad counts as 0.1 m."""
 THERE = 0.002
-"""Distance at which a target counts as reached [m]."""
+"""Maximum distance to a reached target [m] or joint position [rad]."""
 PATIENCE = 8
-"""Ticks without progress after which a motion is given up."""
+"""Ticks without progress after which a motion is aborted."""
 PLANS = 4
-"""Number of ways for which a free motion to their start is planned."""
+"""Maximum number of ways for which a free motion to the start is planned."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -239,28 +251,33 @@ class Tick:
     velocity: FloatArray
     """Joint velocities (n,) [rad/s]."""
     is_open: bool
-    """Whether the fingers are open at the end."""
+    """Whether the fingers are commanded open."""
 
 
 Moves = Generator[Tick, Observation, None]
-"""A skill: it yields actions and is sent the observation after each."""
+"""A skill: a generator that yields actions and receives the observation after each action."""
 
 
 @dataclass(frozen=True, eq=False)
 class Way:
-    """Placements of the tip that the arm can follow, and a free motion to the first."""
+    """Path of the tip, with a free motion to its start."""
 
     targets: Sequence[pin.SE3]
-    """One after the other."""
+    """Placements of the tip, in order."""
     motion: Trajectory
-    """From where the arm is to the first."""
+    """Motion from the current configuration to the first placement."""
 
 
 class Gripper:
-    """The gripper and its arm for skills: the last observation, and motions from there."""
+    """The gripper and its arm: the last observation, and the motions that skills consist of.
+
+    Args:
+        driver: Planner and controllers of the arm.
+        observation: First observation of the episode.
+        rng: Random generator of the planner.
+    """
 
     def __init__(self, driver: Driver, observation: Observation, rng: np.random.Generator) -> None:
-        """Begin with what is seen at the start of an episode."""
         self.seen, self._driver, self._rng = observation, driver, rng
         self.is_open = True
         self._arm, self._zero = driver.arm, np.zeros(driver.arm.size)
@@ -268,36 +285,39 @@ class Gripper:
         self._home = self.joints
 
     def look(self) -> View:
-        """Return what the last observation shows."""
+        """Return the points of the objects and of the table in the last observation."""
         if self._view is None or self._view[0] is not self.seen:
             self._view = self.seen, look(self.seen, self._arm)
         return self._view[1]
 
     @property
     def joints(self) -> FloatArray:
-        """Where the joints of the arm are (n,), brought within their limits [rad]."""
+        """Measured joint positions of the arm (n,) [rad], clipped to the limits."""
         measured = np.asarray(self.seen.joint_positions, dtype=float)
         return np.clip(measured, self._arm.limits.lower, self._arm.limits.upper)
 
     @property
     def tip(self) -> pin.SE3:
-        """Where the tip is."""
+        """Measured placement of the tip."""
         return self._arm.tip_se3(self.joints)
 
     # Moving -------------------------------------------------------------------------------------------------------
 
     def go(self, way: Way, is_open: bool | None = None) -> Moves:
-        """Open or close the fingers, or leave them when None; then move freely to the first placement of a way."""
+        """Open or close the fingers (None: leave them), then follow the free motion to the first placement of a way."""
         yield from self.grip(is_open)
         yield from self._follow(way.motion)
 
     def go_home(self) -> Moves:
-        """Move freely to where the episode began."""
+        """Plan and follow a free motion to the joint positions at the start of the episode."""
         self._driver.update(self.look().objects, self.joints, self._fingers)
         yield from self._follow(self._driver.plan(self.joints, self._home, self._rng)[0])
 
     def slide(self, targets: Sequence[pin.SE3], speed: float = SPEED) -> Moves:
-        """Move the tip straight from one placement to the next; wait where it is held back, and give up in time."""
+        """Move the tip on straight lines through placements.
+
+        The target waits while the tip lags behind; after `PATIENCE` such ticks the motion ends.
+        """
         share = self._driver.period / PACES
         segments = pairwise([self.tip, *targets])
         stations = [station for a, b in segments for station in line(a, b, share * speed, share * TURNING)]
@@ -314,23 +334,23 @@ class Gripper:
                 return
 
     def shift(self, by: Iterable[float]) -> Moves:
-        """Move the tip by a vector (3,) of the world [m]."""
+        """Move the tip straight by a vector (3,) [m] in world coordinates."""
         here = self.tip
         yield from self.slide([pin.SE3(here.rotation, here.translation + np.array(list(by)))])
 
     def grip(self, is_open: bool | None) -> Moves:
-        """Open or close the fingers where the gripper is."""
+        """Open or close the fingers without motion of the arm; do nothing for None, or if they already are in this state."""
         if is_open is not None and is_open != self.is_open:
             self.is_open = is_open
             yield from self._tick(self._zero)
 
     def rest(self, ticks: int) -> Moves:
-        """Stay for some ticks."""
+        """Hold the position for some ticks."""
         for _ in range(ticks):
             yield from self._tick(self._zero)
 
     def _follow(self, motion: Trajectory) -> Moves:
-        """Follow a timed motion until it is over and the joints have arrived."""
+        """Follow a timed motion until the joints reach its end, or `PATIENCE` ticks longer than planned."""
         follower, v, late = self._driver.follower(motion), self._zero, 0
         while late < PATIENCE:
             v = follower.command(self.joints, v)
@@ -340,13 +360,18 @@ class Gripper:
                 return
 
     def _tick(self, velocity: FloatArray) -> Moves:
+        """Yield one action, and store the next observation."""
         self.seen = yield Tick(velocity, self.is_open)
 
     # Choosing -----------------------------------------------------------------------------------------------------
 
     def choose(self, ways: Sequence[Sequence[pin.SE3]]) -> Way:
-        """Return the way that the arm can follow farthest; of several, one whose begin is reached without touching anything,
-        with the least joint motion.
+        """Return the way of which the arm can follow most placements.
+
+        Ties are resolved in favour of a start without collision, then of the smallest joint motion.
+
+        Raises:
+            NothingFound: The arm can reach the start of none of them.
         """
         self._driver.update(self.look().objects, self.joints, self._fingers)
         scored = sorted(((*self._follows(way), k) for k, way in enumerate(ways)), key=lambda s: (-s[0], not s[1], s[2], s[4]))
@@ -364,8 +389,11 @@ class Gripper:
         return best
 
     def _follows(self, way: Sequence[pin.SE3]) -> tuple[int, bool, float, FloatArray | None]:
-        """Return how many placements of a way can be reached, the first anyhow and the others straight, whether the first is
-        free of what is seen, the joint motion [rad], and the configuration at the first (n,).
+        """Test how far the arm can follow a way.
+
+        Returns:
+            Number of reachable placements (the first with any motion, the others on straight lines), whether the start is free
+            of collisions, the sum of joint motions [rad], and the configuration at the start (n,) [rad], or None.
         """
         try:
             start, is_free = self._driver.reach(self.joints, way[0], self._rng)
@@ -383,11 +411,12 @@ class Gripper:
 
     @property
     def _fingers(self) -> FloatArray:
+        """Measured positions of the fingers (2,) [m]."""
         return np.asarray(self.seen.gripper_joint_positions, dtype=float)
 
 
 def line(start: pin.SE3, end: pin.SE3, step: float, turn: float) -> list[pin.SE3]:
-    """Return placements after `start` up to `end`, at most `step` [m] and `turn` [rad] from each other."""
+    """Return the placements after `start` on a straight line to `end`, at most `step` [m] and `turn` [rad] apart."""
     shift, rotation = end.translation - start.translation, pin.log3(start.rotation.T @ end.rotation)
     count = max(1, int(np.ceil(max(np.linalg.norm(shift) / step, np.linalg.norm(rotation) / turn))))
     shares = [k / count for k in range(1, count + 1)]
@@ -395,6 +424,6 @@ def line(start: pin.SE3, end: pin.SE3, step: float, turn: float) -> list[pin.SE3
 
 
 def apart(a: pin.SE3, b: pin.SE3) -> float:
-    """Return how far two placements are apart, an angle of 1 rad as 0.1 m [m]."""
+    """Return the distance of two placements [m]; a rotation of 1 rad counts as 0.1 m."""
     turn = float(np.linalg.norm(pin.log3(a.rotation.T @ b.rotation)))
     return float(np.linalg.norm(a.translation - b.translation)) + 0.1 * turn

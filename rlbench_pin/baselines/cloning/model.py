@@ -43,7 +43,7 @@ class Examples:
     sentences: tuple[FloatArray, ...]
     """Encoded instructions of each demonstration, (k, size)."""
     targets: FloatArray
-    """Commanded joint positions of the next `CHUNK` ticks, (n, CHUNK, 7) [rad]; the last command is held."""
+    """Commanded joint positions of the next `CHUNK` ticks, (n, CHUNK, 7) [rad]; after the end the last command is repeated."""
     gripper: FloatArray
     """Commanded opening of the same ticks, (n, CHUNK)."""
     images: np.ndarray
@@ -113,11 +113,12 @@ def images_of(observation: Observation, cameras: Sequence[str]) -> np.ndarray:
 
 
 def _no_images() -> np.ndarray:
+    """Return an empty array of images, for zero cameras."""
     return np.zeros((0, IMAGE_SIZE, IMAGE_SIZE, 3), np.uint8)
 
 
 def _columns(demo: Demo, index: int, cameras: Sequence[str]) -> dict[str, np.ndarray]:
-    """Return the columns of one demonstration; its last frame has no action, so it is not an example."""
+    """Return the fields of `Examples` for one demonstration; its last frame has no action, so it is not an example."""
     frames = list(demo)[:-1]
     commands = [o.misc.get("joint_position_action") for o in list(demo)[1:]]
     if not frames or any(c is None for c in commands):
@@ -142,7 +143,7 @@ def _columns(demo: Demo, index: int, cameras: Sequence[str]) -> dict[str, np.nda
 
 
 SENTENCE_SIZE = 96
-"""Numbers of an encoded sentence."""
+"""Length of an encoded sentence."""
 
 _WORD = re.compile(r"[a-z0-9]+")
 
@@ -163,13 +164,15 @@ def encode_sentence(sentence: str) -> FloatArray:
 
 
 def nearest_sentence(sentence: str, known: Sequence[str]) -> int:
-    """Return the index of the known sentence whose vector is nearest; the first of several."""
+    """Return the index of the most similar known sentence, by the cosine of their vectors; the first of equal ones."""
     vectors = np.stack([encode_sentence(k) for k in known])
     return int(np.argmax(vectors @ encode_sentence(sentence)))
 
 
 WIDTH = 384
+"""Size of the hidden layers."""
 _FEATURES = 32
+"""Number of image features per camera."""
 
 
 @dataclass(frozen=True)
@@ -181,17 +184,17 @@ class ChunkSizes:
     task_state: int = 0
     """Length of the task state."""
     sentence: int = 96
-    """Numbers of an encoded sentence."""
+    """Length of an encoded sentence."""
     cameras: tuple[str, ...] = field(default=())
-    """Number of cameras."""
+    """Names of the cameras."""
     chunk: int = 20
     """Number of predicted ticks."""
 
 
 class ChunkNetwork(nn.Module):
-    """A residual perceptron over normalised values, and for images a small convolution that locates features.
+    """Residual multilayer perceptron on normalized inputs, with a small convolutional network per camera.
 
-    The buffers `mean` and `spread` normalise the input, `reach` scales the output; they are stored with the weights.
+    The buffers `mean` and `spread` normalize the input, `reach` scales the output; they are stored with the weights.
     """
 
     mean: Tensor
@@ -212,15 +215,16 @@ class ChunkNetwork(nn.Module):
         self.last = nn.Linear(WIDTH, sizes.chunk * (sizes.joints + 1))
 
     def forward(self, numbers: Tensor, sentence: Tensor, images: Tensor) -> tuple[Tensor, Tensor]:
-        """Return joint commands relative to the present joints, (b, chunk, joints) [rad], and logits for an open gripper.
+        """Predict a chunk of commands.
 
         Args:
-            numbers: Joints, opening, time and task state, (b, n).
+            numbers: Joint positions, opening, time and task state, (b, n).
             sentence: Encoded instructions, (b, s).
-            images: Colours 0..1, (b, cameras, 3, h, w).
+            images: Colours from 0 to 1, (b, cameras, 3, h, w).
 
         Returns:
-            Steps, and logits (b, chunk).
+            Joint commands relative to the current joint positions, (b, chunk, joints) [rad], and logits of an open gripper,
+            (b, chunk).
         """
         seen = [eye(images[:, i]) for i, eye in enumerate(self.eyes)]
         x = self.first(torch.cat([(numbers - self.mean) / self.spread, sentence, *seen], dim=1))
@@ -231,17 +235,19 @@ class ChunkNetwork(nn.Module):
 
 
 class _Block(nn.Module):
+    """Residual block with layer norm."""
+
     def __init__(self) -> None:
         super().__init__()
         self.inner = nn.Sequential(nn.LayerNorm(WIDTH), nn.Linear(WIDTH, WIDTH), nn.GELU(), nn.Linear(WIDTH, WIDTH))
 
     def forward(self, x: Tensor) -> Tensor:
-        """Return x and what the block adds."""
+        """Return the output of the block, of the shape of `x`."""
         return x + self.inner(x)  # type: ignore[no-any-return]
 
 
 class _Eye(nn.Module):
-    """Convolutions, then for each feature the mean place where it is strong (Levine et al. 2016)."""
+    """Convolutional network with a spatial softmax: it returns the mean image position of each feature (Levine et al. 2016)."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -254,7 +260,7 @@ class _Eye(nn.Module):
         )
 
     def forward(self, image: Tensor) -> Tensor:
-        """Return (b, 2 * features): x and y of each feature in -1..1."""
+        """Return x and y of each feature, from -1 to 1, (b, 2 * features)."""
         strong = self.layers(image)
         weight = strong.flatten(2).softmax(dim=2).view_as(strong)
         x = torch.linspace(-1.0, 1.0, strong.shape[3], device=image.device)

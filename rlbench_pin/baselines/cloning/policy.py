@@ -1,4 +1,4 @@
-"""The policy of behaviour cloning: it predicts a chunk of commands at each tick, and averages the chunks for the present tick."""
+"""The policy of behaviour cloning: it predicts a chunk of commands at each tick, and averages the chunks for the current tick."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class CloningPolicy:
         return np.append(arm, float(grip > 0.5))
 
     def _predict(self, network: ChunkNetwork, longest: float, observation: Observation) -> tuple[FloatArray, FloatArray]:
-        """Return commands (chunk, joints) [rad] and the probability of an open gripper (chunk,)."""
+        """Return joint commands (chunk, joints) [rad] and probabilities of an open gripper (chunk,)."""
         sizes = network.sizes
         joints = np.asarray(observation.joint_positions, dtype=float)
         state = np.asarray(observation.task_low_dim_state, dtype=float) if not sizes.cameras else np.zeros(0)

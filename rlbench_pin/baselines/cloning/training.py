@@ -23,6 +23,7 @@ from rlbench_pin.spatial import FloatArray
 
 MODEL, SETTINGS, CHECKPOINT = "model.safetensors", "settings.json", "checkpoint.safetensors"
 FORMAT = 1
+"""Version of the format of `settings.json`."""
 
 
 class ModelFileError(RlbenchPinError):
@@ -34,7 +35,7 @@ class ModelFileError(RlbenchPinError):
 
 
 def write_tensors(path: Path, tensors: Mapping[str, torch.Tensor], **notes: str) -> None:
-    """Write tensors and some texts atomically to one file."""
+    """Write tensors and texts to one file, atomically."""
     plain = {name: tensor.detach().to("cpu").contiguous() for name, tensor in tensors.items()}
     write_whole(path, save(plain, metadata=notes))
 
@@ -43,7 +44,7 @@ def read_tensors(path: Path) -> tuple[dict[str, torch.Tensor], dict[str, str]]:
     """Return the tensors and texts of a file.
 
     Raises:
-        ModelFileError: It is missing or damaged.
+        ModelFileError: The file is missing or damaged.
     """
     if not path.is_file():
         raise ModelFileError(path, "does not exist")
@@ -82,7 +83,7 @@ def fill_network(network: torch.nn.Module, path: Path) -> None:
     """Load the tensors of a file into a network.
 
     Raises:
-        ModelFileError: It is missing, damaged, or of another network.
+        ModelFileError: The file is missing, damaged, or belongs to another network.
     """
     tensors, _ = read_tensors(path)
     try:
@@ -92,10 +93,10 @@ def fill_network(network: torch.nn.Module, path: Path) -> None:
 
 
 def trained_tasks(folder: Path, kind: str) -> dict[str, dict[str, Any]]:
-    """Return the settings of the models in a folder by task, each in a folder of its own.
+    """Return the settings of the models in a folder by task; each model is in a folder with the name of its task.
 
     Raises:
-        ModelFileError: There is none.
+        ModelFileError: The folder contains no model of this kind.
     """
     found = {p.parent.name: read_settings(p, kind) for p in sorted(Path(folder).glob(f"*/{SETTINGS}"))}
     if not found:
@@ -111,7 +112,7 @@ def trained_joints(folder: Path, trained: Mapping[str, Mapping[str, Any]]) -> tu
         trained: The settings of its models by task, from `trained_tasks`.
 
     Raises:
-        ModelFileError: They were trained for different arms.
+        ModelFileError: The models were trained for different arms.
     """
     found = {tuple(settings["joint_names"]) for settings in trained.values() if settings.get("joint_names")}
     if len(found) > 1:
@@ -131,7 +132,7 @@ class TrainConfig:
     """Settings of the training of a network."""
 
     steps: int = 3000
-    """Batches."""
+    """Number of batches."""
     batch: int = 128
     """Number of examples in a batch."""
     rate: float = 1e-3
@@ -171,7 +172,7 @@ def seeded(make: Callable[[], ModuleT], seed: int) -> ModuleT:
 
 
 def learning_rate(config: TrainConfig, step: int) -> float:
-    """Return the learning rate of a step: up over a hundred steps, then down half a cosine."""
+    """Return the learning rate of a step: a linear warm-up over 100 steps times a cosine decay to 0."""
     warm = min(1.0, (step + 1) / 100.0)
     return config.rate * warm * 0.5 * (1.0 + math.cos(math.pi * step / config.steps))
 
@@ -261,6 +262,7 @@ def _step(
     config: TrainConfig,
     step: int,
 ) -> dict[str, float]:
+    """Do one step of the optimizer and return the losses."""
     for group in optimizer.param_groups:
         group["lr"] = learning_rate(config, step)
     found = losses(np.random.default_rng([config.seed, step]))
@@ -272,13 +274,14 @@ def _step(
 
 
 def _draw(writer: SummaryWriter, losses: dict[str, float], step: int) -> None:
-    """Put the losses of every twentieth step on the curves."""
+    """Write the losses for TensorBoard, every `CURVE_EVERY` steps."""
     if step % CURVE_EVERY == 0:
         for name, value in losses.items():
             writer.add_scalar(f"loss/{name}", value, step)
 
 
 def _checkpoint(network: torch.nn.Module, optimizer: torch.optim.Optimizer, config: TrainConfig, folder: Path, step: int) -> None:
+    """Write the state of network and optimizer after `step` steps."""
     tensors = {f"network/{name}": value for name, value in network.state_dict().items()}
     for index, state in optimizer.state_dict()["state"].items():
         tensors |= {f"optimizer/{index}/{name}": torch.as_tensor(value) for name, value in state.items()}
@@ -286,7 +289,7 @@ def _checkpoint(network: torch.nn.Module, optimizer: torch.optim.Optimizer, conf
 
 
 def _restore(network: torch.nn.Module, optimizer: torch.optim.Optimizer, config: TrainConfig, folder: Path) -> int:
-    """Load the checkpoint, if there is one, and return how many steps were done."""
+    """Restore network and optimizer from the checkpoint and return the number of completed steps; 0 without a checkpoint."""
     path = folder / CHECKPOINT
     if not path.exists():
         return 0
@@ -304,28 +307,34 @@ def _restore(network: torch.nn.Module, optimizer: torch.optim.Optimizer, config:
 
 
 def _identity(config: TrainConfig) -> str:
-    """Say what must be the same for training to go on."""
+    """Return the settings that a resumed training must share, as text."""
     return f"steps={config.steps} batch={config.batch} rate={config.rate} decay={config.decay} seed={config.seed}"
 
 
 KIND = "cloning"
 JOINT_NOISE = 0.02
-"""Spread of what is added to the joints that are seen [rad]. The commands stay, so the network learns to come back."""
+"""Standard deviation of the noise on joint positions [rad]. The targets have no noise, so the network learns corrections."""
 STATE_NOISE = 0.002
-"""Spread of what is added to the numbers that describe objects, in [m] or [rad]."""
+"""Standard deviation of the noise on the task state [m] or [rad]."""
 TIME_NOISE = 0.1
-"""Spread of what is added to the time [s]."""
+"""Standard deviation of the noise on the time [s]."""
 SHIFT = 2
-"""Pixels that images are moved by at most, of `IMAGE_SIZE`."""
+"""Maximum random shift of images of `IMAGE_SIZE` [px]."""
 MIN_SPREAD = 0.02
-"""Numbers that vary less are divided by this, so that what is constant in the demonstrations stays near 0."""
+"""Lower bound of the standard deviations for normalization, so that constant inputs stay near 0."""
 
 
 class ChunkLearner:
-    """Examples on a device, and losses of a network on batches of them."""
+    """A network for the examples of one task, and its losses on batches of them.
+
+    Args:
+        examples: Examples of the task.
+        cameras: Cameras to learn from instead of the task state.
+        device: Device of torch.
+        seed: Seed of the initial weights.
+    """
 
     def __init__(self, examples: Examples, cameras: Sequence[str] = (), device: str = "cpu", seed: int = 0) -> None:
-        """Put examples on a device and make a network for them."""
         self._examples, self._device = examples, torch.device(device)
         width, state = examples.joints.shape[1], examples.task_state.shape[1]
         sizes = ChunkSizes(width, state, SENTENCE_SIZE, tuple(cameras), CHUNK)
@@ -339,7 +348,7 @@ class ChunkLearner:
         self._noise = np.r_[np.full(width, JOINT_NOISE), 0.0, TIME_NOISE, np.full(state, STATE_NOISE)]
 
     def losses(self, rng: np.random.Generator, batch: int) -> Losses:
-        """Draw a batch and return the mean errors of commands, in units of their spread, and of the gripper."""
+        """Draw a batch and return its losses: of the commands, divided by their standard deviation, and of the gripper."""
         data = self._examples
         rows = rng.integers(len(self._numbers), size=batch)
         numbers = self._numbers[rows] + rng.normal(size=(batch, len(self._noise))) * self._noise
@@ -353,7 +362,7 @@ class ChunkLearner:
         return {"total": arm + 0.1 * grip, "arm": arm, "hand": grip}
 
     def settings(self) -> dict[str, Any]:
-        """Return the sizes of the network and what it was trained on."""
+        """Return the sizes of the network, and the instructions, number, longest time and joints of its demonstrations."""
         return {
             "sizes": asdict(self.network.sizes),
             "instructions": list(self._examples.instructions),
@@ -370,7 +379,7 @@ class ChunkLearner:
 
 
 def shifted(images: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Return images (b, cameras, h, w, 3), each moved by up to `SHIFT` pixels either way; borders are repeated."""
+    """Return images (b, cameras, h, w, 3), each shifted at random by up to `SHIFT` pixels; border pixels are repeated."""
     batch, cameras, height, width = images.shape[:4]
     down, right = rng.integers(-SHIFT, SHIFT + 1, size=(2, batch, cameras, 1))
     rows = np.clip(np.arange(height) + down, 0, height - 1)[..., None]
@@ -379,7 +388,7 @@ def shifted(images: np.ndarray, rng: np.random.Generator) -> np.ndarray:
 
 
 def as_images(images: np.ndarray, device: torch.device) -> torch.Tensor:
-    """Return uint8 images (b, cameras, h, w, 3) as a network sees them: (b, cameras, 3, h, w), 0..1."""
+    """Convert uint8 images (b, cameras, h, w, 3) to the input of a network: (b, cameras, 3, h, w), from 0 to 1."""
     return torch.as_tensor(images, device=device).movedim(-1, 2).float() / 255.0
 
 

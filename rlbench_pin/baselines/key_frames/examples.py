@@ -32,12 +32,12 @@ from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray, matrix_to_pose, pose_t
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """Where a network looks from."""
+    """Coordinate frame of the inputs and outputs of a network."""
 
     origin: FloatArray
-    """In the world, (3,) [m]."""
+    """Origin in the world, (3,) [m]."""
     rotation: FloatArray
-    """Its axes in the world as columns, (3, 3)."""
+    """Rotation from this frame to the world, (3, 3)."""
 
     @classmethod
     def of_tip(cls, pose: FloatArray) -> Frame:
@@ -45,21 +45,21 @@ class Frame:
         return cls(np.asarray(pose[:3], dtype=float), pose_to_matrix(pose)[:3, :3])
 
     def points(self, points: FloatArray) -> FloatArray:
-        """Return points of the world (..., 3) in this frame."""
+        """Convert points (..., 3) [m] from the world to this frame."""
         moved: FloatArray = (points - self.origin) @ self.rotation
         return moved
 
     def axes(self, axes: FloatArray) -> FloatArray:
-        """Return two axes (6,) of the world in this frame."""
+        """Convert two axes (6,) from the world to this frame."""
         return (axes.reshape(2, 3) @ self.rotation).ravel()
 
     def pose(self, position: FloatArray, axes: FloatArray) -> FloatArray:
-        """Return a tip pose in the world (7,) from position (3,) and axes (6,) in this frame."""
+        """Return the tip pose in the world (7,) for a position (3,) and axes (6,) in this frame."""
         return pose_from(self.rotation @ position + self.origin, (axes.reshape(2, 3) @ self.rotation.T).ravel())
 
 
 def axes_of(pose: FloatArray) -> FloatArray:
-    """Return the x and z axis of a tip pose (7,), shape (6,)."""
+    """Return the x-axis and the z-axis of a tip pose (7,), shape (6,)."""
     rotation = pose_to_matrix(pose)[:3, :3]
     return np.concatenate([rotation[:, 0], rotation[:, 2]])
 
@@ -78,7 +78,7 @@ def pose_from(position: FloatArray, axes: FloatArray) -> FloatArray:
 
 
 def turn(vector: FloatArray) -> FloatArray:
-    """Return the rotation about a vector by its length [rad], (3, 3) (Rodrigues)."""
+    """Return the rotation matrix (3, 3) of a rotation vector (3,) [rad] (Rodrigues)."""
     angle = float(np.linalg.norm(vector))
     x, y, z = vector / max(angle, 1e-12)
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
@@ -86,15 +86,15 @@ def turn(vector: FloatArray) -> FloatArray:
 
 
 LOW, HIGH = np.array([-0.3, -0.5, TABLE_HEIGHT - 0.01]), np.array([0.7, 0.5, TABLE_HEIGHT + 1.0])
-"""Corners of the box that is kept, in the world [m]."""
+"""Corners of the box of used points, in world coordinates [m]."""
 CELL = 0.005
-"""Size of the grid of which each cell keeps one point [m]."""
+"""Edge of the grid cells, of which each keeps one point [m]."""
 OWN = 0.015
-"""Points nearer than this to the arm's own surface are taken for the arm [m]."""
+"""Points nearer than this to the surface of the arm belong to the arm [m]."""
 FLAT = 0.003
-"""What is less high over the table counts as table [m]."""
+"""Points lower than this over the table belong to the table [m]."""
 TABLE_SHARE = 0.1
-"""Points of the table that are kept, as a share of the others."""
+"""Number of table points in a cloud, relative to the number of other points."""
 CAMERAS = ("front", "left_shoulder", "right_shoulder", "wrist")
 """Cameras of the protocol PerAct-18."""
 IMAGE_SIZE = (128, 128)
@@ -114,19 +114,19 @@ class Cloud:
         return len(self.points)
 
     def where(self, rows: np.ndarray) -> Cloud:
-        """Return some of the points, in the order of their numbers `rows`."""
+        """Return the points with the indices `rows`, in their order."""
         return Cloud(self.points[rows], self.colors[rows])
 
 
 def cloud_config() -> ObservationConfig:
-    """Return what has to be observed for a cloud: colours and points of the four cameras, joints, gripper and tip."""
+    """Return the observation settings for a cloud: colours and points of the four cameras, joints, gripper and tip."""
     config = image_config(IMAGE_SIZE, CAMERAS, depth=False, mask=False)
     switch_cameras(config, True)
     return config
 
 
 def switch_cameras(config: ObservationConfig, on: bool) -> None:
-    """Ask for colours and points of the four cameras, or for no image at all."""
+    """Enable colours and points of the four cameras, or disable all images."""
     config.set_all_high_dim(False)
     for name in CAMERAS:
         camera = config.camera(name)
@@ -134,16 +134,16 @@ def switch_cameras(config: ObservationConfig, on: bool) -> None:
 
 
 def make_cloud(observation: Observation, arm: RobotModel) -> Cloud:
-    """Fuse the images of an observation: crop, one point per cell, no arm, little table.
+    """Merge the images of an observation into one cloud: cropped, one point per cell, without the arm, with few table points.
 
-    Nothing is drawn at random: the same images give the same cloud.
+    The result is deterministic.
 
     Args:
         observation: Colours and points of the cameras, positions of joints and fingers.
-        arm: Model of the arm, to leave out its own points.
+        arm: Model of the arm, to remove its points.
 
     Raises:
-        DatasetError: A camera lacks colours or points, or nothing is seen in the box.
+        DatasetError: A camera lacks colours or points, or the box contains no points except those of the arm.
     """
     points, colors = camera_points(observation, CAMERAS)
     inside = np.flatnonzero(((points > LOW) & (points < HIGH)).all(axis=1))
@@ -160,12 +160,16 @@ def make_cloud(observation: Observation, arm: RobotModel) -> Cloud:
 
 
 def thinned(points: FloatArray, cell: float) -> np.ndarray:
-    """Return the rows of the points that are the first in their cell of a grid [m], cells ordered by z, y, x."""
+    """Return the index of one point per grid cell, the first, with the cells ordered by z, y, x; `cell` is the edge [m]."""
     return first_of_cells((points - LOW)[:, ::-1], cell)
 
 
 def near(points: FloatArray, middle: FloatArray, radius: float, count: int, rng: np.random.Generator) -> np.ndarray:
-    """Return the numbers of `count` points: some of those in a ball, spread evenly, or else the nearest; repeated if too few."""
+    """Return the indices of `count` points near a position.
+
+    They are a random sample of the points in the ball around `middle`. With too few in the ball they are the nearest points,
+    repeated if there are fewer than `count` in all.
+    """
     far = np.linalg.norm(points - middle, axis=1)
     inside = np.flatnonzero(far < radius)
     if len(inside) >= count:
@@ -174,40 +178,40 @@ def near(points: FloatArray, middle: FloatArray, radius: float, count: int, rng:
 
 
 MAX_STEPS = 24
-"""Key frames with a number of their own; later ones count as the last."""
+"""Number of distinct key-frame indices; later key frames have the last index."""
 CONTEXT = SENTENCE_SIZE + 9 + 1 + 3 + MAX_STEPS
-"""Size of the encoded instruction, the state of the gripper and the number of the step."""
+"""Length of the context: instruction, tip, gripper, vertical direction, and index of the key frame."""
 NAMED = 4
-"""Colours of a sentence that count, in their order; each point has its likeness to each as a feature."""
+"""Number of colour words of a sentence that are used, in order; each point has its similarity to each as a feature."""
 LIKENESS = 3.0
-"""How fast likeness falls with the distance of two colours."""
+"""Decay rate of the similarity with the distance of two colours."""
 POINT = 3 + 3 + NAMED + 1
-"""Numbers of a point: position, colour, likeness, whether it is the tip."""
+"""Number of features of a point: position, colour, similarities, and whether it is the tip."""
 NEIGHBOURS = 8
-"""Nearest points that a point exchanges features with, itself among them."""
+"""Number of nearest points in the graph of a point, including itself."""
 OVERVIEW = Frame(np.array([0.2, 0.0, TABLE_HEIGHT + 0.2]), np.eye(3))
-"""From where the whole scene is seen."""
+"""Frame for clouds of the whole scene."""
 WHOLE, WHOLE_CELL = 512, 0.01
-"""Points of the whole scene, and size of the grid of which each cell keeps one [m]."""
+"""Number of points of the whole scene, including the tip, and edge of the grid cells, of which each keeps one point [m]."""
 CLOSE, CLOSE_RADIUS = 256, 0.08
-"""Points of the surroundings of a pose, and how far they reach [m]."""
+"""Number of points around a pose, including the tip, and their maximum distance from it [m]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Conditioning:
-    """Inputs of a network beside the cloud: instruction, tip, gripper and number of the step."""
+    """Inputs of a network in addition to the cloud: instruction, tip, gripper and number of reached key frames."""
 
     sentence: str
-    """What to do."""
+    """The instruction."""
     tip: FloatArray
     """Pose of the tip, (7,)."""
     opening: float
     """Whether the gripper is open."""
     step: int
-    """Number of key frames behind."""
+    """Number of key frames that were reached."""
 
     def row(self, frame: Frame, sentence: FloatArray) -> FloatArray:
-        """Return it as numbers, as seen from a frame, (CONTEXT,), with the sentence encoded already."""
+        """Return the context vector in the coordinates of a frame, (CONTEXT,); `sentence` is the encoded instruction."""
         number = np.zeros(MAX_STEPS)
         number[min(self.step, MAX_STEPS - 1)] = 1.0
         gripper = [frame.points(self.tip[:3]), frame.axes(axes_of(self.tip)), [self.opening]]
@@ -216,18 +220,18 @@ class Conditioning:
 
 @dataclass(frozen=True, eq=False)
 class Sight:
-    """One input of a network; batches have one more dimension in front."""
+    """One input of a network; batches have an additional first dimension."""
 
     points: np.ndarray
-    """(n, POINT), the tip last."""
+    """Features of the points, (n, POINT); the last point is the tip."""
     neighbours: np.ndarray
-    """Numbers of near points, (n, NEIGHBOURS)."""
+    """Indices of the nearest points, (n, NEIGHBOURS)."""
     context: np.ndarray
-    """(CONTEXT,)."""
+    """Context vector, (CONTEXT,)."""
 
     @staticmethod
     def batch(sights: list[Sight], device: torch.device) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
-        """Return points, neighbours and contexts of several on a device."""
+        """Return the points, neighbours and contexts of several inputs as tensors on a device."""
         points, context = (
             torch.as_tensor(np.stack(c), dtype=torch.float32, device=device)
             for c in ([s.points for s in sights], [s.context for s in sights])
@@ -236,7 +240,7 @@ class Sight:
 
 
 def sight(cloud: Cloud, conditioning: Conditioning, frame: Frame) -> Sight:
-    """Return a sample of a cloud with the tip as one more point, as seen from a frame."""
+    """Return the input of a network for a sampled cloud, with the tip as an additional point, in the coordinates of a frame."""
     world = np.concatenate([cloud.points, conditioning.tip[None, :3]])
     colors = np.concatenate([cloud.colors / 255.0, np.zeros((1, 3))])
     flag = np.zeros((len(world), 1))
@@ -247,7 +251,7 @@ def sight(cloud: Cloud, conditioning: Conditioning, frame: Frame) -> Sight:
 
 
 def likeness(colors: FloatArray, sentence: str) -> FloatArray:
-    """Return how like colours (n, 3) are to those that a sentence names, in its order, 0 to 1, (n, NAMED)."""
+    """Return the similarity of colours (n, 3) to the colour words of a sentence, from 0 to 1, (n, NAMED)."""
     named = [word for word in re.findall(r"[a-z]+", sentence.lower()) if word in PALETTE][:NAMED]
     like = np.zeros((len(colors), NAMED))
     for column, name in enumerate(named):
@@ -261,41 +265,41 @@ def overview(cloud: Cloud) -> Cloud:
 
 
 def whole(seen: Cloud, rng: np.random.Generator) -> Cloud:
-    """Return a sample of an overview."""
+    """Return a random sample of `WHOLE` - 1 points of an overview."""
     return seen.where(np.resize(rng.permutation(len(seen)), WHOLE - 1))
 
 
 def close_up(cloud: Cloud, middle: FloatArray, rng: np.random.Generator) -> Cloud:
-    """Return a sample of what is about a place (3,)."""
+    """Return a random sample of `CLOSE` - 1 points around a position (3,) [m]."""
     return cloud.where(near(cloud.points, middle, CLOSE_RADIUS, CLOSE - 1, rng))
 
 
 ROBOT = "panda"
 """The arm of the demonstrations."""
 KEPT, MARGIN = 3000, 0.05
-"""Points that are kept about a key frame, and how far beyond `CLOSE_RADIUS` they reach [m]."""
+"""Maximum number of stored points around a key frame, and their maximum distance beyond `CLOSE_RADIUS` [m]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Example:
-    """A moment at which a key frame is behind and the next one ahead."""
+    """A training example: the observation at one key frame, and the next key frame as the target."""
 
     whole: Cloud
-    """What the cameras see, on a coarse grid."""
+    """Cloud of the scene on a coarse grid."""
     close: Cloud
-    """What they see about the next key frame."""
+    """Cloud around the next key frame."""
     tip: FloatArray
     """Pose of the tip, (7,)."""
     opening: float
     """Whether the gripper is open."""
     step: int
-    """Number of key frames behind."""
+    """Number of key frames that were reached."""
     target: FloatArray
     """Next key frame: tip pose, opening, whether collisions are ignored, (9,)."""
     sentences: tuple[str, ...]
-    """Instructions of its demonstration."""
+    """Instructions of the demonstration."""
     joint_names: tuple[str, ...] = ()
-    """Joints of the arm that made its demonstration; empty where it does not say."""
+    """Joint names of the arm of the demonstration; empty if unknown."""
 
 
 def read_key_frames(
@@ -327,7 +331,13 @@ def read_key_frames(
 
 
 def _observations(task: TaskEnvironment, demo: Demo, switch: Callable[[bool], None]) -> Iterator[Observation]:
-    """Yield what the cameras see at the start and at every key frame but the last, which is followed by none."""
+    """Replay a demonstration and yield the observations at its start and at each key frame except the last.
+
+    Args:
+        task: The task.
+        demo: The demonstration.
+        switch: Function that enables or disables the images of the task.
+    """
     wanted = key_frames(demo)[:-1]
     if any("joint_position_action" not in o.misc for o in demo[1:]):
         raise DatasetError(
@@ -351,7 +361,7 @@ def demo_examples(demo: Demo, seen: Iterable[Observation], arm: RobotModel) -> l
 
     Args:
         demo: The demonstration.
-        seen: What the cameras see at its start and at every key frame but the last.
+        seen: Observations at its start and at each key frame except the last.
         arm: Model of the arm.
     """
     sentences = tuple(str(s) for s in demo[0].misc.get("descriptions", ())) or ("",)

@@ -34,7 +34,7 @@ CANDIDATES = 256
 CLUSTERS = 3
 """Maximum number of clusters of votes to try, the densest first."""
 APART = 3.0
-"""Clusters differ by more than this, counted in the scales of the densities."""
+"""Minimum distance of two clusters, in units of the scales of the densities."""
 TRIES = 6
 """Maximum number of failed poses at a key frame before the next key frame."""
 NUDGE = 0.006
@@ -87,7 +87,10 @@ class KeyFramePolicy:
         return np.concatenate([pose, gripper])
 
     def _count(self, observation: Observation) -> None:
-        """Find out whether the last action was refused, which leaves every joint as it was, and where the episode stands."""
+        """Update the key-frame index, and the number of failed poses at this key frame.
+
+        An action was refused if no joint has moved since then.
+        """
         joints = np.append(np.asarray(observation.joint_positions), np.asarray(observation.gripper_joint_positions))
         if self._joints is None:
             self._home = np.asarray(observation.gripper_pose, dtype=float)
@@ -111,7 +114,7 @@ class KeyFramePolicy:
         return self._close(cloud, conditioning, pose), (votes.gripper[0] > 0.0).double().cpu().numpy()
 
     def _close(self, cloud: Cloud, conditioning: Conditioning, pose: FloatArray) -> FloatArray:
-        """Return a tip pose after two closer looks at its surroundings."""
+        """Return a tip pose after two refinements by the network for its surroundings."""
         for _ in range(2):
             frame = Frame.of_tip(pose)
             votes = self._votes("fine", close_up(cloud, frame.origin, np.random.default_rng(0)), conditioning, frame)
@@ -119,16 +122,17 @@ class KeyFramePolicy:
         return pose
 
     def _votes(self, name: str, cloud: Cloud, conditioning: Conditioning, frame: Frame) -> Votes:
+        """Return the votes of the network `name` for a cloud, in the coordinates of a frame."""
         with torch.no_grad():
             votes: Votes = self._networks[self._task][name](*Sight.batch([sight(cloud, conditioning, frame)], self._device))
         return votes
 
 
 def clusters(votes: Votes) -> list[tuple[FloatArray, FloatArray]]:
-    """Return positions (3,) and axes (6,) on which many votes of the first cloud agree, those with most agreement first.
+    """Return the centres of the clusters of votes for the first cloud: positions (3,) and axes (6,), the densest first.
 
-    Each is the vote at which the mixture is densest, then the weighted mean of those that lie near it, so that two clusters of
-    votes are never averaged; the next one is looked for away from it.
+    Each centre is the weighted mean of the votes near the densest vote, so that two clusters are never averaged. Votes near a
+    found cluster are excluded from the search for the next one.
     """
     best = votes.weight[0].topk(min(CANDIDATES, votes.weight.shape[1])).indices
     weight, position, axes = (values[0, best].double() for values in (votes.weight, votes.position, votes.axes))

@@ -41,45 +41,46 @@ from rlbench_pin.errors import DatasetError
 from rlbench_pin.spatial import FloatArray
 
 WIDTH = 64
+"""Number of features of a point."""
 MODES = 2
-"""Votes of each point; a gripper with two fingers can often come from either side."""
+"""Number of votes of each point; a gripper with two fingers can often grasp in two orientations."""
 
 
 @dataclass(frozen=True)
 class Scales:
-    """What is large and what is small to a network."""
+    """Length scales of a network."""
 
     position: float
     """Scale of the Laplace densities around votes [m]."""
     axes: float
-    """The same in entries of the two rotated axes."""
+    """The same for the components of the two axes."""
     scene: float
-    """Size of what it sees [m]."""
+    """Size of the cloud [m]."""
     gap: float
-    """Distance of neighbouring points [m]."""
+    """Typical distance of neighbouring points [m]."""
     rest: tuple[float, ...]
-    """Axes of a gripper to begin from (6,)."""
+    """Axes of the gripper to which the network adds its output (6,)."""
 
 
 COARSE = Scales(0.015, 0.15, 0.5, 0.05, (1.0, 0.0, 0.0, 0.0, 0.0, -1.0))
 FINE = Scales(0.004, 0.04, 0.1, 0.02, (1.0, 0.0, 0.0, 0.0, 0.0, 1.0))
-"""Of the network that sees the whole scene, and of the one that sees the surroundings of what the first has found."""
+"""Scales of the network for the whole scene, and of the network for the surroundings of the pose that the first predicts."""
 
 
 @dataclass(frozen=True)
 class Votes:
-    """What the points of clouds say, for b clouds and v = POINTS * MODES votes."""
+    """Predictions of the points of clouds, for b clouds and v = points * `MODES` votes."""
 
     weight: Tensor
-    """Logarithm of the weight of each vote, (b, v); their exponentials add up to 1."""
+    """Logarithm of the weight of each vote, (b, v); the sum of the weights is 1."""
     position: Tensor
     """Position of the tip, (b, v, 3) [m]."""
     axes: Tensor
-    """x and z axis of the tip, not yet orthonormal, (b, v, 6)."""
+    """x-axis and z-axis of the tip, not yet orthonormal, (b, v, 6)."""
     gripper: Tensor
     """Logits that the gripper is open and that collisions are ignored, (b, 2)."""
     scales: Scales
-    """Of the densities."""
+    """Scales of the densities."""
 
     def log_density(self, position: Tensor, axes: Tensor) -> Tensor:
         """Return the logarithm of the mixture density, up to a constant, at tip poses: positions (b, 3) and axes (b, 6)."""
@@ -89,10 +90,10 @@ class Votes:
 
 
 class VoteNetwork(nn.Module):
-    """Convolutions over neighbouring points (Wang et al. 2019), conditioned on sentence, gripper and number of the step.
+    """Convolutions over neighbouring points (Wang et al. 2019), conditioned on instruction, gripper and key-frame index.
 
     Args:
-        scales: What is large and small to it.
+        scales: Length scales.
     """
 
     def __init__(self, scales: Scales) -> None:
@@ -106,7 +107,7 @@ class VoteNetwork(nn.Module):
         self.hand = nn.Sequential(nn.Linear(WIDTH + 128, 64), nn.GELU(), nn.Linear(64, 2))
 
     def forward(self, points: Tensor, neighbours: Tensor, context: Tensor) -> Votes:
-        """Return the votes on a batch of sights: points (b, n, POINT), neighbours (b, n, k), contexts (b, CONTEXT)."""
+        """Return the votes for a batch of inputs: points (b, n, POINT), neighbours (b, n, k), contexts (b, CONTEXT)."""
         where, rest = points[..., :3], points[..., 3:]
         away = (where - where[:, -1:]) / self.scales.scene
         x = self.first(torch.cat([where / self.scales.scene, rest, away, away.norm(dim=-1, keepdim=True)], dim=-1))
@@ -125,7 +126,7 @@ class VoteNetwork(nn.Module):
 
 
 class _EdgeLayer(nn.Module):
-    """x + max over neighbours of relu(A x_i + B x_j + C (p_j - p_i)), scaled and shifted by what is to be done."""
+    """Residual layer: the maximum over neighbours of relu(A x_i + B x_j + C (p_j - p_i)), scaled and shifted by the context."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -144,7 +145,7 @@ class _EdgeLayer(nn.Module):
 
 
 class _Overview(nn.Module):
-    """Adds a summary of all points to every point: the strongest features, and those that attention picks."""
+    """Adds a summary of all points to each point: the maximum of each feature, and features that attention selects."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -153,7 +154,7 @@ class _Overview(nn.Module):
         self.back = nn.Linear(2 * WIDTH, WIDTH)
 
     def forward(self, x: Tensor, conditioning: Tensor) -> tuple[Tensor, Tensor]:
-        """Return the features of the points, (b, n, WIDTH), and the overview, (b, WIDTH)."""
+        """Return the features of the points, (b, n, WIDTH), and the summary, (b, WIDTH)."""
         features = torch.relu(self.features(x))
         picked = torch.einsum("bnh,bnw->bhw", self.score(x).softmax(dim=1), features).flatten(1)
         seen = self.mix(torch.cat([features.amax(dim=1), picked, conditioning], dim=-1))
@@ -162,10 +163,14 @@ class _Overview(nn.Module):
 
 
 def strongest_neighbour(values: Tensor, rows: Tensor) -> Tensor:
-    """Return the largest of values (b, n, w) among rows (b, n, k <= 8), (b, n, w).
+    """Return the maximum of the values (b, n, w) over the neighbours of each point, (b, n, w).
 
-    Gradients need only the row that is strongest. To find it, the last three bits of a number say which neighbour it is from:
-    half the time of a maximum with indices on a CPU.
+    The gradient needs the index of the maximum. It is stored in the last three bits of each number, which takes half the time
+    of a maximum with indices on a CPU.
+
+    Args:
+        values: Features of the points (b, n, w).
+        rows: Indices of the neighbours (b, n, k), with k at most 8.
     """
     b, n, k = rows.shape
     flat = (rows + (torch.arange(b, device=rows.device) * n)[:, None, None]).reshape(b * n, k)
@@ -184,27 +189,31 @@ def make_networks() -> nn.ModuleDict:
 
 KIND = "key_frames"
 SHIFT, TURN = 0.06, 0.35
-"""Largest shift along x and y [m], and turn about the vertical [rad], of a scene in training."""
+"""Augmentation of the whole scene: maximum shift along x and y [m], and maximum rotation about the vertical [rad]."""
 MISSED, TILTED = 0.012, 0.08
-"""How far beside the key frame the close look is in training: standard deviations along each axis [m] and about it [rad]."""
+"""Noise on the frame of the close-up: standard deviations of the shift along each axis [m] and the rotation about it [rad]."""
 
 
 class KeyFrameLearner:
-    """Examples on a device, and losses of two networks on batches of them."""
+    """The two networks for the examples of one task, and their losses on batches of them.
+
+    Args:
+        examples: Examples of the task.
+        device: Device of torch.
+        seed: Seed of the initial weights.
+
+    Raises:
+        DatasetError: There are no examples.
+    """
 
     def __init__(self, examples: Sequence[Example], device: str = "cpu", seed: int = 0) -> None:
-        """Keep examples and make networks for them.
-
-        Raises:
-            DatasetError: There are none.
-        """
         if not examples:
             raise DatasetError("There are no demonstrations to learn from. Record some with `rlbench-pin record`.")
         self._examples, self._device = examples, torch.device(device)
         self.network = seeded(make_networks, seed).to(self._device)
 
     def losses(self, rng: np.random.Generator, batch: int) -> Losses:
-        """Draw a batch and return the negative logarithms of the densities at the key frames, and the error of the gripper."""
+        """Draw a batch and return its losses: negative log densities at the key frames, and cross entropies of the gripper."""
         drawn = [self._examples[row] for row in rng.integers(len(self._examples), size=batch)]
         conditioning = [Conditioning(e.sentences[rng.integers(len(e.sentences))], e.tip, e.opening, e.step) for e in drawn]
         frames = {"coarse": [_moved(rng) for _ in drawn], "fine": [_near(e.target[:7], rng) for e in drawn]}
@@ -224,7 +233,7 @@ class KeyFrameLearner:
         return {"total": torch.stack(list(losses.values())).sum(), **losses}
 
     def settings(self) -> dict[str, Any]:
-        """Return what the networks were trained on: most key frames by instruction, and how many demonstrations."""
+        """Return the maximum number of key frames per instruction, and the number and joint names of the demonstrations."""
         lengths: dict[str, int] = {}
         for example in self._examples:
             for sentence in example.sentences:
@@ -237,13 +246,13 @@ class KeyFrameLearner:
 
 
 def _moved(rng: np.random.Generator) -> Frame:
-    """Return a frame near that of the overview, so that the scene seems shifted and turned."""
+    """Return the frame of the overview with a random shift and rotation, for augmentation."""
     shift = np.append(rng.uniform(-SHIFT, SHIFT, size=2), 0.0)
     return Frame(OVERVIEW.origin + shift, turn(np.array([0.0, 0.0, rng.uniform(-TURN, TURN)])))
 
 
 def _near(pose: FloatArray, rng: np.random.Generator) -> Frame:
-    """Return the frame of a tip pose that misses another by about as much as the first network does."""
+    """Return the frame of a tip pose with random errors, about as large as those of the first network."""
     frame = Frame.of_tip(pose)
     return Frame(frame.origin + rng.normal(scale=MISSED, size=3), frame.rotation @ turn(rng.normal(scale=TILTED, size=3)))
 

@@ -30,14 +30,22 @@ from rlbench_pin.errors import DemoError
 from rlbench_pin.observation import Demo
 
 IMITATED_SPREAD = -2.2
-"""Logarithm of how far an imitating policy explores at first, in units of the largest action."""
+"""Initial logarithm of the standard deviation of actions after imitation; the largest action is 1."""
 BATCH, RATE = 256, 1e-3
+"""Batch size and initial learning rate of imitation."""
 
 Means = Callable[[torch.Tensor], torch.Tensor]
 
 
 def imitate(model: PPO | SAC, env: VecNormalize, experience: Experience, steps: int) -> None:
-    """Fit the most likely action of an untrained model to that of demonstrations, by least squares, in some batches."""
+    """Fit the most likely actions of an untrained model to demonstrated actions by least squares.
+
+    Args:
+        model: Untrained model.
+        env: Environments of the model, with the statistics for normalization.
+        experience: Transitions of the demonstrations.
+        steps: Number of batches.
+    """
     means, weights = _of_ppo(model) if isinstance(model, PPO) else _of_sac(model)
     seen = torch.as_tensor(env.normalize_obs(experience.seen), device=model.device)
     actions = torch.as_tensor(experience.actions, device=model.device)
@@ -53,6 +61,7 @@ def imitate(model: PPO | SAC, env: VecNormalize, experience: Experience, steps: 
 
 
 def _of_ppo(model: PPO) -> tuple[Means, list[torch.nn.Parameter]]:
+    """Set the initial exploration, and return a function from observations to mean actions, and the weights to train."""
     policy = model.policy
     assert isinstance(policy, ActorCriticPolicy)
     with torch.no_grad():
@@ -62,6 +71,7 @@ def _of_ppo(model: PPO) -> tuple[Means, list[torch.nn.Parameter]]:
 
 
 def _of_sac(model: SAC) -> tuple[Means, list[torch.nn.Parameter]]:
+    """Set the initial exploration, and return a function from observations to mean actions, and the weights to train."""
     actor = model.actor
     assert isinstance(actor.log_std, torch.nn.Linear)
     with torch.no_grad():
@@ -72,18 +82,18 @@ def _of_sac(model: SAC) -> tuple[Means, list[torch.nn.Parameter]]:
 
 
 ACTOR_EVERY = 2
-"""Steps of the critics for one of the actor."""
+"""Number of steps of the critics per step of the actor."""
 IMITATION = 0.3
-"""What the squared distance to a demonstrated action costs, where success pays 1."""
+"""Weight of the squared distance to a demonstrated action in the loss of the actor; the reward of success is 1."""
 
 
 class HalfDemonstrations(ReplayBuffer):
-    """A replay buffer; the second half of each batch comes from demonstrations, once they are there."""
+    """Replay buffer that takes the second half of each batch from demonstrations, if there are any."""
 
     demonstrations: ReplayBuffer | None = None
 
     def hold(self, experience: Experience) -> None:
-        """Keep demonstrations, apart from what is experienced, which in time replaces itself."""
+        """Store demonstrations separately; new experience does not overwrite them."""
         kept = ReplayBuffer(len(experience), self.observation_space, self.action_space, self.device)
         rows = zip(experience.seen, experience.then, experience.actions, experience.rewards, experience.ends)
         for seen, then, action, reward, end in rows:
@@ -91,7 +101,7 @@ class HalfDemonstrations(ReplayBuffer):
         self.demonstrations = kept
 
     def sample(self, batch_size: int, env: VecNormalize | None = None) -> ReplayBufferSamples:
-        """Draw a batch."""
+        """Return a random batch; with demonstrations its second half comes from them."""
         if self.demonstrations is None:
             return super().sample(batch_size, env)
         half = batch_size // 2
@@ -101,10 +111,10 @@ class HalfDemonstrations(ReplayBuffer):
 
 
 class NormedCritics(SACPolicy):
-    """The networks of SAC, with a layer norm behind every hidden layer of the critics: values stay near those of the data."""
+    """Networks of SAC with a layer norm after each hidden layer of the critics, which limits extrapolation of the values."""
 
     def make_critic(self, features_extractor: BaseFeaturesExtractor | None = None) -> ContinuousCritic:
-        """Return the critics."""
+        """Return critics with layer norm."""
         critic = super().make_critic(features_extractor)
         for index, plain in enumerate(critic.q_networks):
             first = next(plain.children())
@@ -116,17 +126,17 @@ class NormedCritics(SACPolicy):
 
 
 class ImitatingSac(SAC):
-    """SAC that keeps its actor near demonstrations, where it has some; entropy is not part of what its critics learn.
+    """SAC with an imitation loss for the actor on demonstrations, and without entropy in the target of the critics.
 
     Attributes:
-        is_actor_frozen: Whether the critics alone learn.
+        is_actor_frozen: Whether only the critics learn.
     """
 
     is_actor_frozen = False
     replay_buffer: HalfDemonstrations
 
     def train(self, gradient_steps: int, batch_size: int = 256) -> None:
-        """Do some steps of the critics, and half as many of the actor."""
+        """Train the critics for `gradient_steps` steps and the actor for half as many."""
         self.policy.set_training_mode(True)
         losses: dict[str, float] = {}
         for step in range(gradient_steps):
@@ -139,6 +149,7 @@ class ImitatingSac(SAC):
             self.logger.record(f"train/{name}", loss)
 
     def _fit_critics(self, batch: ReplayBufferSamples) -> float:
+        """Do one step of the critics, and return their loss."""
         with torch.no_grad():
             actions, _ = self.actor.action_log_prob(batch.next_observations)
             later = _smallest(self.critic_target(batch.next_observations, actions))
@@ -149,6 +160,7 @@ class ImitatingSac(SAC):
         return float(loss.detach())
 
     def _improve_actor(self, batch: ReplayBufferSamples) -> dict[str, float]:
+        """Do one step of the entropy coefficient and of the actor, and return their values for the log."""
         actions, likelihood = self.actor.action_log_prob(batch.observations)
         assert isinstance(self.log_ent_coef, Tensor) and isinstance(self.target_entropy, float)
         surplus = (likelihood + self.target_entropy).detach().mean()
@@ -164,6 +176,7 @@ class ImitatingSac(SAC):
 
 
 def _smallest(values: tuple[Tensor, ...]) -> Tensor:
+    """Return the smaller value of the critics for each row, shape (n, 1)."""
     return torch.cat(values, dim=1).min(dim=1, keepdim=True).values
 
 
@@ -175,51 +188,53 @@ def _step(optimizer: torch.optim.Optimizer | None, loss: Tensor) -> None:
 
 
 FIRST_SEED = 2**32
-"""Seed of the first demonstration; training draws below 2^31."""
+"""Seed of the first demonstration; the seeds of training episodes are below 2^31."""
 MAX_TRIES = 3
-"""Demonstrations that are tried for each that is wanted."""
+"""Maximum number of planned demonstrations per requested one."""
 NOISE = 0.15
-"""Spread of what is added to the actions of the arm, so that there is experience beside the path as well."""
+"""Standard deviation of the noise on the actions of the arm; it adds states beside the demonstrated path."""
 TIMES = 2
-"""How often each demonstration is followed."""
+"""Number of replays of each demonstration."""
 
 
 @dataclass(frozen=True)
 class Experience:
-    """Transitions; row i of each array belongs together."""
+    """Transitions: row i of each array belongs to transition i."""
 
     seen: np.ndarray
-    """Features before, float32 (n, m)."""
+    """Features before the action, float32 (n, m)."""
     then: np.ndarray
-    """Features after, float32 (n, m)."""
+    """Features after the action, float32 (n, m)."""
     actions: np.ndarray
-    """Between -1 and 1, float32 (n, k)."""
+    """Actions, between -1 and 1, float32 (n, k)."""
     rewards: np.ndarray
-    """float32 (n,)."""
+    """Rewards, float32 (n,)."""
     ends: np.ndarray
-    """Whether the episode ended, float32 (n,)."""
+    """1 where the episode ended, else 0, float32 (n,)."""
 
     @classmethod
     def joined(cls, parts: Sequence[Experience]) -> Experience:
-        """Return several as one."""
+        """Return the concatenation of several records."""
         names = ("seen", "then", "actions", "rewards", "ends")
         return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
 
     def __len__(self) -> int:
-        """Return how many transitions there are."""
+        """Return the number of transitions."""
         return len(self.seen)
 
 
 def gather(env: LearningEnv, count: int, on_demo: Callable[[int, int], None] = lambda done, wanted: None) -> Experience:
-    """Plan demonstrations, variations in turn, and return the transitions of those that succeed with the learner's actions.
+    """Plan demonstrations, replay them with the actions of the learner, and return the transitions of successful replays.
+
+    The variations alternate.
 
     Args:
-        env: The task.
-        count: How many demonstrations.
-        on_demo: Called with how many there are, and how many are wanted.
+        env: Environment of the task.
+        count: Number of demonstrations.
+        on_demo: Function that is called after each demonstration with the number found and the number requested.
 
     Raises:
-        DemoError: Too few succeed.
+        DemoError: Fewer than `count` demonstrations succeed.
     """
     found: list[Experience] = []
     for index in range(MAX_TRIES * count):
@@ -240,9 +255,9 @@ def gather(env: LearningEnv, count: int, on_demo: Callable[[int, int], None] = l
 
 
 def follow(env: LearningEnv, demo: Demo, rng: np.random.Generator) -> Experience | None:
-    """Follow joints and gripper of a demonstration, with noise; None where that does not succeed within an episode.
+    """Replay joints and gripper of a demonstration with noise; return the transitions, or None without success.
 
-    Later decisions correct the noise, whose mean is zero: the mean action is the right one.
+    The noise has mean zero, and later actions correct it, so the mean action is the demonstrated one.
     """
     seen, rows = env.reset_to(demo), []
     for index in range(TICKS, 2 * len(demo), TICKS):
@@ -261,9 +276,9 @@ def follow(env: LearningEnv, demo: Demo, rng: np.random.Generator) -> Experience
 
 
 NETWORK = (128, 128)
-"""Neurons of the hidden layers, of actors and critics."""
+"""Neurons per hidden layer of actors and critics."""
 DISCOUNT = 0.97
-"""What a reward one decision later is worth."""
+"""Discount factor per decision."""
 PPO_SETTINGS: Mapping[str, Any] = {"batch_size": 128, "n_epochs": 10, "learning_rate": 5e-4, "clip_range": 0.2}
 SAC_SETTINGS: Mapping[str, Any] = {
     "batch_size": 256,
@@ -272,26 +287,26 @@ SAC_SETTINGS: Mapping[str, Any] = {
     "gradient_steps": 16,
 }
 SAC_FROM_SCRATCH: Mapping[str, Any] = {"learning_rate": 1e-3, "learning_starts": 1000, "ent_coef": "auto_0.1"}
-"""Decisions at random first; the goal of entropy is the usual one, minus the numbers of an action."""
+"""Settings of SAC without demonstrations: random actions first, and the default target entropy, minus the action size."""
 SAC_AFTER_IMITATION: Mapping[str, Any] = {
     "learning_rate": 3e-4,
     "learning_starts": 0,
     "ent_coef": "auto_0.01",
     "target_entropy": -16.0,
 }
-"""Smaller steps, and half as far beside the path: 0.03 of the largest action for each number."""
+"""Settings of SAC after imitation: a smaller learning rate, and half the exploration (0.03 of the largest action)."""
 SPREAD = -0.5
-"""Logarithm of how far PPO explores at first without demonstrations, in units of the largest action."""
+"""Initial logarithm of the standard deviation of PPO without demonstrations; the largest action is 1."""
 CLONED_RATE = 1e-4
-"""Learning rate of PPO after imitation: large steps forget what was imitated."""
+"""Learning rate of PPO after imitation; larger steps destroy the imitated policy."""
 WARM_UP: Mapping[str, int] = {"ppo": 2, "sac": 1}
-"""Segments in which the values of an imitating policy are learned, and it stays as it is."""
+"""Number of first segments after imitation in which only the values learn and the policy is frozen."""
 
 Model: TypeAlias = "PPO | ImitatingSac"
 
 
 def make_model(config: ReinforcementConfig, env: VecNormalize) -> Model:
-    """Return an untrained model; its first weights follow from the seed."""
+    """Return an untrained model; `config.seed` determines its initial weights."""
     networks: dict[str, Any] = {"net_arch": list(NETWORK), "optimizer_kwargs": {"fused": True}}
     common: dict[str, Any] = {"gamma": DISCOUNT, "seed": config.seed % 2**31, "device": config.device, "verbose": 0}
     if config.algorithm == "sac":
@@ -306,9 +321,9 @@ def make_model(config: ReinforcementConfig, env: VecNormalize) -> Model:
 
 
 def teach(model: Model, env: VecNormalize, experience: Experience, steps: int) -> None:
-    """Give demonstrations to an untrained model: it begins with a policy that imitates them, and SAC keeps them in its buffer.
+    """Initialize an untrained model from demonstrations.
 
-    The statistics of what is seen are those of the demonstrations.
+    Its policy imitates them, SAC stores them in its buffer, and `env` gets their statistics for normalization.
     """
     env.obs_rms.update(experience.seen)  # type: ignore[union-attr]
     imitate(model, env, experience, steps)
@@ -317,7 +332,7 @@ def teach(model: Model, env: VecNormalize, experience: Experience, steps: int) -
 
 
 def freeze_policy(model: Model, frozen: bool) -> None:
-    """Let a model change its values alone, or all of its weights."""
+    """Freeze the policy, so that only the values learn; or unfreeze it."""
     if isinstance(model, ImitatingSac):
         model.is_actor_frozen = frozen
         return

@@ -111,21 +111,22 @@ class ReinforcementConfig:
 
 
 REACH = 0.05
-"""Joint difference of a control tick at most [rad]: 1 rad/s."""
+"""Maximum joint difference per control tick [rad]; equal to 1 rad/s."""
 EPSILON = 1e-4
-"""Added to variances of features: what hardly varies is divided by 1 cm or 0.01 rad, not by next to nothing."""
+"""Added to the variances of features, so that the divisor is at least 1 cm or 0.01 rad."""
 TICKS = 3
-"""Control ticks that a decision lasts: 0.15 s. An episode of fewer decisions is learned sooner."""
+"""Control ticks per decision: 0.15 s. Fewer decisions per episode make learning faster."""
 
 
 def features(observation: Observation) -> np.ndarray:
-    """Return joints [rad], opening of the gripper, pose of the tip, state of the task, and its first place seen from the tip [m].
+    """Return the inputs of the networks.
 
     Args:
-        observation: With the low-dimensional fields.
+        observation: Observation with the low-dimensional fields.
 
     Returns:
-        float32, shape (joints + 11 + numbers of the state,).
+        Joint positions [rad], gripper opening, tip pose, task state, and the first position of the state relative to the tip
+        [m], in this order: float32, shape (joints + 11 + size of the state,).
     """
     tip = np.asarray(observation.gripper_pose, dtype=np.float64)
     state = np.asarray(observation.task_low_dim_state, dtype=np.float64)
@@ -135,35 +136,35 @@ def features(observation: Observation) -> np.ndarray:
 
 
 def as_command(unit: FloatArray, high: FloatArray) -> FloatArray:
-    """Return an action of `JointPositionActionMode`.
+    """Return the action of `JointPositionActionMode` for an action of the learner.
 
     Args:
-        unit: A difference for each joint and the gripper, open above 0, between -1 and 1, shape (joints + 1,).
-        high: Highest value of each number of the action; the last is the position of an open finger [m].
+        unit: One difference per joint, then the gripper (open above 0), between -1 and 1, shape (joints + 1,).
+        high: Upper bounds of the action, shape (joints + 1,); the last is the position of an open finger [m].
     """
     values = np.clip(np.asarray(unit, dtype=np.float64), -1.0, 1.0)
     return np.append(REACH * values[:-1], high[-1] if values[-1] > 0.0 else 0.0)
 
 
 def as_unit(joints: FloatArray, target: FloatArray, is_open: bool) -> FloatArray:
-    """Return the numbers between -1 and 1 that go towards joint positions.
+    """Return the action of the learner, between -1 and 1, that moves the arm towards joint positions.
 
     Args:
-        joints: Where the joints are [rad].
-        target: Where they should be a decision later [rad].
-        is_open: Whether the gripper should be open.
+        joints: Current joint positions [rad].
+        target: Joint positions after one decision [rad].
+        is_open: Whether to open the gripper.
     """
     return np.append(np.clip((target - joints) / (TICKS * REACH), -1.0, 1.0), 1.0 if is_open else -1.0)
 
 
 TRAINING_SEEDS = 2**31
-"""Training draws the seeds of its episodes below this, so that it never meets one of an evaluation."""
+"""Upper bound of the seeds of training episodes; seeds of validation are larger."""
 VALIDATION_SEED = 2**52
 """Seed of episode 0 of a validation; episode i has this seed plus i."""
 SHAPED = 0.1
-"""The share of the task's own reward that is paid: with it an episode that fails costs about what success pays."""
+"""Factor of the shaped reward of the task; the sum over a failed episode is then about as large as the reward of success."""
 TRIES = 10
-"""Seeds that are drawn before a task that cannot be placed is an error."""
+"""Number of seeds that a reset tries before it raises `ResetError`."""
 
 
 class LearningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
@@ -198,10 +199,10 @@ class LearningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         self.action_space = gymnasium.spaces.Box(-1.0, 1.0, self._high.shape, np.float32)
 
     def reset(self, *, seed: int | None = None, options: Mapping[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
-        """Begin an episode from a seed that is drawn; `options={"episode": seed}` names one.
+        """Start an episode with a random seed, or with that of `options={"episode": seed}`.
 
         Raises:
-            ResetError: The task could not be placed, from none of ten seeds.
+            ResetError: The task cannot be placed with the given seed, or with any of ten random seeds.
         """
         super().reset(seed=seed)
         named = (options or {}).get("episode")
@@ -216,13 +217,13 @@ class LearningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         return self._begun(seen), {"instructions": instructions}
 
     def reset_to(self, demo: Demo) -> Observation:
-        """Begin the episode of a demonstration and return what is observed."""
+        """Start the episode of a demonstration and return the first observation."""
         _, seen = self.task.reset_to_demo(demo)
         self._begun(seen)
         return seen
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        """Act for one decision."""
+        """Execute one decision of `TICKS` control ticks, or fewer if the episode ends."""
         command = as_command(action, self._high)
         for _ in range(TICKS):
             seen, _, over = self.task.step(command)
@@ -235,9 +236,10 @@ class LearningEnv(gymnasium.Env[np.ndarray, np.ndarray]):
         return features(seen), reward, over, not over and self._count >= self._longest, info
 
     def close(self) -> None:
-        """Free the world."""
+        """Close the simulation."""
         self._environment.shutdown()
 
     def _begun(self, seen: Observation) -> np.ndarray:
+        """Set the number of decisions to 0, and return the features of the first observation."""
         self._count = 0
         return features(seen)

@@ -1,4 +1,4 @@
-"""The trained policy: tensors and JSON, loaded into a policy of Stable-Baselines3."""
+"""The trained policy: loads weights and settings into a policy of Stable-Baselines3."""
 
 from __future__ import annotations
 
@@ -22,21 +22,21 @@ from rlbench_pin.evaluation.policies.policy_server import NoPolicy
 from rlbench_pin.observation import Observation
 
 CLIP = 10.0
-"""Features are cut off this many standard deviations from their mean, as in training."""
+"""Features are clipped at this number of standard deviations from their mean, as in training."""
 PATIENCE = 2
-"""How many times as long as in training an episode may be."""
+"""Maximum length of an episode, as a multiple of the length in training."""
 _KNOWN = {"seen": int, "actions": int, "ticks": int, "episode_steps": int, "instructions": list}
-"""What settings have to say beside the kind of the model."""
+"""Required keys of `settings.json` and their types."""
 
 
 class TrainedActor:
-    """What acts in one task.
+    """Trained network of one task.
 
     Args:
-        folder: Of the task, in the folder of the models.
+        folder: Folder of the task, in the folder of the models.
         algorithm: `ppo` or `sac`.
-        settings: What `settings.json` says.
-        device: Where torch computes.
+        settings: Content of `settings.json`.
+        device: Device of torch.
 
     Raises:
         ModelFileError: The weights are missing, damaged, or do not fit.
@@ -96,7 +96,7 @@ class ReinforcementPolicy:
         self._task, self._high, self._tick, self._unit = next(iter(self._settings)), np.zeros(0), 0, np.zeros(0)
 
     def reset(self, instruction: str, context: PolicyContext) -> None:
-        """Choose the network."""
+        """Choose the network of the task, or of the task with the most similar instruction."""
         self._task = context.task if context.task in self._settings else self._meant(instruction)
         if self._task not in self._actors:
             settings = self._settings[self._task]
@@ -111,13 +111,17 @@ class ReinforcementPolicy:
         return as_command(self._unit, self._high)
 
     def _meant(self, instruction: str) -> str:
-        """Return the task of which an instruction is nearest to this one."""
+        """Return the task with the most similar instruction."""
         owners = [(task, said) for task, settings in self._settings.items() for said in settings["instructions"]]
         return owners[nearest_sentence(instruction, [said for _, said in owners])][0]
 
 
 def _models(folder: Path, algorithm: str) -> dict[str, dict[str, Any]]:
-    """Return the settings of the models in a folder by task, each looked at."""
+    """Return the settings of the models in a folder by task.
+
+    Raises:
+        ModelFileError: There is no such model, or a file lacks a key.
+    """
     found = trained_tasks(folder, KIND.format(algorithm))
     for task, settings in found.items():
         wrong = [name for name, kind in _KNOWN.items() if not isinstance(settings.get(name), kind) or not settings[name]]
@@ -132,5 +136,5 @@ def policy(folder: str, algorithm: str, device: str = "cpu") -> ReinforcementPol
 
 
 def _no_schedule(_: float) -> float:
-    """Return the learning rate of what is not trained."""
+    """Return the learning rate 0: the loaded policy is not trained."""
     return 0.0

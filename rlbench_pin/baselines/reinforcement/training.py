@@ -48,6 +48,7 @@ from rlbench_pin.evaluation.results.plots import COLORS, check_plot, write_plot
 from rlbench_pin.rates import wilson
 
 CURVE = "curve.json"
+"""File of the learning curve, in the folder of the task."""
 
 
 @dataclass(frozen=True)
@@ -55,40 +56,40 @@ class CurvePoint:
     """Results of one segment of a training."""
 
     steps: int
-    """Decisions of training so far; 0 before the first segment."""
+    """Number of training decisions so far; 0 before the first segment."""
     episodes: int
-    """Episodes that ended in this segment."""
+    """Number of episodes that ended in this segment."""
     reward: float | None
-    """Their reward in the mean; None without one."""
+    """Mean reward of these episodes; None without episodes."""
     success: float | None
-    """The share of them that succeeded, while exploring; None without one."""
+    """Success rate of these episodes, with exploration; None without episodes."""
     successes: int | None = None
-    """Validation episodes in which the most likely action succeeded; None where there were none after this segment."""
+    """Number of successful validation episodes with the most likely action; None without a validation after this segment."""
     of: int = 0
-    """Validation episodes, on seeds that training does not meet."""
+    """Number of validation episodes; their seeds do not occur in training."""
 
     @property
     def validation(self) -> float | None:
-        """The share of successes of the most likely action."""
+        """Success rate of the validation, with the most likely action; None without one."""
         return None if self.successes is None else self.successes / self.of
 
     @property
     def interval(self) -> tuple[float, float] | None:
-        """Wilson's interval of 95 % around it."""
+        """95 % Wilson interval of the validation; None without one."""
         return None if self.successes is None else wilson(self.successes, self.of)
 
 
 def write_curve(folder: Path, points: Sequence[CurvePoint]) -> None:
-    """Write a curve, with intervals."""
+    """Write a curve with its confidence intervals."""
     rows = [{**asdict(point), "wilson_95": _rounded(point.interval)} for point in points]
     write_whole(folder / CURVE, (json.dumps(rows, indent=1) + "\n").encode())
 
 
 def read_curve(folder: Path | str) -> list[CurvePoint]:
-    """Return the curve of a training so far, a point for each segment and one before the first.
+    """Return the curve of a training: one point before the first segment, and one per finished segment.
 
     Args:
-        folder: Of the task, in the folder of the models.
+        folder: Folder of the task, in the folder of the models. Without a curve the result is empty.
 
     Raises:
         ModelFileError: The file is damaged.
@@ -104,25 +105,26 @@ def read_curve(folder: Path | str) -> list[CurvePoint]:
 
 
 def _rounded(interval: tuple[float, float] | None) -> list[float] | None:
+    """Return the bounds of an interval with four decimals."""
     return None if interval is None else [round(end, 4) for end in interval]
 
 
 _WIDTH, _HEIGHT = 6.4, 3.2
 """Size of the image [inch]."""
 WINDOW = 5
-"""Segments over which successes while exploring are averaged."""
+"""Number of segments over which the success rate with exploration is averaged."""
 
 
 def draw_curves(path: Path | str, curves: Mapping[str, Sequence[CurvePoint]]) -> Path:
-    """Draw learning curves: lines for success while exploring, dots for the most likely action on seeds of its own.
+    """Draw learning curves: lines for success with exploration, dots for the validation of the most likely action.
 
     Args:
         path: A PNG or SVG file.
-        curves: What each is called -> its points, 1 to 8.
+        curves: 1 to 8 curves: label -> points.
 
     Raises:
-        InvalidValue: The file has another ending, there are too many curves, or one has no points.
-        StorageError: It cannot be written.
+        InvalidValue: The file has another extension, there are too many curves, or one has no points.
+        StorageError: The file cannot be written.
     """
     path = check_plot(path, len(curves))
     empty = next((name for name, points in curves.items() if not points), None)
@@ -154,7 +156,7 @@ def _figure(curves: Mapping[str, Sequence[CurvePoint]]) -> Figure:
 
 
 def _draw_validation(axes: Axes, color: str, points: Sequence[CurvePoint]) -> None:
-    """Draw validation as dots with intervals."""
+    """Draw validations as dots with vertical confidence intervals."""
     validated = [(p.steps, p.validation, *p.interval) for p in points if p.validation is not None and p.interval is not None]
     steps, rates, low, high = np.array(validated, dtype=float).reshape(-1, 4).T
     axes.vlines(steps, low, high, colors=color, linewidth=0.8, clip_on=False, zorder=3)
@@ -162,42 +164,45 @@ def _draw_validation(axes: Axes, color: str, points: Sequence[CurvePoint]) -> No
 
 
 def _smooth(values: np.ndarray) -> np.ndarray:
-    """Return sums over the last segments, shape (n,)."""
+    """Return for each segment the sum over the last `WINDOW` segments, shape (n,)."""
     sums = np.concatenate([[0.0], np.cumsum(values)])
     ends = np.arange(1, len(sums))
     return np.asarray(sums[ends] - sums[np.maximum(ends - WINDOW, 0)])
 
 
 KIND = "reinforcement {}"
+"""Kind of the model in `settings.json`, with the algorithm."""
 _ROWS = ("observations", "next_observations", "actions", "rewards", "dones", "timeouts")
+"""Arrays of a replay buffer in a checkpoint."""
 _SHOWN = ("seen", "then", "actions", "rewards", "ends")
+"""Arrays of its demonstrations in a checkpoint, named as in `Experience`."""
 
 Tensors = dict[str, torch.Tensor]
 
 
 def write_checkpoint(folder: Path, config: ReinforcementConfig, model: Model, env: VecNormalize, segments: int) -> None:
-    """Write everything that a resumed training needs.
+    """Write the state of a training, from which it can be resumed.
 
     Args:
-        folder: Of the task.
-        config: What is trained.
-        model: As it is now.
-        env: Its environments, with the statistics of what was seen.
-        segments: How many segments are done.
+        folder: Folder of the task.
+        config: Settings of the training.
+        model: The current model.
+        env: Environments of the model, with the statistics for normalization.
+        segments: Number of finished segments.
     """
     tensors = {**_learned(model), **_statistics(env)}
     if isinstance(model, ImitatingSac):
         tensors["log_ent_coef"] = model.log_ent_coef  # type: ignore[assignment]
         tensors |= _buffer(model.replay_buffer)
     state = {"legs": segments, "steps": model.num_timesteps, "config": config.identity()}
-    write_tensors(folder / CHECKPOINT, tensors, state=json.dumps(state, sort_keys=True))  # one note: several have no order
+    write_tensors(folder / CHECKPOINT, tensors, state=json.dumps(state, sort_keys=True))  # several notes have no fixed order
 
 
 def read_checkpoint(folder: Path, config: ReinforcementConfig, model: Model, env: VecNormalize) -> int:
-    """Restore a model from the checkpoint, and return how many segments were done; 0 where there is no checkpoint.
+    """Restore a model from the checkpoint, and return the number of finished segments; 0 without a checkpoint.
 
     Raises:
-        ModelFileError: The file is damaged, or of other settings.
+        ModelFileError: The file is damaged, or was written with other settings.
     """
     path = folder / CHECKPOINT
     if not path.exists():
@@ -224,14 +229,14 @@ def read_checkpoint(folder: Path, config: ReinforcementConfig, model: Model, env
 def write_model(
     folder: Path, config: ReinforcementConfig, model: Model, env: VecNormalize, said: list[str], joints: Sequence[str]
 ) -> None:
-    """Write the policy with the statistics of what it sees, and what it was trained on.
+    """Write the policy, the statistics of its observations, and its settings.
 
     Args:
-        folder: Of the task.
-        config: What was trained.
-        model: The model.
-        env: Its environments.
-        said: Instructions of the task, of all variations.
+        folder: Folder of the task.
+        config: Settings of the training.
+        model: The trained model.
+        env: Environments of the model, with the statistics for normalization.
+        said: Instructions of all variations of the task.
         joints: Names of the arm joints.
     """
     kept = model.policy if config.algorithm == "ppo" else model.policy.actor  # type: ignore[union-attr]
@@ -256,7 +261,7 @@ def _learned(model: Model) -> Tensors:
 
 
 def _nested(model: Model, tensors: Tensors) -> dict[str, Any]:
-    """Return what `set_parameters` takes."""
+    """Return the argument of `set_parameters`; the inverse of `_learned`."""
     nested: dict[str, Any] = {}
     for name, state in model.get_parameters().items():
         if name.endswith("optimizer"):
@@ -271,10 +276,12 @@ def _nested(model: Model, tensors: Tensors) -> dict[str, Any]:
 
 
 def _below(tensors: Tensors, prefix: str) -> Tensors:
+    """Return the tensors whose names start with a prefix, under the rest of their names."""
     return {name.removeprefix(prefix): tensor for name, tensor in tensors.items() if name.startswith(prefix)}
 
 
 def _statistics(env: VecNormalize) -> Tensors:
+    """Return mean, variance and count of observations (`seen/...`) and returns (`returns/...`)."""
     tensors: Tensors = {}
     for name, statistics in (("seen", env.obs_rms), ("returns", env.ret_rms)):
         for key in ("mean", "var", "count"):
@@ -283,7 +290,7 @@ def _statistics(env: VecNormalize) -> Tensors:
 
 
 def _buffer(buffer: Any) -> Tensors:
-    """Return what a buffer of ours holds, and where it writes next."""
+    """Return the rows and the write position of a replay buffer, and the rows of its demonstrations."""
     filled = buffer.buffer_size if buffer.full else buffer.pos
     tensors = {f"buffer/{name}": torch.as_tensor(getattr(buffer, name)[:filled].copy()) for name in _ROWS}
     tensors["buffer/pos"], tensors["buffer/full"] = torch.tensor(buffer.pos), torch.tensor(buffer.full)
@@ -295,7 +302,7 @@ def _buffer(buffer: Any) -> Tensors:
 
 
 def _fill(model: ImitatingSac, tensors: Tensors) -> None:
-    """Fill the buffer of a new model."""
+    """Fill the replay buffer of a new model; the inverse of `_buffer`."""
     buffer = model.replay_buffer
     for name in _ROWS:
         rows = tensors[f"buffer/{name}"].numpy()
@@ -317,7 +324,7 @@ class TrainingProgress:
     total: int
     """Total number of decisions."""
     point: CurvePoint | None
-    """The last segment; None before it ends."""
+    """Results of the last segment; None before it ends."""
     note: str = ""
     """Current work other than acting and learning."""
 
@@ -331,7 +338,7 @@ def train_reinforcement(
     on_progress: OnProgress = lambda progress: None,
     stop: threading.Event | None = None,
 ) -> bool:
-    """Train a task into a folder of its name, and return whether it came to its end.
+    """Train a policy for one task into the folder with the name of the task, and return whether the training is complete.
 
     An interrupted training continues from its last checkpoint; on the CPU it ends with the same weights as an uninterrupted one.
     With more steps than before, it continues after its end.
@@ -357,7 +364,7 @@ def train_reinforcement(
 
 
 class _Training:
-    """A model, its environments and its curve."""
+    """One training: the model, its environments and its curve."""
 
     def __init__(
         self, config: ReinforcementConfig, folder: Path, env: VecNormalize, eval_env: LearningEnv, on_progress: OnProgress
@@ -375,7 +382,7 @@ class _Training:
         self._instructions = _instructions(eval_env)
 
     def begin(self) -> int:
-        """Read the checkpoint, or gather demonstrations and learn from them; return how many segments are done."""
+        """Restore the checkpoint, or imitate demonstrations and validate; return the number of finished segments."""
         config, model = self._config, self._model
         done = read_checkpoint(self._folder, config, model, self._env)
         self._points = read_curve(self._folder)[: done + 1] if done else []
@@ -388,7 +395,10 @@ class _Training:
         return done
 
     def do(self, segment: int, stop: threading.Event | None) -> bool:
-        """Act and learn for one segment, with new episodes and generators seeded by seed and segment; False when stopped."""
+        """Train for one segment, and return whether it was finished.
+
+        Each segment starts new episodes and new generators, which are seeded by the seed and the segment.
+        """
         config, model = self._config, self._model
         watch = _Watch(self._total, self._report, stop)
         model.set_env(self._env, force_reset=True)
@@ -405,7 +415,7 @@ class _Training:
         return True
 
     def _keep(self, point: CurvePoint) -> None:
-        """Write a point, and the model where no earlier validation was better."""
+        """Append a point to the curve, and write the model if no earlier validation was better."""
         best = max((p.validation or 0.0 for p in self._points), default=0.0)
         self._points.append(point)
         write_curve(self._folder, self._points)
@@ -417,6 +427,7 @@ class _Training:
         self._report(TrainingProgress(self._model.num_timesteps, self._total, point))
 
     def _validate(self) -> tuple[int, int]:
+        """Return the numbers of successful and of all validation episodes."""
         return validate(self._model, self._env, self._eval_env, self._config.validation_episodes)
 
     def _report_demonstrations(self, found: int, wanted: int) -> None:
@@ -424,7 +435,7 @@ class _Training:
 
 
 def validate(model: Model, env: VecNormalize, eval_env: LearningEnv, episodes: int) -> tuple[int, int]:
-    """Return in how many episodes the most likely action succeeded, and of how many; nothing is learned from it."""
+    """Return the numbers of successful and of all validation episodes with the most likely action; the model does not learn."""
     successes = 0
     for index in range(episodes):
         seen, info = eval_env.reset(options={"episode": VALIDATION_SEED + index})
@@ -438,7 +449,7 @@ def validate(model: Model, env: VecNormalize, eval_env: LearningEnv, episodes: i
 
 
 class _Watch(BaseCallback):
-    """Counts steps and episodes of one segment, and ends it when asked to."""
+    """Counts steps and episodes of one segment, and ends it when `stop` is set."""
 
     def __init__(self, total: int, on_progress: OnProgress, stop: threading.Event | None) -> None:
         super().__init__()
@@ -465,7 +476,7 @@ class _Watch(BaseCallback):
 
 
 def _log(model: Model, point: CurvePoint) -> None:
-    """Put a point on TensorBoard's curves."""
+    """Write a point of the curve for TensorBoard."""
     for name, value in (("reward", point.reward), ("success", point.success), ("validation", point.validation)):
         if value is not None:
             model.logger.record(f"legs/{name}", value)
@@ -473,9 +484,9 @@ def _log(model: Model, point: CurvePoint) -> None:
 
 
 def _envs(config: ReinforcementConfig) -> VecNormalize:
-    """Return the environments, what they show brought to mean 0 and variance 1, the shaped reward of PPO to variance 1.
+    """Return the environments with normalized observations (mean 0, variance 1); PPO gets shaped rewards of variance 1.
 
-    With demonstrations their statistics stay as they are: others would change what the imitating policy does.
+    With demonstrations the statistics stay fixed: new ones would change the actions of the imitating policy.
     """
     make = functools.partial(_env, config.task, config.shaped, config.longest)
     many = config.workers > 1
@@ -489,7 +500,7 @@ def _env(task: str, shaped: bool, longest: int) -> Monitor:
 
 
 def _instructions(eval_env: LearningEnv) -> list[str]:
-    """Return the instructions of a task, of every variation, each once."""
+    """Return the distinct instructions of all variations of the task."""
     found: dict[str, None] = {}
     for variation in range(eval_env.task.variation_count()):
         instructions, _ = eval_env.task.reset(seed=0, variation=variation)
@@ -499,7 +510,7 @@ def _instructions(eval_env: LearningEnv) -> list[str]:
 
 @contextmanager
 def _one_thread() -> Iterator[None]:
-    """Let torch compute in one thread: networks this small are slower in several."""
+    """Limit torch to one thread; networks of this size are slower with several."""
     before = torch.get_num_threads()
     torch.set_num_threads(1)
     try:

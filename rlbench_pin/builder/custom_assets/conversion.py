@@ -79,7 +79,7 @@ class Conversion:
     Args:
         job: The file, and the asset to make of it.
         data: Content of the file.
-        on_note: Called with the present step and its duration, every second.
+        on_note: Called with the current step and its duration, every second.
         on_end: Called once, with the asset or the error. Both are called in the thread of the conversion.
         time_limit: Time limit [s].
     """

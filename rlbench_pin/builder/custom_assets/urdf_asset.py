@@ -44,7 +44,7 @@ def urdf_asset(name: str, data: bytes, source: MeshSource, scale: float, mass: f
         data: Content of the file.
         source: Its meshes.
         scale: Factor on all lengths.
-        mass: Mass of all links together [kg]; None keeps those of the file.
+        mass: Mass of all links together [kg]; None uses those of the file.
         note: Called with each step of the work.
 
     Raises:

@@ -18,18 +18,18 @@ from rlbench_pin.builder.document.texts import Texts
 WAIT = 1.0
 """Time from the first edit until a draft is written with all edits since then [s]."""
 MAX_DRAFTS = 3
-"""Drafts of one task at most: the current one, and earlier ones that were neither taken nor dropped."""
+"""Maximum number of drafts of one task: the current one, and earlier ones that were neither applied nor discarded."""
 _FORMAT = 1
 _MAX_SIZE = 8 * MAX_DRAFTS * MAX_FILE_SIZE
 
 
 @dataclass(frozen=True)
 class Draft:
-    """Two texts that were not saved.
+    """The two texts of a task with unsaved edits.
 
     Attributes:
-        texts: Of the scene and of the Python.
-        saved: Digests of the files at that time; empty for one that did not exist.
+        texts: Texts of the scene file and of the Python file.
+        saved: Digests of the files at that time; empty for a file that did not exist.
         written: Date and time as text.
     """
 
@@ -43,7 +43,7 @@ class DraftKeeper:
 
     Args:
         document: The task.
-        on_written: Called when a draft was written or could not be written, in any thread.
+        on_written: Function that is called, in any thread, after a draft was written or could not be written.
         wait: Time from an edit until a draft is written [s].
 
     Attributes:
@@ -80,7 +80,7 @@ class DraftKeeper:
         self.keep()
 
     def keep(self) -> None:
-        """Schedule a draft if something has changed since the last one; remove it at once where all is saved."""
+        """Schedule a draft if the texts have changed since the last one; remove it if all edits are saved."""
         drafts = (*self._of_now(), *self.offered)[:MAX_DRAFTS]
         with self._lock:
             if _without_times(drafts) == _without_times(self._wanted) or self._closed:
@@ -101,7 +101,7 @@ class DraftKeeper:
             self._closed = True
 
     def _of_now(self) -> tuple[Draft, ...]:
-        """Return a draft of the present texts; none when all edits are saved."""
+        """Return a draft of the current texts; none when all edits are saved."""
         document = self._document
         is_new = document.saved == (None, None)
         if not document.unsaved or (is_new and document.texts == self._first):

@@ -1,6 +1,6 @@
-"""The Python file of a task as text with its syntax tree: places, layout of expressions, imports, and names of the scene.
+"""The Python file of a task as text with its syntax tree: positions, layout of expressions, imports, and names of the scene.
 
-`ast` gives the places. `libcst` needs 10 to 100 ms for the places of one task, and an edit reads the text several times.
+`ast` provides the positions. `libcst` needs 10 to 100 ms for the positions of one task, and an edit reads the text several times.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ ListNode = ast.List | ast.Tuple
 INDENT = "    "
 _MAX_LINE_LENGTH = 130
 _MAX_DEPTH = 100
-"""Levels of a tree."""
+"""Maximum depth of a syntax tree."""
 LOOKUPS = ("body", "joint", "frame", "region", "sensor")
-"""`self.world.body(name)` and so on."""
+"""Methods of the world that look up an element by name, such as `self.world.body(name)`."""
 _BY_NUMBER = frozenset(
     {
         "register_waypoint_ability_start",
@@ -68,11 +68,11 @@ class Source:
 
     @cached_property
     def _starts(self) -> list[int]:
-        """Starts of lines as Python counts them, and the end of the text."""
+        """Start positions of the lines, as Python counts them, and the end of the text."""
         return [0, *(found.end() for found in re.finditer(_LINE_END, self.text)), len(self.text)]
 
     def _place(self, line: int, column: int) -> int:
-        """Return the place in the text of a line and a column in bytes."""
+        """Return the position in the text of a line and a column in bytes."""
         start, end = self._starts[line - 1 : line + 1]
         words = self.text[start:end]
         return start + (column if words.isascii() else len(words.encode()[:column].decode(errors="ignore")))
@@ -113,11 +113,11 @@ class Source:
         return end, end, text if self.text[:end].endswith("\n") else f"\n{text}"
 
     def indent_before(self, place: int) -> str:
-        """Return the text of a line up to a place."""
+        """Return the text of a line up to a position."""
         return self.text[self.text.rfind("\n", 0, place) + 1 : place]
 
     def new_list(self, node: ListNode, new: Sequence[str]) -> list[Replacement]:
-        """Return the replacements after which a list has other items; those that stay in their places keep their bytes."""
+        """Return the replacements for new items of a list; items that keep their positions stay byte-identical."""
         old = [self.part(item) for item in node.elts]
         if len(old) == len(new):
             changed = [(*self.span(item), b) for item, a, b in zip(node.elts, old, new, strict=True) if a != b]
@@ -208,17 +208,17 @@ class TaskClass:
 
 
 def is_own(node: ast.expr, name: str) -> bool:
-    """Whether an expression is `self.<name>`."""
+    """Return whether an expression is `self.<name>`."""
     return isinstance(node, ast.Attribute) and node.attr == name and isinstance(node.value, ast.Name) and node.value.id == "self"
 
 
 def body_of(function: Function) -> list[ast.stmt]:
-    """Return the statements of a method behind its docstring."""
+    """Return the statements of a method after its docstring."""
     return function.body[1:] if ast.get_docstring(function, clean=False) is not None else function.body
 
 
 def only_return(method: Function) -> ast.Return | None:
-    """Return the last statement of a method, when it is its only return."""
+    """Return the last statement of a method if it is the only `return`, otherwise None."""
     returns = [node for node in ast.walk(method) if isinstance(node, ast.Return)]
     body = body_of(method)
     return returns[0] if len(returns) == 1 and body and body[-1] is returns[0] else None
@@ -244,7 +244,7 @@ def _assignments(body: Sequence[ast.stmt]) -> Iterator[tuple[str, Binding]]:
 
 
 def _once(found: Iterator[tuple[str, Binding]], scope: ast.AST) -> Iterator[tuple[str, Binding]]:
-    """Leave out names that are assigned more than once in a scope."""
+    """Yield the assignments of names that are assigned once in a scope."""
     stores = Counter(
         ast.unparse(node)
         for node in ast.walk(scope)
@@ -257,13 +257,13 @@ def _once(found: Iterator[tuple[str, Binding]], scope: ast.AST) -> Iterator[tupl
 
 
 def laid_out(text: str, indent: str, before: int, behind: int = 0) -> str:
-    """Return an expression as a formatter writes it: on one line where it fits, otherwise part by part.
+    """Return an expression in the layout of a formatter: on one line if it fits, otherwise with one part per line.
 
     Args:
         text: The expression, on one line.
-        indent: Indentation of the line in which it begins.
+        indent: Indentation of its first line.
         before: Number of characters before it in that line.
-        behind: Number of characters behind its end.
+        behind: Number of characters after its end.
     """
     if before + len(text) + behind <= _MAX_LINE_LENGTH or "\n" in text:
         return text
@@ -284,7 +284,7 @@ def laid_out(text: str, indent: str, before: int, behind: int = 0) -> str:
 
 
 def _one_by_one(text: str, nodes: Sequence[ast.expr | ast.keyword], indent: str) -> str:
-    """Return each part on its own line, with a comma behind it."""
+    """Return an expression with each part on its own line, followed by a comma."""
     lines = ""
     for node in nodes:
         part = ast.get_source_segment(text, node) or ""
@@ -293,7 +293,7 @@ def _one_by_one(text: str, nodes: Sequence[ast.expr | ast.keyword], indent: str)
 
 
 def listed(parts: Sequence[str], indent: str, before: int, behind: int = 0, brackets: str = "[]") -> str:
-    """Return a list of expressions, laid out likewise."""
+    """Return a list of expressions in the layout of `laid_out`."""
     comma = "," if brackets == "()" and len(parts) == 1 else ""
     line = f"{brackets[0]}{', '.join(parts)}{comma}{brackets[1]}"
     if "\n" not in line:
@@ -303,7 +303,7 @@ def listed(parts: Sequence[str], indent: str, before: int, behind: int = 0, brac
 
 
 def one_line(text: str) -> str:
-    """Return an expression on one line, unless a comment or a long string keeps it on several."""
+    """Return an expression on one line, unless it contains a comment or a string over several lines."""
     if "\n" not in text or "#" in text or '"""' in text:
         return text
     for pattern, new in ((r",\s*\n\s*(?=[\])])", ""), (r",\s*\n\s*", ", "), (r"\s*\n\s*", "")):
@@ -312,7 +312,7 @@ def one_line(text: str) -> str:
 
 
 def quoted(text: str) -> str:
-    """Return a string literal, in double quotes unless that takes more escapes."""
+    """Return a string literal, in double quotes unless single quotes need fewer escapes."""
     inner = repr(f"'\"{text}")[4:-1].replace("\\'", "'")  # quoted singly, and escaped for that
     quote = "'" if text.count('"') > text.count("'") else '"'
     return f"{quote}{inner.replace(quote, chr(92) + quote)}{quote}"
@@ -336,7 +336,7 @@ def docstring(text: str, indent: str) -> str:
 def with_imports(old: Source, new: Source) -> str:
     """Return the text after an edit with the imports from `rlbench_pin.tasks` that it needs, sorted as a formatter does.
 
-    Imports that were idle before the edit stay.
+    Imports that were unused before the edit stay.
     """
     used, used_before = _used_names(new), _used_names(old)
     missing = {name for name in used - _bound_names(new) - used_before if name in tasks.__all__}
@@ -364,7 +364,7 @@ def _import(names: Iterable[str]) -> str:
 
 
 def _first_import(new: Source, imports: Sequence[ast.Import | ast.ImportFrom], names: Iterable[str]) -> Replacement:
-    """Insert the import below all others, or below the docstring."""
+    """Return the replacement that inserts the import below all others, or below the docstring."""
     if imports:
         gap = "\n" if isinstance(imports[-1], ast.ImportFrom) and imports[-1].module == "__future__" else ""
         _, end = new.line_span(imports[-1])
@@ -441,7 +441,7 @@ def computed_waypoints(source: Source) -> tuple[str, ...]:
 
 
 def _is_index(node: ast.expr) -> bool:
-    """Whether an expression is the number of a waypoint, such as `waypoint.index`."""
+    """Return whether an expression is the number of a waypoint, such as `waypoint.index`."""
     return isinstance(node, ast.Attribute) and node.attr == "index"
 
 
@@ -449,8 +449,8 @@ def renamed_in_python(source: Source, names: Mapping[str, str]) -> tuple[str, tu
     """Rename elements of the scene (old name -> new name), all at once.
 
     Returns:
-        The text in which every string literal that is a name, or a name with `/...` behind it, has changed, and numbers of
-        waypoints with them; and the lines that name one of them in another way, which were left.
+        The text in which each string literal that is a name, or a name followed by `/...`, has changed, as have the numbers of
+        waypoints; and the unchanged lines that name an element in another way.
     """
     found: list[Replacement] = []
     changed: Counter[int] = Counter()
@@ -486,7 +486,7 @@ def _string_literals(tree: ast.AST) -> Iterator[tuple[ast.Constant, str]]:
 
 
 def _patterns(source: Source, name: str) -> Iterator[int]:
-    """Yield the lines of f-strings that may make a name, such as `f"block{i}"`."""
+    """Yield the lines of f-strings that may produce a name, such as `f"block{i}"`."""
     for node in ast.walk(source.tree):
         if not isinstance(node, ast.JoinedStr):
             continue

@@ -1,6 +1,6 @@
-"""Scene files as text: where headings, keys and values are, and edits after which everything else keeps its bytes.
+"""Scene files as text: the positions of headings, keys and values, and edits that leave the rest of the text byte-identical.
 
-`tomllib` reads the values. The places come from a scanner of our own, because an edit moves the comments above a heading with
+`tomllib` reads the values. A scanner in this module finds the positions, because an edit moves the comments above a heading with
 its entry and keeps the columns of comments, and because `tomlkit` takes 6 to 33 ms to parse a scene of the library.
 """
 
@@ -46,10 +46,10 @@ class Item:
     """One `key = value`, on one line or on several.
 
     Attributes:
-        key: As it is written, without quotes; the first part of a dotted key.
+        key: The key without quotes; the first part of a dotted key.
         start: Start of its first line.
         value: Start and end of the value.
-        end: Behind the end of its last line.
+        end: End of its last line.
         is_dotted: Whether it is a part of a table, such as `arc.angle`.
     """
 
@@ -68,9 +68,9 @@ class Section:
         path: `("body",)` for `[[body]]`; empty before the first heading.
         start: Start of the comment lines right above the heading, or of the heading.
         heading: Start of the line of the heading.
-        below: Behind the line of the heading.
+        below: End of the line of the heading.
         items: The keys in order.
-        end: Behind the last line: that of the last key, or of comment lines right below it.
+        end: End of the last line: that of the last key, or of the comment lines directly below it.
     """
 
     path: tuple[str, ...]
@@ -193,7 +193,7 @@ class Entry:
 
     @property
     def end(self) -> int:
-        """Behind its last line, those of tables within it included."""
+        """End of the last line, including inner tables."""
         return (self.inner[-1] if self.inner else self.section).end
 
     @property
@@ -316,7 +316,7 @@ def with_keys(scene: SceneText, entry: Entry, changes: Mapping[str, Any]) -> str
 
 
 def with_entry(scene: SceneText, table: str, keys: Mapping[str, Any], before: Entry | None = None) -> str:
-    """Return the text with a new entry behind the last one of its table, or right before another entry."""
+    """Return the text with a new entry after the last one of its table, or directly before another entry."""
     block = f"{_heading(table)}\n{_lines(keys)}"
     if before is not None:
         return _inserted(scene.text, before.section.start, block)
@@ -329,12 +329,12 @@ def with_entry(scene: SceneText, table: str, keys: Mapping[str, Any], before: En
 
 
 def without_entry(scene: SceneText, entry: Entry) -> str:
-    """Return the text without an entry, its comments and the gap behind it."""
+    """Return the text without an entry, its comments and the blank lines after it."""
     return replaced(scene.text, [_removal(scene.text, entry)])
 
 
 def with_entry_moved(scene: SceneText, entry: Entry, at: int) -> str:
-    """Return the text with an entry and its comments moved to the start or behind the end of another entry."""
+    """Return the text with an entry and its comments moved to the position `at`, the start or end of another entry."""
     block = scene.text[entry.section.start : entry.end]
     block = block if block.endswith("\n") else f"{block}\n"
     removal = _removal(scene.text, entry)
@@ -354,7 +354,7 @@ def _lines(keys: Mapping[str, Any]) -> str:
 
 
 def _new_value(text: str, item: Item, old: object, new: object) -> list[Replacement]:
-    """Replace what differs within a value, and keep a comment behind it in its column."""
+    """Return the replacements for the changed parts of a value; a comment after it stays in its column."""
     start, end = item.value
     found = _differences(text, (start, end), old, new)
     comment = _COMMENT.match(text, end)
@@ -374,7 +374,7 @@ def _differences(text: str, span: tuple[int, int], old: object, new: object) -> 
 
 
 def _inserted(text: str, at: int, block: str) -> str:
-    """Insert a block with one blank line before and behind it."""
+    """Return the text with a block inserted, with one blank line before and after it."""
     before, behind = text[:at], text[at:]
     gap_before = "" if not before or before.endswith("\n\n") else "\n" if before.endswith("\n") else "\n\n"
     gap_behind = "" if not behind or behind.startswith("\n") else "\n"
@@ -382,7 +382,7 @@ def _inserted(text: str, at: int, block: str) -> str:
 
 
 def _removal(text: str, entry: Entry) -> Replacement:
-    """Return the replacement that removes an entry with the blank lines behind it, or before it at the end of the file."""
+    """Return the replacement that removes an entry with the blank lines after it, or before it at the end of the file."""
     start, end = entry.section.start, entry.end
     while end < len(text) and text[end] in "\r\n":
         end += 1
@@ -390,7 +390,7 @@ def _removal(text: str, entry: Entry) -> Replacement:
 
 
 def _gap_start(text: str, start: int) -> int:
-    """Return the start of the blank lines above a place."""
+    """Return the start of the blank lines above a position."""
     while start > 1 and text[start - 2 : start] == "\n\n":
         start -= 1
     return start
@@ -415,7 +415,7 @@ def with_array_pose(scene: SceneText, entry: Entry, name: str, pose: Any) -> str
 
 
 def detached(scene: SceneText, name: str) -> SceneText:
-    """Return the file in which an element has an entry of its own; an array that contains it is split."""
+    """Return the file in which an element has its own entry; an array that contains it is split."""
     entry = scene.find(name)
     if not entry.is_array:
         return scene
@@ -435,7 +435,7 @@ def detached(scene: SceneText, name: str) -> SceneText:
 
 
 def _shortened(scene: SceneText, entry: Entry, kept: slice) -> str:
-    """Return the text in which an array has only some of its elements."""
+    """Return the text in which an array contains only the elements `kept`."""
     names, poses = entry.names[kept], entry.raw["poses"][kept]
     if len(names) == 1:
         return with_keys(scene, entry, {"name": names[0], "poses": None, "pose": poses[0]})

@@ -1,4 +1,4 @@
-"""The two texts of a task: stretches that are replaced, and undo and redo without limit."""
+"""The two texts of a task: replacements, and unlimited undo and redo."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from dataclasses import dataclass
 Texts = tuple[str, str]
 """Content of the scene file and of the Python file."""
 Replacement = tuple[int, int, str]
-"""Start, end, and the text that replaces what is between them."""
+"""Start and end of the replaced part, and the new text."""
 
 
 def replaced(text: str, replacements: Iterable[Replacement]) -> str:
-    """Return a text with stretches replaced that do not overlap; several for the same stretch are joined in order."""
+    """Return a text after replacements that do not overlap; several replacements of the same part are joined in order."""
     joined: dict[tuple[int, int], str] = {}
     for start, end, new in replacements:
         joined[start, end] = joined.get((start, end), "") + new
@@ -24,7 +24,7 @@ def replaced(text: str, replacements: Iterable[Replacement]) -> str:
 
 @dataclass(frozen=True)
 class Change:
-    """The difference of two texts: one stretch at `start`, before and after."""
+    """The difference of two texts: the part at `start`, before and after the change."""
 
     start: int
     old: str
@@ -32,7 +32,7 @@ class Change:
 
     @classmethod
     def between(cls, old: str, new: str) -> Change:
-        """Return the shortest stretch outside of which two texts agree."""
+        """Return the change of the shortest part outside of which two texts are equal."""
         if old == new:
             return cls(0, "", "")
         start = len(os.path.commonprefix([old, new]))
@@ -63,7 +63,7 @@ class Step:
 
 
 class History:
-    """The two texts with the steps that are done and undone; `count` grows with each edit, undo and redo."""
+    """The two texts with the steps for undo and redo; `count` increases with each edit, undo and redo."""
 
     def __init__(self, texts: Texts) -> None:
         self.texts = texts
@@ -73,21 +73,21 @@ class History:
 
     @property
     def undoable(self) -> str:
-        """Name of the edit that `undo` takes back, empty when there is none."""
+        """Name of the edit that `undo` reverts; empty if there is none."""
         return self._done[-1].name if self._done else ""
 
     @property
     def redoable(self) -> str:
-        """Name of the edit that `redo` repeats, empty when there is none."""
+        """Name of the edit that `redo` repeats; empty if there is none."""
         return self._undone[-1].name if self._undone else ""
 
     def add(self, name: str, texts: Texts, merge: str = "") -> None:
         """Add an edit, unless it changes nothing.
 
         Args:
-            name: Its name on the buttons *Undo* and *Redo*.
-            texts: The texts after it.
-            merge: The edit becomes one with the edit right before it if both have this key; empty for an edit of its own.
+            name: Name of the edit on the buttons *Undo* and *Redo*.
+            texts: The texts after the edit.
+            merge: Key for merging: the edit is merged with the previous one if both have this key; an empty key never merges.
         """
         if texts == self.texts:
             return
@@ -112,7 +112,7 @@ class History:
         return step.name
 
     def redo(self) -> str:
-        """Redo the edit that was undone last and return its name; empty if there is none."""
+        """Redo the last undone edit and return its name; empty if there is none."""
         if not self._undone:
             return ""
         step = self._undone.pop()

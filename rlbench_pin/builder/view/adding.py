@@ -36,7 +36,7 @@ class Adding:
 
     Args:
         session: The edited task.
-        tip: Returns the present pose (7,) of the tip of the shown arm.
+        tip: Returns the current pose (7,) of the tip of the shown arm.
 
     Attributes:
         conversion: The running conversion of an uploaded file; None if there is none.

@@ -21,7 +21,7 @@ _EMPTY = SceneSpec(format=2)
 
 @dataclass
 class WorldStatus:
-    """Results of the worker process for the present scene."""
+    """Results of the worker process for the current scene."""
 
     opened: OpenedTask | None = None
     """Description of the task; None before it was built."""
@@ -32,7 +32,7 @@ class WorldStatus:
     paths: tuple[PlannedPath, ...] = ()
     """Planned paths, if any were requested."""
     work: str = ""
-    """Present work; empty when idle."""
+    """Current work; empty when idle."""
     fault: str = ""
     """Error of the last request."""
 

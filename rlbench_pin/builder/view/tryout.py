@@ -94,7 +94,7 @@ class Tryout:
     # Requests --------------------------------------------------------------------------------------------------------
 
     def reset(self) -> None:
-        """Start the episode of the present seed and variation."""
+        """Start the episode of the current seed and variation."""
         seed, variation = self.seed, self.variation
         self._world.work(f"resetting to seed {seed}", lambda: self._load(self._world.worker.reset(seed, variation)), "reset")
 
@@ -108,7 +108,7 @@ class Tryout:
         self._world.work(f"simulating {seconds:g} s", request, "simulate")
 
     def demonstrate(self) -> None:
-        """Play the demonstration of the present seed and variation."""
+        """Play the demonstration of the current seed and variation."""
         seed, variation = self.seed, self.variation
 
         def request() -> None:
@@ -128,7 +128,7 @@ class Tryout:
         self.demonstrate()
 
     def stop(self) -> None:
-        """Stop the present work of the worker process."""
+        """Stop the current work of the worker process."""
         self._world.worker.cancel()
 
     def take_images(self) -> None:

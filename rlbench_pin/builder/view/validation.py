@@ -47,12 +47,12 @@ class Validation:
 
     @property
     def is_green(self) -> bool:
-        """Whether the present texts were validated without a failure."""
+        """Whether the current texts were validated without a failure."""
         return self._is_current and not self.work and bool(self.lines) and all(line.passed for line in self.lines.values())
 
     @property
     def _is_current(self) -> bool:
-        """Whether the results are about the present texts."""
+        """Whether the results are about the current texts."""
         return self._validated is not None and self._validated[0] == self._session.document.text
 
     def show(self, panel: Panel) -> None:

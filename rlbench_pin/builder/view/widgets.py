@@ -126,7 +126,7 @@ class Panel:
         post: Runs functions in the thread of edits.
 
     Attributes:
-        controls: The present controls.
+        controls: The current controls.
     """
 
     def __init__(self, gui: GuiApi, container: Container, post: Post) -> None:
@@ -136,7 +136,7 @@ class Panel:
 
     @contextlib.contextmanager
     def update(self) -> Iterator[Panel]:
-        """Describe all controls, in order. From the first that differs from the present ones on, they are made again."""
+        """Describe all controls, in order. From the first that differs from the current ones on, they are made again."""
         self._next = 0
         with self._container:
             yield self
@@ -148,7 +148,7 @@ class Panel:
         del self.controls[number:]
 
     def _control(self, key: tuple[object, ...], values: tuple[object, ...], make: Callable[[Control], Any]) -> Control:
-        """Return the next control, which is made when the present one has another key."""
+        """Return the next control, which is made when the current one has another key."""
         if self._next == len(self.controls) or self.controls[self._next].key != key:
             self._remove_from(self._next)
             control = Control(key, values, self._post)

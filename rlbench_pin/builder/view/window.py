@@ -148,7 +148,7 @@ class Window:
     # Display ---------------------------------------------------------------------------------------------------------
 
     def _refresh(self) -> None:
-        """Show the present state, in the thread of edits."""
+        """Show the current state, in the thread of edits."""
         session = self.session
         with self._viser.atomic():
             if session.document.step != self._drawn:

@@ -51,7 +51,7 @@ class WorkerClient:
     a crash, a time limit or a stop, the next operation starts a new process and opens the task again.
 
     Args:
-        limits: Time limits and memory; None takes the defaults.
+        limits: Time limits and memory; None uses the defaults.
 
     Raises:
         WorkerBusy: (all operations) Another one runs, and did not end in time.
@@ -107,7 +107,7 @@ class WorkerClient:
             return self._open()
 
     def place(self, scene: str) -> OpenedTask:
-        """Take over a changed scene, with the layout of the scene; fast if only poses and joint positions have changed.
+        """Use a changed scene, with the layout of the scene; fast if only poses and joint positions have changed.
 
         Args:
             scene: Content of `<task>.toml`.
@@ -125,7 +125,7 @@ class WorkerClient:
     # Inspection -----------------------------------------------------------------------------------------------------------------
 
     def reach(self) -> tuple[WaypointVerdict, ...]:
-        """Return for each waypoint whether the gripper reaches it after the ones before it, in the present layout."""
+        """Return for each waypoint whether the gripper reaches it after the ones before it, in the current layout."""
         return tuple(decode(WaypointVerdict, verdict) for verdict in self._ask("reach", {}, self.limits.reach))
 
     def follow(self, pose: ArrayLike, configuration: ArrayLike) -> tuple[FloatArray, float]:
@@ -143,7 +143,7 @@ class WorkerClient:
         return np.array(q), float(error)
 
     def paths(self, on_path: Callable[[PlannedPath], None] | None = None) -> tuple[PlannedPath, ...]:
-        """Plan the path to each waypoint in the present layout; `on_path` is called with each."""
+        """Plan the path to each waypoint in the current layout; `on_path` is called with each."""
         found = self._ask("paths", {}, self.limits.paths, _on(PlannedPath, on_path))
         return tuple(decode(PlannedPath, path) for path in found)
 
@@ -152,7 +152,7 @@ class WorkerClient:
 
         Args:
             size: Width and height [px].
-            frame: A frame of a recording, which changes nothing in the world; None takes the present state.
+            frame: A frame of a recording, which changes nothing in the world; None uses the current state.
         """
         sent = None if frame is None else encode(as_record(frame, Frame, "frame"))
         question = {"size": as_whole(size, "size [px]", least=8, most=MAX_IMAGE_SIZE), "frame": sent}
@@ -178,7 +178,7 @@ class WorkerClient:
         return recording
 
     def simulate(self, seconds: float, on_frame: Callable[[Frame], None] | None = None) -> Recording:
-        """Continue from the present state with the arm at rest; before the first reset, with the layout of the scene."""
+        """Continue from the current state with the arm stationary; before the first reset, with the layout of the scene."""
         seconds = as_number(seconds, "seconds [s]", above=0.0, most=MAX_SIMULATION)
         return self._recording("simulate", {"seconds": seconds}, on_frame)
 
@@ -270,7 +270,7 @@ class WorkerClient:
 
     @contextmanager
     def _validator_turn(self, operation: str) -> Iterator[dict[str, str]]:
-        """Reserve the validator for a block, with the present text in a folder of its own."""
+        """Reserve the validator for a block, with the current text in a folder of its own."""
         with self._validator.turn(operation):
             text = self._usable(operation)
             self._validator.python = self._folder.write("validator", text)

@@ -61,7 +61,7 @@ class Host:
         with contextlib.suppress(EOFError, OSError, WireError):
             while True:
                 question, self._stop = self._channel.receive(), False
-                signal.alarm(0)  # an alarm of a text before would end the process
+                signal.alarm(0)  # a pending alarm would end the process
                 self._channel.send(self._answer(question))
 
     def _answer(self, question: Question) -> dict[str, Any]:
@@ -74,8 +74,8 @@ class Host:
         except MemoryError:
             return {"error": "It takes more memory than the task builder allows.", "kind": "out of memory"}
         except (WireError, OSError):
-            raise  # the owner is gone
-        except BaseException as error:  # also one of the task's own kinds
+            raise  # the owner has ended
+        except BaseException as error:  # tasks may define exceptions of any kind
             if not isinstance(error, RlbenchPinError):
                 traceback.print_exc()
             return {"error": encode("".join(traceback.format_exception_only(error)).strip()), "kind": "failed"}

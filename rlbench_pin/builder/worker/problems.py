@@ -13,7 +13,7 @@ from rlbench_pin.errors import AssetInvalid, AssetNotFound, RlbenchPinError, Sce
 from rlbench_pin.viewer.recording import FileKind, Problem
 
 MAX_MESSAGE = 2000
-"""Characters of a message that are kept."""
+"""Maximum length of a message [characters]."""
 _DUMPED = re.compile(r'File "([^"]+)", line (\d+)')
 
 
@@ -55,7 +55,7 @@ def dumped_line(dump: str, python: Path) -> int | None:
 
 
 def chain(error: BaseException) -> Iterator[BaseException]:
-    """Yield an error and what it was raised from, in turn."""
+    """Yield an error, its cause, the cause of the cause, and so on."""
     seen: BaseException | None = error
     while seen is not None:
         yield seen

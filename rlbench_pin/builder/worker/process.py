@@ -96,32 +96,32 @@ _RULES = ruled((POSITIVE, _TIMES), (counted(2**28, 2**50), "memory"))
 
 @dataclass(frozen=True, kw_only=True)
 class WorkerLimits:
-    """Time limits [s] of the operations, which end the process, and its memory."""
+    """Time limits [s] of the operations, after which the process is ended, and its memory limit."""
 
     start: float = 60.0
-    """Until a new process has loaded its libraries."""
+    """Time limit for the start of a process until its libraries are loaded."""
     open: float = 20.0
-    """To build a task."""
+    """Time limit for building a task."""
     reset: float = 20.0
-    """Between two layouts that are tried for an episode."""
+    """Time limit for each layout that is tried for an episode."""
     place: float = 10.0
-    """To take over new poses of a scene."""
+    """Time limit for new poses of a scene."""
     reach: float = 5.0
-    """To check the reachability of all waypoints."""
+    """Time limit for checking the reachability of all waypoints."""
     follow: float = 5.0
-    """For one step of the arm after a dragged gripper."""
+    """Time limit for one step of the arm towards a dragged gripper."""
     paths: float = 60.0
-    """To plan the path to one waypoint."""
+    """Time limit for planning the path to one waypoint."""
     image: float = 20.0
-    """For the images of all cameras."""
+    """Time limit for the images of all cameras."""
     tick: float = 60.0
-    """Between two frames of a demonstration: planning a motion, or one control tick."""
+    """Time limit between two frames of a demonstration, for planning a motion or one control tick."""
     trial: float = 600.0
-    """For one trial of the validator."""
+    """Time limit for one trial of the validator."""
     wait: float = 5.0
-    """For the end of the operation before; after that, the next one is refused."""
+    """Maximum time to wait for the end of the previous operation; then the next operation raises WorkerBusy."""
     memory: int = 4 * 2**30
-    """Bytes of address space that a task may take in addition to the libraries."""
+    """Maximum address space of a task, in addition to that of the libraries [byte]."""
 
     def __post_init__(self) -> None:
         """Raise InvalidValue for a number that is NaN, of a wrong kind, or not above 0 (also a ValueError)."""
@@ -242,7 +242,7 @@ class WorkerProcess:
         generation: Number of processes so far; the state of earlier ones is lost.
         python: The task file that it works on.
         pid: Process id; None before it has answered.
-        running: Name of the present operation, or empty.
+        running: Name of the current operation, or empty.
     """
 
     def __init__(self, name: str, folder: Path, limits: WorkerLimits) -> None:
@@ -260,7 +260,7 @@ class WorkerProcess:
         """Reserve the process for a block.
 
         Raises:
-            WorkerBusy: Another operation did not end in time, or a callback of the present one asks.
+            WorkerBusy: Another operation did not end in time, or a callback of the current one asks.
         """
         thread = threading.get_ident()
         if self._turn_thread == thread or not self._turn.acquire(timeout=self._limits.wait):
@@ -328,7 +328,7 @@ class WorkerProcess:
         return self._read(operation, message)
 
     def stop(self) -> bool:
-        """End the present operation, from another thread; return False if there is none.
+        """End the current operation, from another thread; return False if there is none.
 
         The process is asked first, and lives on if it stops in time.
         """

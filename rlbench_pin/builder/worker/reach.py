@@ -1,4 +1,4 @@
-"""Reachability of the waypoints in the present layout, and the path to each.
+"""Reachability of the waypoints in the current layout, and the path to each.
 
 Every segment begins where the one before it ends. Bodies that the gripper has touched or grasped will have moved when it comes
 back, so from then on they no longer count as obstacles.
@@ -72,7 +72,7 @@ class Reacher:
     """Checks the waypoints in the layout in which it is made.
 
     Args:
-        runtime: The running task; its planner gets the present world.
+        runtime: The running task; its planner gets the current world.
     """
 
     def __init__(self, runtime: Runtime) -> None:

@@ -131,7 +131,7 @@ class TaskWorld:
         return OpenedTask(int(task.variation_count()), success_texts(task), task.get_graspable_objects(), waypoints)
 
     def place(self) -> OpenedTask:
-        """Take over the changed scene file: move its items if only poses have changed, else build the task again."""
+        """Use the changed scene file: move its items if only poses have changed, else build the task again."""
         assert self._pair is not None
         if self._task is None:
             return self._build()
@@ -149,12 +149,12 @@ class TaskWorld:
     # Inspection --------------------------------------------------------------------------------------------------------------
 
     def reach(self) -> tuple[WaypointVerdict, ...]:
-        """Return whether the gripper reaches each waypoint, in the present layout."""
+        """Return whether the gripper reaches each waypoint, in the current layout."""
         with self._laid_out("reach") as runtime:
             return verdicts(runtime)
 
     def paths(self, on_path: Callable[[PlannedPath], None]) -> tuple[PlannedPath, ...]:
-        """Plan the path to each waypoint, in the present layout."""
+        """Plan the path to each waypoint, in the current layout."""
         with self._laid_out("paths") as runtime:
             return planned_paths(runtime, on_path)
 
@@ -222,7 +222,7 @@ class TaskWorld:
             return replace(self._empty(environment), failure=self._failure(error, environment))
 
     def simulate(self, seconds: float, on_frame: OnFrame) -> Recording:
-        """Continue from the present state with the arm at rest; the frames go to `on_frame` only."""
+        """Continue from the current state with the arm stationary; the frames go to `on_frame` only."""
         environment = self._opened("simulate")
         try:
             if self._episode is None and not self._moved:

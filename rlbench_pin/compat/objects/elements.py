@@ -24,11 +24,11 @@ class Element:
 
     kind: Kind
     name: str
-    """Name in the world: `<body>`, `<body>/<link>`, `<body>/<joint>`, ..."""
+    """Name in the world, for example `<body>`, `<body>/<link>` or `<body>/<joint>`."""
 
 
 class UnknownObject(UnknownName, RuntimeError):
-    """No object of the scene has that name, or it does not exist any more."""
+    """No object of the scene has this name or handle, or it no longer exists."""
 
 
 class UnsupportedCall(RlbenchPinError, NotImplementedError):
@@ -48,7 +48,7 @@ ROOM_NAMES = {
     "wall_left": "Wall3",
     "wall_right": "Wall4",
 }
-"""Our name -> RLBench's name."""
+"""Our name of a part of the room -> RLBench's name."""
 CAMERA_NAMES = {
     "cam_over_shoulder_left": "left_shoulder",
     "cam_over_shoulder_right": "right_shoulder",
@@ -56,9 +56,9 @@ CAMERA_NAMES = {
     "cam_wrist": "wrist",
     "cam_front": "front",
 }
-"""RLBench's name of a camera of observations -> our name."""
+"""RLBench's name of an observation camera -> our name."""
 GRIP_SENSOR = "_attachProxSensor"
-"""Suffix to the name of a gripper: the sensor between its fingers."""
+"""Suffix of the name of the sensor between the fingers, after the name of the gripper."""
 MASK_SUFFIX = "_mask"
 """Suffix of the name of a mask camera."""
 
@@ -68,14 +68,14 @@ class RobotNames:
     """Names of the parts of an arm in programs."""
 
     arm: str
-    """The arm; its joints are `<arm>_joint1`, ..., its tip is `<arm>_tip`."""
+    """Name of the arm; its joints are `<arm>_joint1`, ..., its tip is `<arm>_tip`."""
     gripper: str
-    """The gripper."""
+    """Name of the gripper."""
     finger: str
-    """Its joints without their numbers."""
+    """Names of the finger joints without their numbers."""
 
     def place(self, joint: str) -> tuple[bool, int]:
-        """Return whether a joint is one of the gripper, and its place there or in the arm."""
+        """Return whether a joint is a finger joint, and its index in the gripper or in the arm."""
         is_finger = joint.startswith(self.finger)
         return is_finger, int(joint.removeprefix(self.finger if is_finger else f"{self.arm}_joint")) - 1
 
@@ -97,7 +97,7 @@ def robot_elements(robot: RobotDescription, links: tuple[str, ...]) -> list[Elem
     """Return arm, tip, gripper, joints and links of a robot.
 
     Args:
-        robot: The arm.
+        robot: The robot.
         links: Names of its links.
     """
     names = robot_names(robot)
@@ -113,16 +113,16 @@ def robot_elements(robot: RobotDescription, links: tuple[str, ...]) -> list[Elem
 
 
 def camera_of(name: str) -> tuple[str, bool]:
-    """Return our name of a camera of RLBench, and whether it is the mask camera."""
+    """Return our name of a camera of RLBench, and whether the name is that of its mask camera."""
     is_mask = name.endswith(MASK_SUFFIX)
     return CAMERA_NAMES[name.removesuffix(MASK_SUFFIX)], is_mask
 
 
 def usual_name(frame: str, frames: Mapping[str, Frame]) -> tuple[str, ...]:
-    """Return the names in programs of the only sensor of a task, `success`, and its only region, `boundary`; else nothing.
+    """Return the usual RLBench name of a frame: `success` for the only sensor, `boundary` for the only region, else none.
 
     Args:
-        frame: Name of a frame.
+        frame: Name of the frame.
         frames: All frames of the scene.
     """
     for kind, usual in ((Sensor, "success"), (Region, "boundary")):

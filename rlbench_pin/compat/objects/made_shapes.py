@@ -1,6 +1,6 @@
 """Bodies that programs add to the world, and their model files.
 
-A file of the same content has the same path in every process of a user.
+The path of a model file depends only on its content and on the user.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from rlbench_pin.spatial import FloatArray, pose_to_se3, relative
 from rlbench_pin.urdf import read_urdf
 
 _FRICTION = 0.8
-_SIDES = 32  # of cones and of cylinders and balls that are not round
+_SIDES = 32  # number of segments of surfaces of revolution
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,13 +35,13 @@ class Mesh:
     """A closed surface in the frame of its shape."""
 
     vertices: FloatArray
-    """Corners (n, 3) [m]."""
+    """Vertices (n, 3) [m]."""
     triangles: NDArray[np.int64]
-    """Corner numbers (m, 3), counter-clockwise seen from outside."""
+    """Vertex indices (m, 3), counter-clockwise as seen from outside."""
 
 
 def mesh_file(mesh: Mesh, mass: float) -> Path:
-    """Write the model file of a surface; it is solid as its convex hull."""
+    """Write the model file of a surface and return its path; the collision shape is the convex hull."""
     text = "".join(f"v {x:.9g} {y:.9g} {z:.9g}\n" for x, y, z in mesh.vertices)
     text += "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in mesh.triangles)
     stored = _store(text, ".obj")
@@ -50,7 +50,7 @@ def mesh_file(mesh: Mesh, mass: float) -> Path:
 
 
 def _turned(profile: tuple[tuple[float, float], ...]) -> Mesh:
-    """Turn a profile of (radius, height) about z; ends are closed."""
+    """Return the closed surface of revolution of a profile of (radius, height) about the z-axis."""
     angles = 2.0 * np.pi * np.arange(_SIDES) / _SIDES
     ring = np.stack([np.cos(angles), np.sin(angles), np.zeros(_SIDES)], axis=1)
     rings = [ring * (radius, radius, 0.0) + (0.0, 0.0, height) for radius, height in profile]
@@ -68,7 +68,7 @@ def _turned(profile: tuple[tuple[float, float], ...]) -> Mesh:
 
 
 def _write(geometry: str, size: tuple[float, float, float], mass: float) -> Path:
-    """Write a URDF of one link; its inertia is that of a box of the same size."""
+    """Write a URDF file with one link and return its path; the inertia is that of a box of the same size."""
     x, y, z = (s * s for s in size)
     ixx, iyy, izz = (mass / 12.0 * max(v, 1e-8) for v in (y + z, x + z, x + y))
     element = f"<geometry>{geometry}</geometry>"
@@ -84,7 +84,11 @@ def _write(geometry: str, size: tuple[float, float, float], mass: float) -> Path
 
 
 def _store(text: str, suffix: str) -> Path:
-    """Write a text once, under a name made from its content."""
+    """Write a text to a file whose name is a hash of the content, unless it exists, and return its path.
+
+    Raises:
+        RlbenchPinError: The folder for such files belongs to another user.
+    """
     folder = Path(tempfile.gettempdir()) / f"rlbench_pin_shapes_{os.getuid()}"
     folder.mkdir(mode=0o700, exist_ok=True)
     if folder.is_symlink() or folder.stat().st_uid != os.getuid():
@@ -103,7 +107,7 @@ _MESH_MASS = 1.0  # [kg]
 
 
 class InvalidShape(RlbenchPinError, ValueError):
-    """Sizes or corners of which no shape can be made."""
+    """The size, mass or mesh of a new shape is invalid."""
 
 
 @dataclass(frozen=True)
@@ -111,18 +115,23 @@ class BodySettings:
     """Settings of a new body."""
 
     static: bool = False
-    """Welded to its place."""
+    """Whether the body is fixed in the world."""
     respondable: bool = True
-    """Touches other objects."""
+    """Whether the body collides with other objects."""
     color: tuple[float, ...] | None = None
-    """rgb or rgba in 0..1; None takes the one of the model file."""
+    """RGB or RGBA from 0 to 1; None uses the colour of the model file."""
 
 
 def primitive(kind: str, size: Sequence[float], mass: float) -> Path:
-    """Return the model file of a `CUBOID`, `SPHERE`, `CYLINDER` or `CONE`; lengths (3,) along x, y, z [m], mass [kg].
+    """Return the model file of a primitive shape.
+
+    Args:
+        kind: `CUBOID`, `SPHERE`, `CYLINDER` or `CONE`.
+        size: Lengths along x, y, z (3,) [m].
+        mass: Mass [kg].
 
     Raises:
-        InvalidShape: A size or the mass is not positive.
+        InvalidShape: A length or the mass is not positive and finite.
     """
     lengths = [float(s) for s in size]
     if len(lengths) != 3 or not all(0.0 < s < float("inf") for s in lengths):
@@ -145,14 +154,14 @@ def primitive(kind: str, size: Sequence[float], mass: float) -> Path:
 
 
 def mesh(corners: FloatArray, triangles: NDArray[np.int64]) -> tuple[Path, FloatArray]:
-    """Return the model file of a surface, and the centre of its box (3,) [m].
+    """Return the model file of a mesh, and the centre of its bounding box (3,) [m], which is the origin of the model.
 
     Args:
-        corners: (n, 3) [m].
-        triangles: Corner numbers (m, 3).
+        corners: Vertices (n, 3) [m].
+        triangles: Vertex indices (m, 3).
 
     Raises:
-        InvalidShape: There are no triangles, or they name corners that do not exist.
+        InvalidShape: There are too few vertices or triangles, an index is out of range, or the mesh is flat.
     """
     if len(corners) < 4 or len(triangles) < 1 or not np.isfinite(corners).all():
         raise InvalidShape(f"A mesh needs at least 4 finite corners and a triangle, not {len(corners)} and {len(triangles)}.")
@@ -167,7 +176,7 @@ def mesh(corners: FloatArray, triangles: NDArray[np.int64]) -> tuple[Path, Float
 
 
 def read_mesh(filename: str, scale: float) -> tuple[FloatArray, NDArray[np.int64]]:
-    """Return corners (n, 3) [m] and triangles (m, 3) of a mesh file."""
+    """Return vertices (n, 3) [m] and triangles (m, 3) of a mesh file, scaled by `scale`."""
     file = Path(filename).expanduser().resolve()
     if file.suffix.lower() in (".ttm", ".ttt"):
         raise AssetInvalid(file, "it is a model of another simulator; export its shapes as obj or stl, and import those")
@@ -179,9 +188,9 @@ def spawn(table: ObjectTable, name: str, asset: Path, settings: BodySettings) ->
 
     Args:
         table: Objects of the world.
-        name: Its name; a number is appended if that name is in use.
+        name: Name of the body; a number is appended if it is in use.
         asset: Model file.
-        settings: Its settings.
+        settings: Settings of the body.
     """
     shown = table.free_name(name)
     native = _free_native_name(table, f"made_{_NOT_IN_NAMES.sub('_', shown.lower())}")
@@ -197,6 +206,7 @@ def spawn(table: ObjectTable, name: str, asset: Path, settings: BodySettings) ->
 
 
 def _free_native_name(table: ObjectTable, stem: str) -> str:
+    """Return `stem`, with a number appended if the world has such a name."""
     world = table.world
     taken = {*world.bodies, *world.room, *world.frames, WORLD}
     names = (stem, *(f"{stem}{k}" for k in range(len(taken) + 1)))
@@ -220,10 +230,10 @@ def duplicate(table: ObjectTable, element: Element) -> Element:
 
 
 def discard(table: ObjectTable, element: Element) -> None:
-    """Remove an object that a program made; its children keep their poses.
+    """Remove an object that a program added; its children keep their poses.
 
     Raises:
-        RlbenchPinError: It belongs to the scene file.
+        RlbenchPinError: The object belongs to the scene file.
     """
     if element.kind not in ("placed", "body") or (element.kind == "body" and element.name not in table.world.spawned):
         raise RlbenchPinError(
@@ -239,9 +249,9 @@ def discard(table: ObjectTable, element: Element) -> None:
 
 
 def surface(item: SceneObject) -> tuple[FloatArray, NDArray[np.int64], FloatArray]:
-    """Return corners (n, 3) [m] in the frame of an object, triangles (m, 3) and a normal for each corner of each (3 m, 3).
+    """Return the visual surface of an object: vertices (n, 3) [m] in its frame, triangles (m, 3) and normals (3 m, 3).
 
-    Visual meshes are taken as they are; primitives as their corners' hull.
+    There is one normal for each vertex of each triangle. Primitives are convex hulls of their corners; meshes do not change.
     """
     corners: list[FloatArray] = []
     triangles: list[NDArray[np.int64]] = []
@@ -258,6 +268,7 @@ def surface(item: SceneObject) -> tuple[FloatArray, NDArray[np.int64], FloatArra
 
 
 def _surfaces(item: SceneObject) -> list[tuple[FloatArray, NDArray[np.int64]]]:
+    """Return vertices and triangles of each visual shape; objects without visuals have their collision shapes."""
     if not isinstance(item, BodyObject | LinkObject):
         return [geometry.part_surface(part) for parts, _ in item.solids() for part in parts]
     links = item.body.links if isinstance(item, BodyObject) else (item.link,)

@@ -1,4 +1,4 @@
-"""Objects of a world with one interface: pose, type, solid parts. Some of them are not part of the physics."""
+"""Objects of a world with one interface: pose, type and collision shapes. Some of them are not part of the physics."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from rlbench_pin.compat.objects.table import ObjectTable
 
 Solid = tuple[tuple[geometry.Part, ...], FloatArray]
-"""Shapes in the frame of their link, and the pose (7,) of that frame in the world."""
+"""Collision shapes in the frame of their link, and the pose (7,) of that frame in the world."""
 
 
 class SceneObject(ABC):
@@ -45,11 +45,11 @@ class SceneObject(ABC):
 
     @abstractmethod
     def set_pose(self, pose: FloatArray, zero_velocity: bool) -> None:
-        """Move to a pose (7,) in the world.
+        """Move the object to a pose in the world.
 
         Args:
-            pose: Where to.
-            zero_velocity: Bring it to rest as well.
+            pose: New pose (7,).
+            zero_velocity: Set the velocity to 0.
         """
 
     @property
@@ -58,11 +58,11 @@ class SceneObject(ABC):
         return np.zeros(6)
 
     def solids(self) -> list[Solid]:
-        """Solid parts that other objects can touch or detect."""
+        """Return the shapes that other objects can touch or detect."""
         return []
 
     def box(self) -> FloatArray:
-        """Corners [[min], [max]] (2, 3) of the box around it alone, in its own frame [m]."""
+        """Return the bounding box [[min], [max]] (2, 3) [m] in the frame of the object, without its descendants."""
         return np.zeros((2, 3))
 
 
@@ -89,7 +89,7 @@ class BodyObject(SceneObject):
         return self.body.velocity
 
     def solids(self) -> list[Solid]:
-        """Parts of all its links."""
+        """Return the shapes of all links."""
         parts = geometry.solid_geometry(self.body.model.urdf, self.body.model.scale)
         return [(parts[link], self.body.link_pose(link)) for link in self.body.model.solid_links()]
 
@@ -117,11 +117,11 @@ class LinkObject(SceneObject):
 
     @property
     def velocity(self) -> FloatArray:
-        """Velocity (6,) of its centre of mass."""
+        """Velocity (6,) of the centre of mass of the link."""
         return self.body.model.link_velocity(self.link)
 
     def solids(self) -> list[Solid]:
-        """Parts of this link alone."""
+        """Return the shapes of this link."""
         parts = geometry.solid_geometry(self.body.model.urdf, self.body.model.scale)
         return [(parts[self.link], self.pose)] if self.link in parts else []
 
@@ -170,11 +170,11 @@ class FrameObject(SceneObject):
         self.frame.set_pose(pose)
 
     def solids(self) -> list[Solid]:
-        """The box of a region; volumes of sensors are no solids."""
+        """Return the box of a region; other frames have no shapes."""
         return [((box_part(self.frame.size),), self.pose)] if isinstance(self.frame, Region) else []
 
     def box(self) -> FloatArray:
-        """The box of a region, or of a sensor's volume."""
+        """Return the box of a region, or of the volume of a sensor."""
         if isinstance(self.frame, Region):
             half = 0.5 * self.frame.size
         elif isinstance(self.frame, Sensor):
@@ -203,7 +203,7 @@ class RobotObject(SceneObject):
 
     @property
     def velocity(self) -> FloatArray:
-        """Velocity (6,) of its centre of mass; for the tip, of the tip point."""
+        """Velocity (6,) of the centre of mass of the link, or of the tip."""
         return self.robot.model.link_velocity(self._link or self.robot.description.tip_frame)
 
     def solids(self) -> list[Solid]:
@@ -223,19 +223,19 @@ class WholeRobotObject(RobotObject):
         super().__init__(robot, "shape", next(iter(robot.model.links)), call)
 
     def solids(self) -> list[Solid]:
-        """Parts of all links."""
+        """Return the shapes of all links."""
         parts = geometry.solid_geometry(self.robot.model.urdf, 1.0)
         return [(parts[link], self.robot.link_pose(link)) for link in self.robot.model.links if link in parts]
 
 
 def box_part(size: FloatArray) -> geometry.Part:
-    """Return a solid box of lengths (3,) [m] at the origin; a flat one gets a thickness of 0.1 mm."""
+    """Return a box of side lengths (3,) [m] at the origin; each side is at least 0.1 mm long."""
     thick = tuple(max(float(s), 1e-4) for s in size)
     return geometry.primitive(Shape("box", thick, tuple(IDENTITY.tolist())))
 
 
 def link_box(body: Body, link: str) -> FloatArray:
-    """Return the box (2, 3) around one link in its own frame [m]."""
+    """Return the bounding box (2, 3) [m] of one link in the frame of the link."""
     return geometry.bounds(geometry.solid_geometry(body.model.urdf, body.model.scale).get(link, ()))
 
 
@@ -245,7 +245,7 @@ def child_link(body: Body, joint: str) -> str:
 
 
 def joint_of_link(body: Body, link: str) -> tuple[str, str]:
-    """Return the parent joint of a link, or "" for a weld, and the parent link of the joint."""
+    """Return the parent joint of a link ("" for a fixed joint), and the parent link of this joint."""
     joint = next(j for j in read_urdf(body.model.urdf).joints if j.child == link)
     return (joint.name if joint.name in body.joints else ""), joint.parent
 
@@ -273,21 +273,21 @@ class CameraSettings:
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """One object and its place."""
+    """An object that is not part of the physics, and its pose."""
 
     kind: PlacedKind
     local: FloatArray
     """Pose (7,) in the frame of the parent."""
     parent: Element | None = None
-    """None is the world."""
+    """Parent; None is the world."""
     camera: CameraSettings | None = None
-    """Of vision sensors."""
+    """Settings of a vision sensor."""
     points: tuple[FloatArray, ...] = ()
-    """Control points (7,) of paths, in the path's own frame."""
+    """Control points (7,) of a path, in the frame of the path."""
     size: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Lengths of the box of planes and sensors [m]."""
+    """Side lengths of a plane or sensor [m]."""
     extra: dict[str, object] = field(default_factory=dict)
-    """Further settings that a program may read back."""
+    """Other settings that a program can read back."""
 
 
 _TASK_KINDS = ("root", "body", "link", "joint", "frame")
@@ -295,11 +295,11 @@ _MIDDLE = np.array([0.25, 0.0, TABLE_HEIGHT, 0.0, 0.0, 0.0, 1.0])
 _BASE = np.array([0.25, 0.0, TABLE_HEIGHT + 0.25, 0.0, 0.0, 0.0, 1.0])
 _PLACEHOLDER = look_at((1.35, -0.95, TABLE_HEIGHT + 0.85), (0.2, 0.0, TABLE_HEIGHT + 0.2))
 WORKSPACE_SIZE = (0.648, 0.91, 0.0)
-"""The plane of the workspace; the tip may leave it by 0.2 m to each side and by 1 m upwards."""
+"""Size of the plane of the workspace [m]; the tip may be up to 0.2 m outside at each side, and up to 1 m above."""
 
 
 def hangs_in_task(placed: dict[str, Placed], name: str) -> bool:
-    """Whether a placed object is a descendant of an object of the task."""
+    """Return whether a placed object is a descendant of an object of the task."""
     parent = placed[name].parent
     while parent is not None and parent.kind == "placed":
         parent = placed[parent.name].parent if parent.name in placed else None
@@ -310,7 +310,7 @@ def fixed_objects(robot: RobotDescription) -> dict[str, Placed]:
     """Return the objects of every scene: the workspace, pose and pivot of the video camera, and the sensor of the gripper.
 
     Args:
-        robot: The arm; the sensor covers the space between its fingertips, half as wide as the open gripper.
+        robot: The robot; the sensor covers half of the space between the open fingertips.
     """
     base, names = Element("placed", "cam_cinematic_base"), robot_names(robot)
     width, height = robot.pad_size
@@ -333,7 +333,7 @@ class PlacedObject(SceneObject):
 
     @property
     def placed(self) -> Placed:
-        """Its stored data."""
+        """The stored data of the object."""
         return self._table.placed[self._name]
 
     @property
@@ -344,7 +344,7 @@ class PlacedObject(SceneObject):
         )
 
     def set_pose(self, pose: FloatArray, zero_velocity: bool) -> None:
-        """Move it and its descendants."""
+        """Move the object and its descendants."""
         old, placed = self.pose, self.placed
         local = pose if placed.parent is None else relative(pose, self._table.scene_object(placed.parent).pose)
         self._table.placed[self._name] = replace(placed, local=np.array(local))
@@ -352,7 +352,7 @@ class PlacedObject(SceneObject):
             self._table.carry(Element("placed", self._name), old, pose)
 
     def solids(self) -> list[Solid]:
-        """The plane of a shape."""
+        """Return the plane of a shape; other objects have no shapes."""
         return [((box_part(np.array(self.placed.size)),), self.pose)] if self.type == "shape" else []
 
     def box(self) -> FloatArray:
@@ -361,7 +361,7 @@ class PlacedObject(SceneObject):
 
 
 COLOR_CODED = "OPENGL_COLOR_CODED"
-"""Render mode of cameras that show handles as colours."""
+"""Render mode of cameras whose images encode handles as colours."""
 
 
 class Cameras:
@@ -369,23 +369,23 @@ class Cameras:
 
     Args:
         runtime: The world.
-        config: What observations contain; sizes and shadows of the images are read and written here.
+        config: Contents of observations, with the sizes and shadows of the images.
     """
 
     def __init__(self, runtime: Runtime, config: ObservationConfig) -> None:
         self._runtime, self.config = runtime, config
 
     def settings_of(self, name: str) -> CameraConfig:
-        """Return the settings of a camera by our name."""
+        """Return the settings of a camera; `name` is our name."""
         config: CameraConfig = getattr(self.config, f"{name}_camera")
         return config
 
     def view(self, name: str) -> CameraView:
-        """Return the present view of a camera."""
+        """Return the current view of a camera."""
         return self._runtime.observer.appearance.moved(name, self._runtime.cameras[name].view())
 
     def place(self, name: str, pose: FloatArray) -> None:
-        """Put a camera at a pose (7,) in the world; the one on the gripper keeps its place there. Observations follow."""
+        """Move a camera to a pose (7,) in the world, also for observations; the wrist camera stays fixed to the gripper."""
         self._runtime.cameras[name].set_pose(pose)
 
 
@@ -408,16 +408,16 @@ class CameraObject(SceneObject):
 
     @property
     def camera(self) -> CameraSettings:
-        """Its settings."""
+        """Settings of the camera."""
         view, config = self._cameras.view(self.name), self._cameras.settings_of(self.name)
         mode = COLOR_CODED if self.is_mask else str(config.render_mode).rpartition(".")[2].upper()
         return CameraSettings(view.size, float(view.fov * 180.0 / 3.141592653589793), view.near, view.far, mode, True)
 
     def set_camera(self, camera: CameraSettings) -> None:
-        """Change the size of its images, or whether they have shadows.
+        """Change the size of the images, or whether they have shadows.
 
         Raises:
-            UnsupportedCall: Another setting is to change.
+            UnsupportedCall: Another setting differs.
         """
         before = self.camera
         if replace(before, size=camera.size, render_mode=camera.render_mode) != camera:

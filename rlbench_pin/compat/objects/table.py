@@ -1,4 +1,4 @@
-"""The table of all objects of the present world: names, handles, parents, and what programs added."""
+"""The table of all objects of the current world: names, handles, parents, and objects that programs added."""
 
 from __future__ import annotations
 
@@ -48,10 +48,12 @@ FIRST_HANDLE = 100_000
 
 @dataclass(frozen=True, eq=False)
 class _Kept:
-    """State that is restored with the world: descendants of the task, and changed parents."""
+    """State of the table that is restored with the world."""
 
     placed: dict[str, Placed]
+    """Placed objects by name."""
     parents: dict[Element, Element | None]
+    """Parents that programs changed."""
 
 
 class ObjectTable:
@@ -60,15 +62,15 @@ class ObjectTable:
     Args:
         runtime: The world and its task.
         config: Contents of observations; its cameras are the five fixed ones.
-        before: The table of the previous world; objects that belong to no task are taken over.
+        before: The table of the previous world, whose objects that belong to no task are copied.
 
     Attributes:
-        runtime: As given.
-        placed: Dummies, cameras, paths and planes beside the physics, by name.
+        runtime: The world and its task.
+        placed: Objects that are not part of the physics (dummies, cameras, paths, planes), by name.
         parents: Parents that programs changed.
         cameras: The five cameras.
-        everlasting: Bodies that a program made while no task was loaded; every task gets them.
-        flags: Switches such as `detectable` that differ from their default.
+        everlasting: Bodies that a program added without a loaded task; they exist in the worlds of all later tasks.
+        flags: Properties such as `detectable` that differ from their default.
     """
 
     def __init__(self, runtime: Runtime, config: ObservationConfig, before: ObjectTable | None = None) -> None:
@@ -85,7 +87,7 @@ class ObjectTable:
         self.world.keepers.append(self)
 
     def _take_over(self, before: ObjectTable) -> None:
-        """Take over the objects that belong to no task from the table of the previous world, which is still open."""
+        """Copy the objects that belong to no task from the table of the previous world, which is still open."""
         self.placed |= {name: p for name, p in before.placed.items() if not hangs_in_task(before.placed, name)}
         self.everlasting = {name for name in before.everlasting if name in before.world.spawned}
         for name in sorted(self.everlasting):
@@ -99,7 +101,7 @@ class ObjectTable:
     # Names and handles -----------------------------------------------------------------------------------------------
 
     def elements(self) -> Iterator[Element]:
-        """All objects, those of the task first."""
+        """Yield all objects, those of the task first."""
         world = self.world
         yield Element("root", ROOT)
         for name, body in world.bodies.items():
@@ -113,10 +115,10 @@ class ObjectTable:
         yield from (Element("placed", name) for name in self.placed)
 
     def find(self, name: str, types: tuple[ObjectType, ...] = ()) -> Element:
-        """Return the object `name`; among several, one of the wanted types.
+        """Return the object with a name; of several, the first that has one of `types`.
 
         Raises:
-            UnknownObject: There is none.
+            UnknownObject: There is no such object.
         """
         found = [e for e in self.elements() if self.name(e) == name]
         found = found or [e for e in self.elements() if name in self._other_names(e)]
@@ -128,6 +130,7 @@ class ObjectTable:
         return (wanted or found)[0]
 
     def _other_names(self, element: Element) -> tuple[str, ...]:
+        """Return the names under which `find` also finds an object, if no object has this name in programs."""
         if element.kind == "root":
             return (ROOT,)
         if element.kind in ("link", "joint"):
@@ -139,7 +142,7 @@ class ObjectTable:
         return (element.name,)
 
     def name(self, element: Element) -> str:
-        """Its name in programs."""
+        """Return the name of an object in programs."""
         if element in self._names:
             return self._names[element]
         if element.kind == "root":
@@ -147,22 +150,22 @@ class ObjectTable:
         return ROOM_NAMES.get(element.name, element.name) if element.kind == "room" else element.name
 
     def rename(self, element: Element, name: str) -> None:
-        """Rename it."""
+        """Change the name of an object in programs."""
         self._names[element] = name
 
     def forget(self, element: Element) -> None:
-        """Forget the name and the switches of the previous object of an element."""
+        """Remove the name and the flags of a previous object with the same identity."""
         self._names.pop(element, None)
         for key in [k for k in self.flags if k[0] == element]:
             del self.flags[key]
 
     def free_name(self, stem: str) -> str:
-        """Return `stem`, with the first number appended that makes it unique if it is taken."""
+        """Return `stem`; if it is in use, with the first number that makes it unique."""
         taken = {name for e in self.elements() for name in (self.name(e), e.name)}
         return next(n for n in (stem, *(f"{stem}{k}" for k in range(len(taken) + 1))) if n not in taken)
 
     def exists(self, element: Element) -> bool:
-        """Whether it is part of the world."""
+        """Return whether an object is part of the world."""
         if element.kind == "body":
             return element.name in self.world.bodies
         if element.kind in ("link", "joint"):
@@ -174,13 +177,14 @@ class ObjectTable:
         return element.kind != "placed" or element.name in self.placed
 
     def handle(self, element: Element) -> int:
-        """Number of an object: that of masks where masks show it."""
+        """Return the handle of an object; for objects in masks it is their number in masks."""
         label = self._mask_label(element)
         if label is not None:
             return next(identifier for identifier, name in self.world.masks.items() if name == label)
         return self._handles.setdefault(element, FIRST_HANDLE + len(self._handles))
 
     def _mask_label(self, element: Element) -> str | None:
+        """Return the name of an object in the mask table of the world; None if masks do not show it."""
         if element.kind in ("room", "link"):
             return element.name
         if element.kind == "body":
@@ -189,10 +193,10 @@ class ObjectTable:
         return f"{self.runtime.description.name}/{element.name}" if element.kind == "robot_link" else None
 
     def of_handle(self, handle: int) -> Element:
-        """Return the object with a number.
+        """Return the object with a handle.
 
         Raises:
-            UnknownObject: There is none.
+            UnknownObject: There is no such object.
         """
         for element in self.elements():
             if (element in self._handles or self._mask_label(element) is not None) and self.handle(element) == handle:
@@ -202,10 +206,10 @@ class ObjectTable:
     # Objects ----------------------------------------------------------------------------------------------------------
 
     def scene_object(self, element: Element) -> SceneObject:
-        """Return the present object of an element.
+        """Return the access to an object.
 
         Raises:
-            UnknownObject: It does not exist any more.
+            UnknownObject: The object no longer exists.
         """
         if not self.exists(element):
             raise UnknownObject("object of this scene", self.name(element), tuple(self.name(e) for e in self.elements()))
@@ -227,6 +231,7 @@ class ObjectTable:
                 return self._robot_object(element)
 
     def _robot_object(self, element: Element) -> SceneObject:
+        """Return the access to the arm, its tip, its gripper, or one of its joints or links."""
         robot, description = self.world.robot, self.runtime.description
         match element.kind:
             case "robot":
@@ -269,7 +274,7 @@ class ObjectTable:
                 return None
 
     def ancestors(self, element: Element) -> list[Element]:
-        """Return its parent, the parent of that, and so on."""
+        """Return the parent of an element, its grandparent, and so on, up to a child of the world."""
         found: list[Element] = []
         while (parent := self.parent(element)) is not None:
             found.append(parent)
@@ -299,10 +304,11 @@ class ObjectTable:
         return Element("room" if owner in self.world.room else "body", owner)
 
     def _link(self, body: str, link: str) -> Element:
+        """Return the element of a link; the base link of a body is the body itself."""
         return Element("body", body) if link == self.world.body(body).links[0] else Element("link", f"{body}/{link}")
 
     def _spec_parent(self, body: str) -> str:
-        """Return the parent of a body as its scene file, or the program that made it, says."""
+        """Return the original parent of a body, from its scene file or from its creation by a program."""
         specs = {spec.name: spec for spec in (*self.world.spec.body, *self.world.spawned.values())}
         return {**specs, **self.world.spawned}[body].parent
 
@@ -340,16 +346,16 @@ class ObjectTable:
             )
 
     def children(self, element: Element | None) -> list[Element]:
-        """Its direct children."""
+        """Return the direct children of an object; None is the world."""
         return [e for e in self.elements() if self.parent(e) == element]
 
     def set_parent(self, element: Element, parent: Element | None, keep_in_place: bool = True) -> None:
-        """Let it move with another object.
+        """Attach an object to a new parent, with which it then moves.
 
         Args:
             element: The object to attach.
-            parent: Its new parent; None is the world.
-            keep_in_place: Stay where it is; otherwise keep the pose relative to the parent.
+            parent: The new parent; None is the world.
+            keep_in_place: Keep the pose in the world; otherwise keep the pose relative to the parent.
         """
         self._check_parent(element, parent)
         item, before = self.scene_object(element), self.parent(element)
@@ -364,6 +370,7 @@ class ObjectTable:
         self.scene_object(element).set_pose(there, True)
 
     def _set_native_parent(self, element: Element, native: str) -> None:
+        """Set the parent of a body or frame by its name in the world."""
         if element.kind == "body":
             self.world.places.set_parent(element.name, native)
         else:
@@ -383,11 +390,11 @@ class ObjectTable:
     # Saved and restored with the world -------------------------------------------------------------------------------
 
     def state(self) -> object:
-        """Return the placed objects, and changed parents."""
+        """Return the placed objects and the changed parents."""
         return _Kept(dict(self.placed), dict(self.parents))
 
     def set_state(self, state: object) -> None:
-        """Restore what `state()` returned for descendants of the task; other placed objects do not change."""
+        """Restore a result of `state()`; placed objects that belong to no task do not change."""
         assert isinstance(state, _Kept)
         hanging = {name for name in self.placed if hangs_in_task(self.placed, name)}
         for name in hanging:
@@ -397,6 +404,7 @@ class ObjectTable:
         self._restore_parents(state.parents)
 
     def _restore_parents(self, parents: dict[Element, Element | None]) -> None:
+        """Restore changed parents, and reset all other changed parents to the original ones."""
         for element in [e for e in self.parents if e not in parents]:
             del self.parents[element]
             if element.kind == "body" and self.exists(element):

@@ -1,4 +1,4 @@
-"""The simulator and its objects under the names of PyRep, as views on the world of `rlbench_pin`."""
+"""The simulator and its objects with the API of PyRep, as views on the world of `rlbench_pin`."""
 
 from pyrep.pyrep import PyRep
 

@@ -1,4 +1,4 @@
-"""The C functions of another simulator, which programs import as `pyrep.backend.sim`: not available here."""
+"""Replacement for `pyrep.backend.sim`, the C functions of another simulator, which are not available."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ add_aliases(__name__, ["sim"])
 
 
 def __getattr__(name: str) -> object:
-    """Refuse every function: there is no such simulator behind the objects."""
+    """Raise UnsupportedCall for each function."""
     if name.startswith("__"):
         raise AttributeError(name)
     raise UnsupportedCall(

@@ -6,7 +6,7 @@ from enum import Enum
 
 
 class ObjectType(Enum):
-    """Type of an object of the scene."""
+    """Type of a scene object."""
 
     ALL = -2
     SHAPE = 0
@@ -25,7 +25,7 @@ class ObjectType(Enum):
 
 
 class PrimitiveShape(Enum):
-    """Solids that `Shape.create` makes."""
+    """Primitive shapes of `Shape.create`."""
 
     CUBOID = 3
     SPHERE = 4
@@ -51,7 +51,7 @@ class JointMode(Enum):
 
 
 class RenderMode(Enum):
-    """Rendering of images; OPENGL3 has shadows, OPENGL has none, OPENGL_COLOR_CODED shows handles as colours."""
+    """Render mode of images: OPENGL3 draws shadows, OPENGL does not, OPENGL_COLOR_CODED encodes handles as colours."""
 
     OPENGL = 0
     OPENGL_AUXILIARY = 1
@@ -80,7 +80,7 @@ class TextureMappingMode(Enum):
 
 
 class ConfigurationPathAlgorithms(Enum):
-    """Names of planning algorithms; they are accepted, and the planner of this package does the work."""
+    """Names of planning algorithms; the planner of this package uses RRT-Connect for those that it does not have."""
 
     BiTRRT = "BiTRRT"
     BITstar = "BITstar"

@@ -1,4 +1,4 @@
-"""Errors that users of scene objects catch; all are errors of this package as well."""
+"""Errors of PyRep; all are errors of rlbench_pin as well."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class PyRepError(RlbenchPinError):
 
 
 class WrongObjectTypeError(PyRepError):
-    """A name belongs to an object of another type."""
+    """The object with a name has another type."""
 
 
 class ObjectAlreadyRemovedError(PyRepError):
@@ -32,7 +32,7 @@ class ObjectAlreadyRemovedError(PyRepError):
 
 
 class ObjectIsNotModelError(PyRepError):
-    """A call for models was made on another object."""
+    """A method for models was called on an object that is no model."""
 
 
 class GripperError(PyRepError):
@@ -40,7 +40,7 @@ class GripperError(PyRepError):
 
 
 class ConfigurationError(PyRepError):
-    """No joint configuration of the arm fulfils a request."""
+    """No joint configuration of the arm meets the requirements."""
 
 
 class ConfigurationPathError(PyRepError):

@@ -1,4 +1,4 @@
-"""The simulator: one per process."""
+"""The simulator, with the API of PyRep."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _OWN_SCENE = "task_design.ttt"
 
 
 class PyRep:
-    """Starts the simulator and steps it. There is no window: `headless` and `responsive_ui` change nothing.
+    """Starts and steps the simulator. There is no window.
 
     Args:
         robot: Name of the arm in our catalogue.
@@ -44,11 +44,11 @@ class PyRep:
     ) -> None:
         """Start the simulator with the arm at an empty table.
 
-        `scene_file` is empty, or the name of the empty table (`rlbench.backend.const.TTT_FILE`). The rest is accepted: nothing is
-        shown on a screen, and the simulator is silent.
+        `scene_file` is empty, or the name of the empty table (`rlbench.backend.const.TTT_FILE`). All other arguments have no
+        effect.
 
         Raises:
-            PyRepError: It runs already.
+            PyRepError: The simulator is already running.
             UnsupportedCall: The file is a scene of another simulator.
         """
         if self._simulator is not None:
@@ -66,25 +66,25 @@ class PyRep:
         """The simulator.
 
         Raises:
-            PyRepError: It does not run.
+            PyRepError: The simulator is not running.
         """
         if self._simulator is None:
             raise PyRepError("The simulator is not launched. Call `launch()` first.")
         return self._simulator
 
     def activate(self) -> None:
-        """Let views refer to this simulator from now on, if a program has several; its environments do so at each call."""
+        """Make views refer to this simulator, if a program has several; environments do so at each call."""
         Simulator.make_current(self.simulator)
 
     def shutdown(self) -> None:
-        """Free the simulator; calling it again changes nothing."""
+        """Close the simulator; further calls have no effect."""
         self.running = False
         if self._simulator is not None:
             self._simulator.close()
             self._simulator = None
 
     def start(self) -> None:
-        """Begin to simulate."""
+        """Start the simulation."""
         self.simulator.world.end_building()
         self.running = True
 
@@ -93,7 +93,7 @@ class PyRep:
         self.running = False
 
     def step(self) -> None:
-        """Advance by one control tick of 0.05 s, with the task's own step and callbacks.
+        """Advance by one control tick of 0.05 s, with the step of the task and the callbacks.
 
         Raises:
             PyRepError: `start` was not called.
@@ -104,10 +104,10 @@ class PyRep:
         runtime.step()
 
     def step_ui(self) -> None:
-        """No effect: there is no window, and images always show the present instant."""
+        """No effect: there is no window, and images always show the current state."""
 
     def set_simulation_timestep(self, dt: float) -> None:
-        """Warn when `dt` [s] is not the length of a control tick, which does not change; physics has shorter steps."""
+        """Warn if `dt` [s] is not the length of a control tick, which is fixed; physics steps are shorter."""
         tick = self.get_simulation_timestep()
         if abs(dt - tick) > 1e-9:
             warnings.warn(
@@ -133,9 +133,9 @@ class PyRep:
 
         Args:
             root_object: The object; None is the world.
-            object_type: Only objects of this type.
-            exclude_base: Leave `root_object` out.
-            first_generation_only: Direct children only.
+            object_type: Return only objects of this type.
+            exclude_base: Leave out `root_object`.
+            first_generation_only: Return only direct children.
         """
         if root_object is not None:
             return root_object.get_objects_in_tree(object_type, exclude_base, first_generation_only)
@@ -151,10 +151,10 @@ class PyRep:
         repeat_along_u: bool = False,
         repeat_along_v: bool = False,
     ) -> tuple[TextureHolder, Texture]:
-        """Read an image for `Shape.set_texture`. Other arguments than the file are accepted.
+        """Read an image for `Shape.set_texture`. Only `filename` has an effect.
 
         Returns:
-            A placeholder for the shape of the texture in other simulators (it can be removed), and the texture.
+            A placeholder for the shape that holds a texture in other simulators, and the texture.
 
         Raises:
             CameraError: The file cannot be read as an image.
@@ -163,11 +163,11 @@ class PyRep:
         return TextureHolder(), Texture(str(filename))
 
     def set_configuration_tree(self, config_tree: ConfigurationTree) -> None:
-        """Restore the configuration that `Object.get_configuration_tree` returned, at rest."""
+        """Restore a configuration from `Object.get_configuration_tree`, with velocity 0."""
         config_tree.write(self.simulator.objects)
 
     def group_objects(self, objects: Sequence[Shape]) -> Shape:
-        """Refused: bodies are not joined at run time."""
+        """Raise UnsupportedCall: bodies are not joined at run time."""
         raise UnsupportedCall(
             "group_objects",
             "bodies are not joined at run time.",
@@ -175,13 +175,13 @@ class PyRep:
         )
 
     def merge_objects(self, objects: Sequence[Shape]) -> Shape:
-        """Refused: bodies are not joined at run time."""
+        """Raise UnsupportedCall: bodies are not joined at run time."""
         raise UnsupportedCall(
             "merge_objects", "bodies are not joined at run time.", "Join the meshes first, then `Shape.create_mesh`."
         )
 
     def import_model(self, filename: str) -> Object:
-        """Refused: ttm models cannot be read."""
+        """Raise UnsupportedCall: ttm models cannot be read."""
         raise UnsupportedCall(
             f"import_model({filename!r})",
             "models of other simulators cannot be read.",
@@ -189,7 +189,7 @@ class PyRep:
         )
 
     def export_scene(self, filename: str) -> None:
-        """Refused: ttt scenes cannot be written."""
+        """Raise UnsupportedCall: ttt scenes cannot be written."""
         raise UnsupportedCall(
             f"export_scene({filename!r})", "scenes are TOML files.", "Write one with `rlbench-pin new`, or keep `World.arrays()`."
         )
@@ -203,7 +203,7 @@ class PyRep:
         strings: Sequence[str] = (),
         bytes: str = "",
     ) -> Any:
-        """Refused: there are no scripts in scenes."""
+        """Raise UnsupportedCall: scenes have no scripts."""
         raise UnsupportedCall(
             f"script_call({function_name_at_script_name!r})", "Lua scripts are not supported.", "Write the function in Python."
         )

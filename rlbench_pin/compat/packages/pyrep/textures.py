@@ -12,18 +12,18 @@ add_aliases(__name__, ["texture"])
 
 @dataclass(frozen=True)
 class Texture:
-    """An image file that shapes can be covered with."""
+    """A texture for shapes: an image file."""
 
     filename: str
-    """Its file."""
+    """Path of the image file."""
 
     def get_texture_id(self) -> int:
-        """Return a number that is the same for the same file."""
+        """Return an identifier that depends only on the path of the file."""
         return zlib.crc32(self.filename.encode())
 
 
 class TextureHolder:
-    """Placeholder for the shape of a texture in other simulators."""
+    """Placeholder for the shape that holds a texture in other simulators."""
 
     def remove(self) -> None:
-        """No effect: a texture needs no shape."""
+        """No effect: textures need no shape."""

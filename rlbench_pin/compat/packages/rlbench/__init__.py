@@ -22,7 +22,7 @@ from rlbench_pin.tasks import library_names
 sys.modules[f"{__name__}.demo"] = demo
 
 TASKS = [f"{name}.py" for name in library_names()]
-"""Names of the tasks as files; those that take their Python from another task have none."""
+"""File names of the tasks; tasks without a Python file of their own are left out."""
 
 for task in (*KNOWN_TASKS, *PERACT_TASKS):
     for mode in MODES:

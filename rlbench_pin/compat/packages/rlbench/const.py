@@ -1,4 +1,4 @@
-"""Colours of variations, and robots."""
+"""Colours of variations, and supported robots."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pyrep.robots.end_effectors import BaxterGripper, Gripper, JacoGripper, Mico
 from rlbench_pin.tasks.palette import COLORS
 
 colors: list[tuple[str, tuple[float, float, float]]] = [(name, rgb) for name, rgb in COLORS]
-"""The 20 colours, name and RGB from 0 to 1; the place in the list is the variation of tasks that are about a colour."""
+"""The 20 colours, name and RGB from 0 to 1; the index is the variation of tasks whose variations are colours."""
 
 SUPPORTED_ROBOTS: dict[str, tuple[Callable[..., Arm], Callable[..., Gripper], int]] = {
     "panda": (Panda, PandaGripper, 7),
@@ -18,7 +18,7 @@ SUPPORTED_ROBOTS: dict[str, tuple[Callable[..., Arm], Callable[..., Gripper], in
     "sawyer": (Sawyer, BaxterGripper, 7),
     "ur5": (UR5, Robotiq85Gripper, 6),
 }
-"""Robot -> class of its arm, of its gripper, number of its arm joints. Those that `MODELS` lacks cannot be made."""
+"""Name -> class of the arm, class of the gripper, number of arm joints. Only the robots of `MODELS` can be created."""
 
 MODELS = {"panda": "panda", "jaco": "jaco", "ur5": "ur5e"}
-"""Robot -> our model of it."""
+"""RLBench's name of a robot -> our name."""

@@ -1,4 +1,6 @@
-"""Demonstrations as RLBench-style folders: `python -m rlbench.dataset_generator --tasks reach_target --save_path data`.
+"""Records demonstrations as folders in the layout of RLBench.
+
+Example: `python -m rlbench.dataset_generator --tasks reach_target --save_path data`.
 
 It uses the recorder of this package: `--resume` continues after an interruption, and the same `--seed` gives the same
 demonstrations with any number of processes.
@@ -29,7 +31,7 @@ from rlbench_pin.tasks import task_names
 
 _LOG = logging.getLogger(__name__)
 _RECORDING, _EXPORT = ".recording", ".export"
-"""Folders below the save path with unfinished data."""
+"""Folders of unfinished data in the save path."""
 
 
 class UnknownTasks(RlbenchPinError, ValueError):
@@ -43,7 +45,7 @@ class UnknownTasks(RlbenchPinError, ValueError):
 
 
 def check_and_make(dir: str | Path) -> None:
-    """Make a folder where there is none."""
+    """Create a folder, unless it exists."""
     Path(dir).mkdir(parents=True, exist_ok=True)
 
 
@@ -51,9 +53,9 @@ def save_demo(demo: Demo, example_path: str | Path, variation: int | None = None
     """Write one demonstration into a folder: images as PNG files, the rest as `low_dim_obs.pkl`.
 
     Args:
-        demo: The demonstration; it is left as it is.
-        example_path: The folder; made when missing.
-        variation: Number of the variation, stored in the layout with all variations in one folder.
+        demo: The demonstration; it does not change.
+        example_path: The folder; it is created if it does not exist.
+        variation: Number of the variation, for the layout with all variations in one folder.
     """
     check_and_make(example_path)
     write_frames(Path(example_path), demo)
@@ -62,7 +64,7 @@ def save_demo(demo: Demo, example_path: str | Path, variation: int | None = None
 
 
 def parse_args(args: Sequence[str] | None = None) -> argparse.Namespace:
-    """Return the settings of a command line; lists may have spaces or commas between their parts."""
+    """Return the settings of a command line; the parts of lists are separated by spaces or commas."""
     parser = argparse.ArgumentParser("rlbench-generate-dataset", description="Write demonstrations as RLBench-style folders.")
     parser.add_argument("--save_path", default=str(Path(tempfile.gettempdir()) / "rlbench_data"), help="root of the data set")
     parser.add_argument("--tasks", nargs="*", default=[], help="names of tasks; all of the library when none is named")
@@ -91,6 +93,7 @@ def parse_args(args: Sequence[str] | None = None) -> argparse.Namespace:
 
 
 def _truth(text: str) -> bool:
+    """Convert the text of an argument to a bool, or raise ArgumentTypeError."""
     words = {"true": True, "1": True, "yes": True, "false": False, "0": False, "no": False}
     if text.lower() not in words:
         raise argparse.ArgumentTypeError(f"true or false, not {text!r}")
@@ -98,11 +101,11 @@ def _truth(text: str) -> bool:
 
 
 def run(args: argparse.Namespace) -> RecordReport:
-    """Record the demonstrations of `args`, from `parse_args`, and write them as folders below `args.save_path`.
+    """Record the demonstrations of `args`, a result of `parse_args`, and write them as folders in `args.save_path`.
 
     Raises:
-        UnknownTasks: Names that are not tasks of the library (also a ValueError).
-        DatasetConflict: The save path contains such episodes already, or an unfinished recording.
+        UnknownTasks: A task is not in the library (also a ValueError).
+        DatasetConflict: The save path already contains episodes of these tasks, or an unfinished recording.
     """
     tasks = [name.removesuffix(".py") for name in args.tasks] or list(task_names())
     unknown = [name for name in tasks if name not in task_names()]
@@ -129,7 +132,7 @@ def run(args: argparse.Namespace) -> RecordReport:
 
 
 def _seed(root: Path, args: argparse.Namespace) -> int:
-    """Return the given seed, that of the recording to continue, or a new one."""
+    """Return the given seed; without one, the seed of the recording to continue, or a new seed."""
     if args.seed is not None:
         return int(args.seed)
     begun = root / _RECORDING
@@ -137,11 +140,13 @@ def _seed(root: Path, args: argparse.Namespace) -> int:
 
 
 def _say(report: RecordReport) -> None:
+    """Log the progress."""
     done = report.found + report.recorded
     _LOG.info("%d of %d episodes, %d failed", done, report.wanted, len(report.failed))
 
 
 def _check_free(root: Path, tasks: Sequence[str], together: bool, resume: bool) -> None:
+    """Raise DatasetConflict if the save path contains episodes of these tasks, or an unfinished recording without `resume`."""
     begun = (root / _RECORDING / RECORDING).exists()
     if begun and not resume:
         raise DatasetConflict(f"'{root}' contains an unfinished recording. Use `--resume`, or choose another folder.")
@@ -166,7 +171,7 @@ def _publish(root: Path, layout: Layout, keep: bool) -> None:
 
 
 def main(args: Sequence[str] | None = None) -> int:
-    """Run the command; 1 when episodes are missing at the end."""
+    """Run the command and return the exit code: 1 if episodes are missing at the end, otherwise 0."""
     logging.basicConfig(level=logging.INFO, format="%(message)s")
     settings = parse_args(args)
     report = run(settings)

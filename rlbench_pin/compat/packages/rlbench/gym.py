@@ -33,15 +33,15 @@ class UnknownMode(UnknownName, ValueError):
 
 
 def convert_dtype_to_float32_if_float(dtype: Any) -> Any:
-    """Return float32 for floating types of numbers, and other types as they are."""
+    """Return float32 for floating-point types, and any other type unchanged."""
     return np.float32 if np.issubdtype(dtype, np.floating) else dtype
 
 
 class RLBenchEnv(gymnasium.Env[GymObservation, np.ndarray]):
-    """One task behind gymnasium's interface. Every instance has a simulator of its own, so several may live in one process.
+    """One task with the interface of gymnasium. Each instance has its own simulator, so a process can have several.
 
-    Observations are a dict of float32 boxes, and of four images with `observation_mode="vision"`. `info` holds
-    `text_descriptions`, `success` and `variation`.
+    Observations are a dict of float32 boxes, and of four images with `observation_mode="vision"`. `info` contains
+    `text_descriptions`, `success`, `is_success` and `variation`.
 
     Args:
         task_class: The task, by class or by name.
@@ -89,7 +89,7 @@ class RLBenchEnv(gymnasium.Env[GymObservation, np.ndarray]):
             raise
 
     def _load(self) -> None:
-        """Start a simulator, load the task and span the spaces."""
+        """Start a simulator, load the task and define the spaces."""
         self.rlbench_env.launch()
         self._simulator = Simulator.current()
         self.rlbench_task_env = self.rlbench_env.get_task(self.task_class)
@@ -108,8 +108,8 @@ class RLBenchEnv(gymnasium.Env[GymObservation, np.ndarray]):
         """Start an episode.
 
         Args:
-            seed: Seeds numpy's global generator, which the episode is drawn from.
-            options: `reset_to_demo`: the demonstration to start as.
+            seed: Seed of numpy's global generator, from which the episode is drawn.
+            options: `reset_to_demo`: a demonstration whose start is restored.
         """
         super().reset(seed=seed)
         Simulator.make_current(self._simulator)
@@ -122,13 +122,13 @@ class RLBenchEnv(gymnasium.Env[GymObservation, np.ndarray]):
         return self._observed(observation), self._info(descriptions, success=False)
 
     def step(self, action: np.ndarray) -> tuple[GymObservation, float, bool, bool, dict[str, Any]]:
-        """Run one action to its end.
+        """Execute one action to its end.
 
         Returns:
             Observation, reward, whether the episode has ended by success or failure, False, and `info`.
 
         Raises:
-            InvalidActionError: The action was refused; the world is as it was.
+            InvalidActionError: The action is invalid; the world has not changed.
         """
         Simulator.make_current(self._simulator)
         observation, reward, terminated = self.rlbench_task_env.step(np.asarray(action, dtype=np.float64))
@@ -155,7 +155,7 @@ class RLBenchEnv(gymnasium.Env[GymObservation, np.ndarray]):
             self.render()
 
     def close(self) -> None:
-        """Free the simulator and the window; may be called again."""
+        """Close the simulator and the window; further calls have no effect."""
         if self._simulator is not None:
             Simulator.make_current(self._simulator)
             self.rlbench_env.shutdown()
@@ -165,7 +165,7 @@ class RLBenchEnv(gymnasium.Env[GymObservation, np.ndarray]):
 
 
 def _settings(cameras: tuple[str, ...]) -> ObservationConfig:
-    """Return settings with exactly the contents of the spaces."""
+    """Return observation settings with exactly the contents of the spaces."""
     config = ObservationConfig()
     config.set_all(False)
     for name in LOW_DIM:

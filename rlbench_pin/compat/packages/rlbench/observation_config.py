@@ -24,7 +24,7 @@ _SHADOWS = {"opengl": False, "opengl_auxiliary": False, "opengl3": True, "opengl
 
 @dataclass(frozen=True)
 class _GlobalNoise:
-    """A noise model that draws from numpy's global generator, as the observer calls one."""
+    """Adapter for a noise model that draws from numpy's global generator and ignores the generator of the observer."""
 
     model: Any
 
@@ -34,7 +34,7 @@ class _GlobalNoise:
 
 
 def _adapted(model: Any) -> NativeNoiseModel:
-    """Return a noise model as the observer calls it."""
+    """Return a noise model with the interface that the observer calls; None is no noise."""
     if model is None or isinstance(model, Identity):
         return NativeIdentity()
     native = isinstance(model, NativeIdentity | NativeGaussianNoise | _GlobalNoise)
@@ -44,8 +44,8 @@ def _adapted(model: Any) -> NativeNoiseModel:
 class CameraConfig(NativeCameraConfig):
     """Images of one camera; see `rlbench_pin.CameraConfig`.
 
-    `render_mode` is a member of `pyrep.const.RenderMode`: OPENGL3 draws shadows, OPENGL is faster without. As programs expect,
-    any attribute may be set.
+    `render_mode` is a member of `pyrep.const.RenderMode`: OPENGL3 draws shadows, OPENGL is faster and draws none. Programs may
+    set any attribute.
     """
 
     rules: ClassVar[Mapping[str, Rule]] = {}
@@ -72,7 +72,7 @@ class CameraConfig(NativeCameraConfig):
         self.masks_as_one_channel, self.depth_in_meters = masks_as_one_channel, depth_in_meters
 
     def __setattr__(self, name: str, value: Any) -> None:
-        """Keep sizes as tuples: programs give lists, too."""
+        """Set an attribute; `image_size` is converted to a tuple."""
         if name == "image_size":
             value = tuple(int(side) for side in value)
         super().__setattr__(name, value)
@@ -83,11 +83,11 @@ class CameraConfig(NativeCameraConfig):
         return _SHADOWS.get(_mode_name(self.render_mode), False)
 
     def noise_of(self, product: Literal["rgb", "depth"]) -> NativeNoiseModel:
-        """Return the noise of colours or of depth."""
+        """Return the noise model of colours or of depth."""
         return _adapted(self.rgb_noise if product == "rgb" else self.depth_noise)
 
     def check(self, name: str) -> None:
-        """Raise CameraError or UnknownName when the settings make no image."""
+        """Raise CameraError for an invalid image size, and UnknownName for an unknown render mode."""
         size = self.image_size
         if len(size) != 2 or min(size) < 1:
             raise CameraError(f"Camera '{name}' has image_size {size}; width and height must be at least 1 px. Set `image_size`.")
@@ -103,8 +103,8 @@ def _mode_name(mode: object) -> str:
 class ObservationConfig(NativeObservationConfig):
     """Five cameras and the low-dimensional data of each observation; see `rlbench_pin.ObservationConfig`.
 
-    A camera that is None gets a fresh default. `record_ignore_collisions` says whether observations of demonstrations carry the
-    flag of their segment. As programs expect, any attribute may be set.
+    A camera that is None gets new default settings. With `record_ignore_collisions`, observations of demonstrations contain the
+    collision flag of their segment. Programs may set any attribute.
     """
 
     rules: ClassVar[Mapping[str, Rule]] = {}
@@ -145,7 +145,7 @@ class ObservationConfig(NativeObservationConfig):
         )  # fmt: skip
 
     def noise_of(self, name: str) -> NativeNoiseModel | None:
-        """Return the noise of a low-dimensional field, None where it has no setting."""
+        """Return the noise model of a low-dimensional field; None if it has no such setting."""
         noise = getattr(self, f"{name}_noise", None)
         return None if noise is None else _adapted(noise)
 

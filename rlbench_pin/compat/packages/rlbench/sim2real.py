@@ -1,4 +1,4 @@
-"""Domain randomization: its events, its settings, and the scene that applies it.
+"""Domain randomization: settings, and the scene that applies them.
 
 Programs import `domain_randomization` and `domain_randomization_scene` from here; both are aliases of this module.
 """
@@ -37,10 +37,10 @@ __all__ = [
 
 
 class VisualRandomizationConfig(NativeVisualRandomizationConfig):
-    """Textures of task, robot and room; see `rlbench_pin.VisualRandomizationConfig`.
+    """Random textures of task, robot and room; see `rlbench_pin.VisualRandomizationConfig`.
 
-    White and black list may name parts of the room as in RLBench (`Floor`, `Wall1`, `diningTable_visible`) or as our
-    scenes do (`floor`, `table`).
+    Whitelist and blacklist may contain the names of parts of the room from RLBench (`Floor`, `Wall1`, `diningTable_visible`) or
+    from our scenes (`floor`, `table`).
     """
 
     def __init__(
@@ -53,21 +53,22 @@ class VisualRandomizationConfig(NativeVisualRandomizationConfig):
         super().__init__(image_directory, whitelist, blacklist, randomize_arm, light=0.0)
 
     def should_randomize(self, name: str) -> bool:
-        """Whether the object called `name` may change."""
+        """Return whether the object with a name may change."""
         known = ROOM_NAMES.get(name, robot_names(SUPPORTED_ROBOTS[name]).arm if name in SUPPORTED_ROBOTS else name)
         listed = None if self.whitelist is None else _matches(name, self.whitelist) or _matches(known, self.whitelist)
         return listed is not False and not _matches(name, self.blacklist) and not _matches(known, self.blacklist)
 
 
 def _matches(name: str, patterns: Sequence[str] | None) -> bool:
+    """Return whether a name matches one of some patterns with `*` and `?`; None is no pattern."""
     return any(fnmatchcase(name, pattern) for pattern in patterns or ())
 
 
 class Distributions:
-    """Distribution of random numbers."""
+    """Base class of distributions of random numbers."""
 
     def apply(self, val: np.ndarray) -> np.ndarray:
-        """Return `val` with a draw added."""
+        """Return `val` with random numbers added."""
         raise NotImplementedError(f"{type(self).__name__} has no `apply(val)`. Override it.")
 
 
@@ -75,14 +76,14 @@ class Gaussian(Distributions):
     """A normal distribution around zero.
 
     Args:
-        variance: Standard deviation; the name is the one existing programs use.
+        variance: Standard deviation; RLBench uses this name.
     """
 
     def __init__(self, variance: float) -> None:
         self._variance = variance
 
     def apply(self, val: np.ndarray) -> np.ndarray:
-        """Return `val` with a draw added."""
+        """Return `val` with random numbers added."""
         return np.asarray(val) + np.random.normal(0.0, self._variance, np.shape(val))
 
 
@@ -90,15 +91,15 @@ class Uniform(Distributions):
     """A uniform distribution.
 
     Args:
-        min: Lowest number.
-        max: Highest number.
+        min: Lower bound.
+        max: Upper bound.
     """
 
     def __init__(self, min: float, max: float) -> None:
         self._min, self._max = min, max
 
     def apply(self, val: np.ndarray) -> np.ndarray:
-        """Return `val` with a draw added."""
+        """Return `val` with random numbers added."""
         return np.asarray(val) + np.random.uniform(self._min, self._max, np.shape(val))
 
 
@@ -108,12 +109,12 @@ class DomainRandomizationScene(Scene):
     Args:
         pyrep: The simulator.
         robot: Arm and gripper.
-        obs_config: What observations contain.
+        obs_config: Contents of observations.
         robot_setup: Name of the arm.
-        randomize_every: The event.
-        frequency: n: the first event and every n-th after it bring a new appearance.
-        visual_randomization_config: What may change of the appearance, or None.
-        dynamics_randomization_config: What may change of the physics, or None.
+        randomize_every: Event that starts a new randomization.
+        frequency: Randomize at every n-th event, from the first on.
+        visual_randomization_config: Settings of the appearance, or None.
+        dynamics_randomization_config: Settings of the physics, or None.
     """
 
     def __init__(
@@ -135,7 +136,7 @@ class DomainRandomizationScene(Scene):
         super().__init__(pyrep, robot, obs_config, robot_setup)
 
     def load(self, task: Task) -> None:
-        """Build the world of a task in place of the present one, and tie the task to it."""
+        """Build the world of a task, replace the current world by it, and connect the task to it."""
         super().load(task)
         self._randomizer = Randomizer(
             self.runtime,
@@ -147,7 +148,7 @@ class DomainRandomizationScene(Scene):
         )
 
     def unload(self) -> None:
-        """Go back to the empty table."""
+        """Replace the world of the task by the empty table."""
         self._randomizer = None
         super().unload()
 

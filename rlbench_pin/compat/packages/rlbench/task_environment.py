@@ -140,7 +140,7 @@ class TaskEnvironment:
         self._variation_number = int(v)
 
     def get_task_descriptions(self) -> list[str]:
-        """Return the instructions of the present episode.
+        """Return the instructions of the current episode.
 
         Raises:
             NotReset: Before the first reset (also a RuntimeError).
@@ -185,10 +185,11 @@ class TaskEnvironment:
         return self._scene.get_observation()
 
     def step(self, action: Any) -> tuple[Observation, float, bool]:
-        """Run one action, to its end or until a step of it ends the episode.
+        """Execute one action to its end, or until the episode ends.
 
         Returns:
-            Observation, reward, and whether the episode has ended: by success, or by the fail list. There is no automatic reset.
+            Observation, reward, and whether the episode has ended by success or by the fail conditions. There is no automatic
+            reset.
 
         Raises:
             NotReset: Before the first reset (also a RuntimeError).
@@ -216,7 +217,7 @@ class TaskEnvironment:
         random_selection: bool = True,
         from_episode_number: int = 0,
     ) -> list[Demo]:
-        """Return demonstrations of the present variation: plan them now, or read stored ones.
+        """Return demonstrations of the current variation: plan them now, or read stored ones.
 
         Args:
             amount: Number of demonstrations; -1 reads all stored ones.

@@ -1,7 +1,7 @@
-"""The tasks by name: `ReachTarget` and the others, `rlbench.tasks.reach_target` and the others, and the task sets.
+"""Task classes such as `ReachTarget`, modules of tasks such as `rlbench.tasks.reach_target`, and task sets.
 
-Programs also import, reload and list one module per task. All these names are aliases of this module, so that `importlib.reload`
-finds a file.
+The modules of tasks, which programs import, reload and list, are aliases of this module, so that `importlib.reload` finds a
+file.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _SETS = {name: {part: [_CLASSES[task] for task in tasks] for part, tasks in part
 globals().update({cls.__name__: cls for cls in _CLASSES.values()}, **_SETS)
 add_aliases(__name__, _CLASSES)
 
-__path__ = [TASKS_PATH]  # what `pkgutil.iter_modules` lists
+__path__ = [TASKS_PATH]  # for `pkgutil.iter_modules`
 __all__ = sorted([*(cls.__name__ for cls in _CLASSES.values()), *_SETS])
 
 

@@ -16,11 +16,11 @@ from rlbench_pin.tasks.registry import camel_case
 
 
 class InvalidTaskName(UnknownName):
-    """A name is not that of a task."""
+    """No task has the name."""
 
 
 def name_to_task_class(task_file: str) -> type[Task]:
-    """Return the class of a task, given the name of its file with or without `.py`: `reach_target` -> `ReachTarget`.
+    """Return the class of a task for the name of its file, with or without `.py`: `reach_target` -> `ReachTarget`.
 
     Raises:
         InvalidTaskName: No task has that name.
@@ -48,20 +48,20 @@ def get_stored_demos(
     random_selection: bool = True,
     from_episode_number: int = 0,
 ) -> list[Demo]:
-    """Return stored demonstrations of one task, from folders of both layouts or from our own files.
+    """Return stored demonstrations of one task, from folders of either RLBench layout or from files of this package.
 
     Args:
-        amount: Number of demonstrations; -1 is all.
+        amount: Number of demonstrations; -1 reads all.
         image_paths: Return paths of image files instead of images.
         dataset_root: Folder with a folder for each task.
-        variation_number: Number of the variation; -1 is any.
+        variation_number: Number of the variation; -1 selects any.
         task_name: Name of the task.
         obs_config: Contents of observations.
-        random_selection: Pick with numpy's global generator; otherwise in natural order.
-        from_episode_number: First episode when not picked at random.
+        random_selection: Select with numpy's global generator; otherwise in natural order.
+        from_episode_number: First episode without random selection.
 
     Raises:
-        DatasetError: Data are missing or damaged, or fewer demonstrations are stored (also a RuntimeError).
+        DatasetError: Data are missing or damaged, or too few demonstrations are stored (also a RuntimeError).
     """
     wanted = StoredSelection(amount, variation_number, image_paths, random_selection, from_episode_number)
     rng = np.random.default_rng(int(np.random.randint(2**31)) if random_selection else 0)

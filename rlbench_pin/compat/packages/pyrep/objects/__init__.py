@@ -1,7 +1,7 @@
 """Objects of a scene, as views on the simulated world.
 
-Dummies and sensors are defined here, as are cameras of a window, lights and octrees, which scenes do not have. Programs import
-a module per class; the names of these modules are aliases of this one.
+This module defines dummies and sensors. The classes of window cameras, lights and octrees raise errors, since scenes have none.
+Programs import one module per class; the names of these modules are aliases of this module.
 """
 
 from __future__ import annotations
@@ -42,19 +42,19 @@ __all__ = [
 
 
 class Dummy(Object):
-    """A frame or waypoint of the scene, the root of the task, the tip of the arm, or a dummy that a program made."""
+    """A frame or waypoint of the scene, the root of the task, the tip of the arm, or a dummy that a program created."""
 
     kinds: ClassVar[tuple[TypeName, ...]] = ("dummy",)
 
     @classmethod
     def create(cls, size: float = 0.01) -> Dummy:
-        """Make a dummy at the origin of the world.
+        """Create a dummy at the origin of the world.
 
-        It stays until `remove()`. A reset restores a descendant of a task to its pose when the
-        task was set up, and removes one that was made later; unloading the task removes it, too.
+        It exists until `remove()`. For descendants of a task, a reset restores the pose at the setup of the task, and removes
+        dummies that were created later; unloading the task also removes them.
 
         Args:
-            size: Accepted; dummies are not drawn.
+            size: No effect: dummies are not drawn.
         """
         table = Simulator.current().objects
         name = table.free_name("Dummy")
@@ -62,7 +62,7 @@ class Dummy(Object):
         return cls(Element("placed", name))
 
     def copy(self) -> Dummy:
-        """Make another one at the same pose, with the same parent."""
+        """Create a dummy at the same pose with the same parent."""
         made = Dummy.create()
         made.set_pose(self.get_pose())
         made.set_parent(self.get_parent())
@@ -78,11 +78,11 @@ class ForceSensor(Object):
     kinds: ClassVar[tuple[TypeName, ...]] = ("force_sensor", "shape")
 
     def get_type(self) -> ObjectType:
-        """Return FORCE_SENSOR, for every measured object."""
+        """Return FORCE_SENSOR."""
         return ObjectType.FORCE_SENSOR
 
     def read(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return force (3,) [N] and torque (3,) [N m] of the normal contact forces, in its own frame, about its origin."""
+        """Return force (3,) [N] and torque (3,) [N m] of the normal contact forces, in the frame of the sensor at its origin."""
         body, link = body_of(self.table, self.element, "ForceSensor.read"), self.element.name.partition("/")[2]
         place = pose_to_se3(self.get_pose())
         force, torque = np.zeros(3), np.zeros(3)
@@ -96,10 +96,10 @@ class ForceSensor(Object):
 
 @dataclass(frozen=True, eq=False)
 class BoxVolume:
-    """A box that is not part of the scene file, as a volume of a sensor."""
+    """Volume of a sensor that is not part of the scene file."""
 
     size: tuple[float, ...]
-    """Lengths along x, y, z [m]."""
+    """Side lengths along x, y, z [m]."""
     pose: FloatArray
     """Pose (7,) of its centre in the world."""
     shape: geometry.VolumeShape = "box"
@@ -111,12 +111,12 @@ class BoxVolume:
 
 
 class ProximitySensor(Object):
-    """A box, cylinder or ball of the scene file that detects objects inside; it is evaluated at each call."""
+    """A box, cylinder or sphere of the scene file that detects objects inside; it is evaluated at each call."""
 
     kinds: ClassVar[tuple[TypeName, ...]] = ("proximity_sensor",)
 
     def read(self) -> float:
-        """Return the distance from its origin to the nearest detectable body inside [m], -1 when there is none."""
+        """Return the distance [m] from the origin of the sensor to the nearest detectable body in its volume; -1 without one."""
         table, place, least = self.table, pose_to_se3(self._volume().pose), np.inf
         kinds = ("body",) if self.element.kind == "placed" else ("body", "robot")  # the gripper's sensor ignores the arm
         for element in table.elements():
@@ -126,20 +126,21 @@ class ProximitySensor(Object):
         return -1.0 if least == np.inf else float(least)
 
     def is_detected(self, obj: Object) -> bool:
-        """Return whether an object is in the volume: any solid part of a shape, or the origin of another object.
+        """Return whether an object is in the volume: any collision shape of a shape, or the origin of another object.
 
         Args:
-            obj: The object; not detected while it is not detectable.
+            obj: The object; it is detected only if it is detectable.
         """
         return obj.is_detectable() and self._contains(obj.element)
 
     def _volume(self) -> Sensor | BoxVolume:
+        """Return the volume of the sensor at its current pose."""
         if self.element.kind == "placed":
             return BoxVolume(self.table.placed[self.element.name].size, self.get_pose())
         return self.table.world.sensor(self.element.name)
 
     def _contains(self, element: Element) -> bool:
-        """Return whether a solid part of an object, or the origin of one without parts, is in the volume."""
+        """Return whether a collision shape of an object, or the origin of an object without shapes, is in the volume."""
         volume, found = self._volume(), self.table.scene_object(element)
         solids = found.solids()
         if not solids:
@@ -149,7 +150,7 @@ class ProximitySensor(Object):
 
 
 class Camera(Object):
-    """Refused: there is no window."""
+    """Not available: there is no window. The constructor raises UnsupportedCall."""
 
     def __init__(self, name_or_handle: str | int) -> None:
         raise UnsupportedCall(
@@ -158,7 +159,7 @@ class Camera(Object):
 
 
 class Light(Object):
-    """Refused: lights are a setting of images, not objects with a name."""
+    """Not available: lights are settings of images, not objects. The constructor raises UnsupportedCall."""
 
     def __init__(self, name_or_handle: str | int) -> None:
         raise UnsupportedCall(
@@ -169,7 +170,7 @@ class Light(Object):
 
 
 class Octree(Object):
-    """Refused: voxels are left to the programs that need them."""
+    """Not available: scenes have no voxels. The constructor raises UnsupportedCall."""
 
     def __init__(self, name_or_handle: str | int) -> None:
         raise UnsupportedCall(

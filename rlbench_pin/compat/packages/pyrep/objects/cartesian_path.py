@@ -1,4 +1,4 @@
-"""Paths through space."""
+"""Cartesian paths."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from rlbench_pin.tasks.waypoints import waypoints_of
 
 
 class EmptyPath(RlbenchPinError, ValueError):
-    """A path has no points, so it has no poses."""
+    """A path without points has no poses."""
 
 
 class CartesianPath(Object):
-    """A curve through poses: a waypoint of the scene with `path = "curve"`, or one that a program made."""
+    """A curve through poses: a waypoint of the scene with `path = "curve"`, or a path that a program created."""
 
     kinds: ClassVar[tuple[ObjectType, ...]] = ("path",)
 
@@ -43,10 +43,10 @@ class CartesianPath(Object):
         virt_dist_scale_factor: float = 1.0,
         paths: Sequence[float] | None = None,
     ) -> CartesianPath:
-        """Make a path without points at the origin of the world; it stays until `remove()`. Paths are not drawn.
+        """Create a path without points at the origin of the world; it exists until `remove()`. Paths are not drawn.
 
-        * `closed_path`: the last point leads back to the first.
-        * The rest is accepted and changes nothing: orientations are those of the points, lengths those of the positions.
+        * `closed_path`: connect the last point to the first.
+        * All other arguments have no effect: orientations are those of the points, and only positions count for the length.
         """
         table = Simulator.current().objects
         name = table.free_name("Path")
@@ -57,7 +57,7 @@ class CartesianPath(Object):
         """Append points.
 
         Args:
-            poses: Each x, y, z [m] and Euler angles a, b, c [rad], in world coordinates.
+            poses: Points: x, y, z [m] and Euler angles a, b, c [rad], in world coordinates.
         """
         if self.element.kind != "placed":
             raise PyRepError(
@@ -68,10 +68,10 @@ class CartesianPath(Object):
         self.table.placed[self.element.name] = replace(placed, points=(*placed.points, *points))
 
     def get_poses(self) -> FloatArray:
-        """Return the poses (n, 7) of its points in the world, the first one repeated at the end of a closed path.
+        """Return the world poses (n, 7) of the points; a closed path repeats the first pose at the end.
 
         Raises:
-            EmptyPath: It has no points.
+            EmptyPath: The path has no points.
         """
         table, element, frame = self.table, self.element, self.get_pose()
         if element.kind == "placed":
@@ -85,23 +85,24 @@ class CartesianPath(Object):
         return np.array(points)
 
     def _waypoint_points(self) -> list[FloatArray]:
-        """Return the points of a curve of the scene file; a sweep begins where the waypoint before it is."""
+        """Return the points of a curve of the scene file; a sweep starts at the previous waypoint."""
         waypoints = waypoints_of(self.table.world)
         index = next(k for k, waypoint in enumerate(waypoints) if waypoint.frame.name == self.element.name)
         before = waypoints[index - 1].pose if index else self.table.world.robot.tip_pose()
         return [np.asarray(pose) for pose in waypoints[index].curve_poses(before)]
 
     def get_pose_on_path(self, relative_distance: float) -> tuple[list[float], list[float]]:
-        """Return position [m] and Euler angles [rad] at a fraction of its length.
+        """Return position [m] and Euler angles [rad] at a fraction of the length.
 
         Args:
-            relative_distance: 0 at the first point to 1 at the last.
+            relative_distance: Fraction of the length, from 0 (first point) to 1 (last point).
         """
         pose = _pose_at(self.get_poses(), float(relative_distance))
         return pose[:3].tolist(), matrix_to_euler(pose_to_matrix(pose)[:3, :3]).tolist()
 
 
 def _pose_of(numbers: Sequence[float]) -> FloatArray:
+    """Return the pose (7,) of x, y, z [m] and Euler angles a, b, c [rad]."""
     matrix = np.eye(4)
     matrix[:3, 3] = numbers[:3]
     matrix[:3, :3] = euler_to_matrix(np.asarray(numbers[3:6], dtype=float))
@@ -109,11 +110,11 @@ def _pose_of(numbers: Sequence[float]) -> FloatArray:
 
 
 def _pose_at(poses: FloatArray, share: float) -> FloatArray:
-    """Return the pose (7,) at a fraction of the length of a path, straight between its points.
+    """Return the pose (7,) at a fraction of the length of a path, by interpolation between its points.
 
     Args:
         poses: Points (n, 7).
-        share: 0 at the first to 1 at the last.
+        share: Fraction of the length, from 0 (first point) to 1 (last point).
     """
     lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(poses[:, :3], axis=0), axis=1))])
     along = np.clip(share, 0.0, 1.0) * lengths[-1]
@@ -126,7 +127,7 @@ def _pose_at(poses: FloatArray, share: float) -> FloatArray:
 
 
 def _slerp(first: FloatArray, second: FloatArray, share: float) -> FloatArray:
-    """Return the quaternion (4,) at a fraction of the shorter way from one to another."""
+    """Return the spherical interpolation of two quaternions (4,), along the shorter rotation."""
     dot = float(np.dot(first, second))
     end = second if dot >= 0.0 else -second
     angle = float(np.arccos(np.clip(abs(dot), 0.0, 1.0)))

@@ -1,4 +1,4 @@
-"""All objects of a scene: names, parents, poses, boxes, contacts and switches."""
+"""Base class of scene objects: names, parents, poses, bounding boxes, contacts and flags."""
 
 from __future__ import annotations
 
@@ -22,22 +22,22 @@ _OWNERS = {"link": "body", "robot_link": "robot", "gripper": "robot", "tip": "ro
 
 
 class InvalidPlace(RlbenchPinError, ValueError):
-    """Numbers that are not a valid pose: wrong count, NaN, or a quaternion whose length is not 1."""
+    """A pose is invalid: wrong number of values, NaN, or a quaternion whose length is not 1."""
 
 
 class Object:
-    """A view of one object of the scene; it stores only the name, and finds the object at each call.
+    """A view of one object of the scene; it stores only the identity, and finds the object at each call.
 
     Args:
         name_or_handle: Name or handle of the object.
 
     Raises:
-        UnknownObject: There is no such object; also a `RuntimeError`.
-        WrongObjectTypeError: It is of another type.
+        UnknownObject: There is no such object (also a RuntimeError).
+        WrongObjectTypeError: The object has another type.
     """
 
     kinds: ClassVar[tuple[TypeName, ...]] = ()
-    """Types of the class; empty for any type."""
+    """Object types for which the class can be used; empty for any type."""
 
     def __init__(self, name_or_handle: str | int | Element) -> None:
         self._removed = False
@@ -55,15 +55,15 @@ class Object:
 
     @property
     def table(self) -> ObjectTable:
-        """All objects of the present world."""
+        """Table of all objects of the current world."""
         return Simulator.current().objects
 
     @property
     def element(self) -> Element:
-        """Its element of the world.
+        """Identity of the object in the world.
 
         Raises:
-            ObjectAlreadyRemovedError: After `remove()`.
+            ObjectAlreadyRemovedError: `remove()` was called.
         """
         if self._removed:
             raise ObjectAlreadyRemovedError(f"'{self._element.name}' was removed. Create or look up another object.")
@@ -71,7 +71,7 @@ class Object:
 
     @property
     def scene_object(self) -> SceneObject:
-        """Its present object of the world."""
+        """Access to the object in the current world."""
         return self.table.scene_object(self.element)
 
     @property
@@ -88,12 +88,12 @@ class Object:
         return f"{type(self).__name__}('{self._element.name}')"
 
     def identity(self) -> Element:
-        """Identity for comparisons; valid after `remove()` as well."""
+        """Return the identity for comparisons; available after `remove()` as well."""
         return self._element
 
     @staticmethod
     def exists(name: str) -> bool:
-        """Whether an object of the scene has that name."""
+        """Return whether the scene has an object with a name."""
         try:
             Simulator.current().objects.find(name)
         except UnknownObject:
@@ -102,13 +102,13 @@ class Object:
 
     @staticmethod
     def get_object_type(name: str) -> ObjectType:
-        """Return the type of the object of that name."""
+        """Return the type of the object with a name."""
         table = Simulator.current().objects
         return ObjectType[table.scene_object(table.find(name)).type.upper()]
 
     @staticmethod
     def get_object_name(name_or_handle: str | int) -> str:
-        """Return the name of the object of that name or handle."""
+        """Return the name of the object with a name or handle."""
         table = Simulator.current().objects
         return table.name(table.find(name_or_handle) if isinstance(name_or_handle, str) else table.of_handle(name_or_handle))
 
@@ -117,41 +117,41 @@ class Object:
         return ObjectType[self.scene_object.type.upper()]
 
     def get_handle(self) -> int:
-        """Return its handle; for objects in masks, their number in the masks."""
+        """Return the handle; for objects in masks it is their number in masks."""
         return self.table.handle(self.element)
 
     def still_exists(self) -> bool:
-        """Whether it is part of the scene."""
+        """Return whether the object is part of the scene."""
         return not self._removed and self.table.exists(self._element)
 
     def get_name(self) -> str:
-        """Return its name."""
+        """Return the name."""
         return self.table.name(self.element)
 
     def set_name(self, name: str) -> None:
-        """Give it another name; lists no longer contain the old one."""
+        """Rename the object; its previous name is no longer valid."""
         self.table.rename(self.element, name)
 
     # Parents and children --------------------------------------------------------------------------------------------
 
     @staticmethod
     def get_object(name_or_handle: str | int) -> Object:
-        """Return the object of that name or handle, as an object of the class for its type."""
+        """Return the object with a name or handle, as an instance of the class for its type."""
         table = Simulator.current().objects
         element = table.find(name_or_handle) if isinstance(name_or_handle, str) else table.of_handle(int(name_or_handle))
         return view_of(element)
 
     def get_parent(self) -> Object | None:
-        """Return its parent, None for the world."""
+        """Return the parent; None for the world."""
         parent = self.table.parent(self.element)
         return None if parent is None else view_of(parent)
 
     def set_parent(self, parent_object: Object | None, keep_in_place: bool = True) -> None:
-        """Let it move with another object.
+        """Attach the object to a new parent, with which it then moves.
 
         Args:
-            parent_object: Its new parent; None is the world.
-            keep_in_place: Stay where it is; otherwise keep the pose relative to the parent.
+            parent_object: The new parent; None is the world.
+            keep_in_place: Keep the pose in the world; otherwise keep the pose relative to the parent.
         """
         parent = None if parent_object is None else parent_object.element
         self.table.set_parent(self.element, parent, keep_in_place)
@@ -159,12 +159,12 @@ class Object:
     def get_objects_in_tree(
         self, object_type: ObjectType = ObjectType.ALL, exclude_base: bool = True, first_generation_only: bool = False
     ) -> list[Object]:
-        """Return its descendants.
+        """Return the descendants.
 
         Args:
-            object_type: Only objects of this type.
-            exclude_base: Leave itself out.
-            first_generation_only: Direct children only.
+            object_type: Return only objects of this type.
+            exclude_base: Leave out this object.
+            first_generation_only: Return only direct children.
         """
         table = self.table
         tree = table.tree(self.element, 1 if first_generation_only else -1)
@@ -187,7 +187,7 @@ class Object:
         Args:
             pose: x, y, z [m], qx, qy, qz, qw.
             relative_to: Object of the reference frame; None is the world.
-            reset_dynamics: Bring it to rest as well.
+            reset_dynamics: Set the velocity to 0.
         """
         numbers = _numbers(pose, 7, "pose")
         norm = float(np.linalg.norm(numbers[3:]))
@@ -202,7 +202,7 @@ class Object:
         return self.get_pose(relative_to)[:3]
 
     def set_position(self, position: Numbers, relative_to: Object | None = None, reset_dynamics: bool = True) -> None:
-        """Move to a position (3,) [m]; the orientation stays."""
+        """Move to a position (3,) [m]; the orientation does not change."""
         pose = np.concatenate([_numbers(position, 3, "position"), self.get_pose(relative_to)[3:]])
         self.set_pose(pose, relative_to, reset_dynamics)
 
@@ -211,7 +211,7 @@ class Object:
         return self.get_pose(relative_to)[3:]
 
     def set_quaternion(self, quaternion: Numbers, relative_to: Object | None = None, reset_dynamics: bool = True) -> None:
-        """Turn to an orientation (4,): qx, qy, qz, qw; the position stays."""
+        """Rotate to an orientation (4,): qx, qy, qz, qw; the position does not change."""
         pose = np.concatenate([self.get_pose(relative_to)[:3], _numbers(quaternion, 4, "quaternion")])
         self.set_pose(pose, relative_to, reset_dynamics)
 
@@ -220,13 +220,13 @@ class Object:
         return matrix_to_euler(self.get_matrix(relative_to)[:3, :3])
 
     def set_orientation(self, orientation: Numbers, relative_to: Object | None = None, reset_dynamics: bool = True) -> None:
-        """Turn to Euler angles (3,) [rad] with R = Rx(a) Ry(b) Rz(c); the position stays."""
+        """Rotate to Euler angles (3,) [rad] with R = Rx(a) Ry(b) Rz(c); the position does not change."""
         matrix = np.eye(4)
         matrix[:3, :3] = euler_to_matrix(_numbers(orientation, 3, "orientation"))
         self.set_quaternion(matrix_to_pose(matrix)[3:], relative_to, reset_dynamics)
 
     def get_matrix(self, relative_to: Object | None = None) -> FloatArray:
-        """Return the homogeneous matrix (4, 4) from its own to world coordinates."""
+        """Return the homogeneous matrix (4, 4) from the frame of the object to the world or to `relative_to`."""
         return pose_to_matrix(self.get_pose(relative_to))
 
     def set_matrix(self, matrix: FloatArray, relative_to: Object | None = None, reset_dynamics: bool = True) -> None:
@@ -239,31 +239,31 @@ class Object:
         self.set_pose(matrix_to_pose(full), relative_to, reset_dynamics)
 
     def rotate(self, rotation: Numbers) -> None:
-        """Turn about its own x axis, then y, then z, by angles (3,) [rad]; the axes are those before the turn."""
+        """Rotate by angles (3,) [rad] about the x-axis, then y-axis, then z-axis of the object before the rotation."""
         a, b, c = _numbers(rotation, 3, "rotation")
         turn = np.eye(4)
         turn[:3, :3] = euler_to_matrix((0.0, 0.0, c)) @ euler_to_matrix((0.0, b, 0.0)) @ euler_to_matrix((a, 0.0, 0.0))
         self.set_pose(compose(self.get_pose(), matrix_to_pose(turn)))
 
     def set_place(self, position: Numbers | None, orientation: Numbers | None) -> None:
-        """Set position (3,) [m] and Euler angles (3,) [rad], where they are given."""
+        """Set position (3,) [m] and Euler angles (3,) [rad]; None leaves a value unchanged."""
         if position is not None:
             self.set_position(position)
         if orientation is not None:
             self.set_orientation(orientation)
 
     def reset_dynamic_object(self) -> None:
-        """Bring it to rest where it is."""
+        """Set the velocity to 0; the pose does not change."""
         self.set_pose(self.get_pose())
 
     # Boxes, contact, distance ----------------------------------------------------------------------------------------
 
     def get_bounding_box(self) -> list[float]:
-        """Return min x, max x, min y, max y, min z, max z of its box in its own frame [m], without its descendants."""
+        """Return x min, x max, y min, y max, z min, z max [m] of the box in the frame of the object, without descendants."""
         return [float(v) for v in self.scene_object.box().T.ravel()]
 
     def get_model_bounding_box(self) -> list[float]:
-        """Return the same six numbers, its descendants included."""
+        """Return the bounding box like `get_bounding_box`, with descendants."""
         table, root = self.table, self.scene_object
         boxes = [root.box()]
         for member in table.tree(self.element):
@@ -276,7 +276,7 @@ class Object:
         return [float(v) for v in np.stack([lowest, highest]).T.ravel()]
 
     def check_collision(self, obj: Object | None = None) -> bool:
-        """Return whether it touches an object, or any collidable object outside its own tree when `obj` is None."""
+        """Return whether the object touches `obj`; for None, whether it touches any collidable object outside its tree."""
         table, element = self.table, self.element
         if not self.is_collidable():
             return False
@@ -286,7 +286,7 @@ class Object:
         return any(_touch(table, element, other) for other in others if table.flags.get((other, "collidable"), True))
 
     def check_distance(self, other: Object) -> float:
-        """Return the smallest distance to another object [m]; 0 where they touch."""
+        """Return the smallest distance to another object [m]; 0 if they touch."""
         first, second = (o.scene_object.solids() or [((point_part(),), o.scene_object.pose)] for o in (self, other))
         return min(
             geometry.gap(parts, pose_to_se3(pose), others, pose_to_se3(there))
@@ -298,11 +298,11 @@ class Object:
         """Return the contact points of the last physics step.
 
         Args:
-            contact_obj: The other object; None is any.
-            get_contact_normal: Kept for programs that pass it; normals are always returned.
+            contact_obj: The other object; None is any object.
+            get_contact_normal: No effect: normals are always returned.
 
         Returns:
-            For each point a dict with `contact_handles` (2 numbers) and `contact` (6,): position [m], normal force vector [N].
+            One dict for each point, with `contact_handles` (2 numbers) and `contact` (6,): position [m], normal force [N].
         """
         table, element, other = self.table, self.element, None if contact_obj is None else contact_obj.element
         if element.kind in ("frame", "root", "placed", "camera") or (other is not None and other.kind in ("frame", "placed")):
@@ -324,17 +324,17 @@ class Object:
         return velocity[:3], velocity[3:]
 
     def get_configuration_tree(self) -> ConfigurationTree:
-        """Return its configuration with that of its descendants, for `PyRep.set_configuration_tree`."""
+        """Return the poses and joint positions of the object and its descendants, for `PyRep.set_configuration_tree`."""
         return ConfigurationTree.read(self.table, self.element)
 
-    # Switches --------------------------------------------------------------------------------------------------------
+    # Flags -----------------------------------------------------------------------------------------------------------
 
     def flag(self, name: str, default: bool = True) -> bool:
-        """Return one of the switches."""
+        """Return the value of a flag."""
         return bool(self.table.flags.get((self.element, name), default))
 
     def set_flag(self, name: str, value: bool, model: bool = False) -> None:
-        """Set one of the switches, of the whole tree with `model`."""
+        """Set a flag of the object; with `model` also of its descendants."""
         tree = self.table.tree(self.element) if model else []
         for element in (self.element, *tree):
             self.table.flags[element, name] = bool(value)
@@ -342,63 +342,63 @@ class Object:
                 self.table.world.body(element.name).obstacle = bool(value)
 
     def is_collidable(self) -> bool:
-        """Whether collision checks and plans include it."""
+        """Return whether collision checks and plans include the object."""
         return self.flag("collidable")
 
     def set_collidable(self, value: bool) -> None:
-        """Include it in collision checks and plans, or not; physics is not changed (see `Shape.set_respondable`)."""
+        """Set whether collision checks and plans include the object; physics does not change (see `Shape.set_respondable`)."""
         self.set_flag("collidable", value)
 
     def is_measurable(self) -> bool:
-        """Whether distances to it are measured."""
+        """Return whether distances to the object are measured."""
         return self.flag("measurable")
 
     def set_measurable(self, value: bool) -> None:
-        """Set whether distances to it are measured."""
+        """Set whether distances to the object are measured."""
         self.set_flag("measurable", value)
 
     def is_detectable(self) -> bool:
-        """Whether proximity sensors see it."""
+        """Return whether proximity sensors detect the object."""
         return self.flag("detectable")
 
     def set_detectable(self, value: bool) -> None:
-        """Set whether proximity sensors see it."""
+        """Set whether proximity sensors detect the object."""
         self.set_flag("detectable", value)
 
     def is_renderable(self) -> bool:
-        """Whether cameras see it."""
+        """Return whether images show the object."""
         return self.flag("renderable")
 
     def set_renderable(self, value: bool) -> None:
-        """Set whether cameras see it; other shapes are hidden."""
+        """Set whether images show the object; it has an effect for shapes only."""
         self.set_flag("renderable", value)
 
     def is_model_collidable(self) -> bool:
-        """Whether collision checks include it and its descendants."""
+        """Return whether collision checks include the object and its descendants."""
         return self._all("collidable")
 
     def set_model_collidable(self, value: bool) -> None:
-        """Include it and its descendants in collision checks, or not."""
+        """Set whether collision checks include the object and its descendants."""
         self.set_flag("collidable", value, model=True)
 
     def is_model_measurable(self) -> bool:
-        """Whether distances to it and its descendants are measured."""
+        """Return whether distances to the object and its descendants are measured."""
         return self._all("measurable")
 
     def set_model_measurable(self, value: bool) -> None:
-        """Set whether distances to it and its descendants are measured."""
+        """Set whether distances to the object and its descendants are measured."""
         self.set_flag("measurable", value, model=True)
 
     def is_model_detectable(self) -> bool:
-        """Whether proximity sensors see it and its descendants."""
+        """Return whether proximity sensors detect the object and its descendants."""
         return self._all("detectable")
 
     def set_model_detectable(self, value: bool) -> None:
-        """Set whether proximity sensors see it and its descendants."""
+        """Set whether proximity sensors detect the object and its descendants."""
         self.set_flag("detectable", value, model=True)
 
     def is_model_renderable(self) -> bool:
-        """Whether cameras see it and its descendants."""
+        """Return whether images show the object and its descendants."""
         return self._all("renderable")
 
     def _all(self, name: str) -> bool:
@@ -408,7 +408,7 @@ class Object:
     # Models ----------------------------------------------------------------------------------------------------------
 
     def is_model(self) -> bool:
-        """Whether it is a model: the value of `set_model`, by default whether it has children."""
+        """Return the value of `set_model`; by default whether the object has children."""
         return self.flag("model", default=bool(self.table.children(self.element)))
 
     def set_model(self, value: bool) -> None:
@@ -416,41 +416,41 @@ class Object:
         self.set_flag("model", value)
 
     def set_model_renderable(self, value: bool) -> None:
-        """Show it and its descendants to cameras, or hide them."""
+        """Set whether images show the object and its descendants."""
         for member in self.get_objects_in_tree(exclude_base=False):
             member.set_renderable(value)
 
     def is_respondable(self) -> bool:
-        """Return False: only shapes touch other objects."""
+        """Return False: only shapes collide with other objects."""
         return False
 
     def set_respondable(self, value: bool) -> None:
-        """Remember the switch: only shapes touch other objects."""
+        """Set a flag without other effect: only shapes collide with other objects."""
         self.set_flag("respondable", value)
 
     def is_dynamic(self) -> bool:
-        """Return False: only shapes are moved by physics."""
+        """Return False: physics moves only shapes."""
         return False
 
     def is_model_respondable(self) -> bool:
-        """Whether all shapes of its tree touch other objects."""
+        """Return whether all shapes of the object and its descendants collide with other objects."""
         return all(shape.is_respondable() for shape in self.get_objects_in_tree(ObjectType.SHAPE, exclude_base=False))
 
     def set_model_respondable(self, value: bool) -> None:
-        """Let all shapes of its tree touch other objects, or pass through them."""
+        """Set whether the shapes of the object and its descendants collide with other objects."""
         for shape in self.get_objects_in_tree(ObjectType.SHAPE, exclude_base=False):
             shape.set_respondable(value)
 
     def is_model_dynamic(self) -> bool:
-        """Whether all shapes of its tree are moved by physics."""
+        """Return whether physics moves all shapes of the object and its descendants."""
         return all(shape.is_dynamic() for shape in self.get_objects_in_tree(ObjectType.SHAPE, exclude_base=False))
 
     def get_explicit_handling(self) -> int:
-        """Return 1 for sensors that are read only on request, as all sensors are."""
+        """Return 1: all sensors are read on request."""
         return 1
 
     def set_explicit_handling(self, value: int) -> None:
-        """Accepted without effect: sensors are read on request."""
+        """No effect: all sensors are read on request."""
 
     def get_extension_string(self) -> str:
         """Return the extension string of a waypoint of a scene file; empty for other objects."""
@@ -467,24 +467,24 @@ class Object:
         return ";".join(words)
 
     def scale_object(self, scale_x: float, scale_y: float, scale_z: float) -> None:
-        """Refused: sizes are part of the model."""
+        """Raise UnsupportedCall: sizes are part of the model."""
         raise UnsupportedCall(
             "scale_object", "sizes are part of the model file.", "Use `scale` in the scene file, or `Shape.create`."
         )
 
     def save_model(self, path: str) -> None:
-        """Refused: ttm files are not supported."""
+        """Raise UnsupportedCall: ttm files are not supported."""
         raise UnsupportedCall("save_model", "ttm files are not supported.", "Scenes are TOML files and models URDF files.")
 
     def copy(self) -> Object:
-        """Make a copy; only objects that a program made, and shapes, can be copied."""
+        """Raise UnsupportedCall; classes whose objects can be copied override this."""
         raise UnsupportedCall(f"copy of '{self.get_name()}'", "it is part of the fixed scene.", "Copy a Shape or a Dummy.")
 
     def remove(self) -> None:
-        """Remove it from the scene; its children keep their poses.
+        """Remove the object from the scene; its children keep their poses.
 
         Raises:
-            PyRepError: It belongs to the scene file; only objects that a program made can be removed.
+            PyRepError: The object belongs to the scene file; only objects that a program created can be removed.
         """
         try:
             made_shapes.discard(self.table, self.element)
@@ -494,25 +494,26 @@ class Object:
 
 
 def view_of(element: Element) -> Object:
-    """Return an object of the class for the type of an element."""
+    """Return a view of an element, as an instance of the class for its type."""
     found = Simulator.current().objects.scene_object(element).type
     classes = [c for c in _classes(Object) if c.kinds[:1] == (found,)]
     return (classes or [Object])[0](element)
 
 
 def _classes(base: type[Object]) -> list[type[Object]]:
-    """Return the classes of this package that derive from `base`, without those that programs derive."""
+    """Return the subclasses of `base` in this package, without those of programs."""
     own = [c for c in base.__subclasses__() if f"{c.__module__}.".startswith("pyrep.objects.")]
     return [c for direct in own for c in (direct, *_classes(direct))]
 
 
 def views_of(elements: Iterable[Element], object_type: ObjectType = ObjectType.ALL) -> list[Object]:
-    """Return objects for those elements that are of a type."""
+    """Return views of the elements of a type."""
     views = [view_of(element) for element in elements]
     return views if object_type == ObjectType.ALL else [v for v in views if v.get_type() == object_type]
 
 
 def _touch(table: ObjectTable, first: Element, second: Element) -> bool:
+    """Return whether the collision shapes of two objects overlap."""
     for parts, pose in table.scene_object(first).solids():
         for others, there in table.scene_object(second).solids():
             for shape, placement in parts:
@@ -522,13 +523,13 @@ def _touch(table: ObjectTable, first: Element, second: Element) -> bool:
 
 
 def point_part() -> geometry.Part:
-    """Return a ball with a radius of a micrometre, for distance queries."""
+    """Return a sphere with a radius of 1 micrometre at the origin, for distance queries."""
     ball = geometry.volume("sphere", (1e-6,))
     return ball, pose_to_se3((0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0))
 
 
 def _body_and_link(table: ObjectTable, element: Element) -> tuple[str, str | None]:
-    """Name of the body of a contact, and of its link when only that link is meant."""
+    """Return the name of the body in contacts, and the name of the link; None for all links."""
     if element.kind == "link":
         body, _, link = element.name.partition("/")
         return body, link
@@ -540,6 +541,7 @@ def _body_and_link(table: ObjectTable, element: Element) -> tuple[str, str | Non
 
 
 def _link_handle(table: ObjectTable, body: str, link: str) -> int:
+    """Return the handle of a link, of its body if only this has one, or -1."""
     ids = {name: identifier for identifier, name in table.world.masks.items()}
     return ids.get(f"{body}/{link}", ids.get(body, -1))
 
@@ -555,7 +557,7 @@ def euler_to_matrix(angles: Numbers) -> FloatArray:
 
 
 def matrix_to_euler(rotation: FloatArray) -> FloatArray:
-    """Return the angles (3,) [rad] of a rotation (3, 3) = Rx(a) Ry(b) Rz(c); c is 0 where only a + c or a - c counts."""
+    """Return the angles (3,) [rad] of a rotation (3, 3) = Rx(a) Ry(b) Rz(c); c is 0 at a singularity (b = +-90 degrees)."""
     b = float(np.arcsin(np.clip(rotation[0, 2], -1.0, 1.0)))
     if abs(rotation[0, 2]) > 1.0 - 1e-9:
         return np.array([np.arctan2(rotation[2, 1], rotation[1, 1]), b, 0.0])
@@ -563,6 +565,7 @@ def matrix_to_euler(rotation: FloatArray) -> FloatArray:
 
 
 def _numbers(values: Numbers, count: int, what: str) -> FloatArray:
+    """Return values as an array (count,), or raise InvalidPlace with `what` if they are not finite or too few or many."""
     numbers = np.array(values, dtype=float)
     if numbers.shape != (count,) or not np.isfinite(numbers).all():
         raise InvalidPlace(f"A {what} has to be {count} finite numbers, not {numbers.tolist()}.")

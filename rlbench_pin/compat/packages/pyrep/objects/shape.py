@@ -1,4 +1,4 @@
-"""Shapes: bodies, their links, planes of a scene, and shapes that programs make."""
+"""Shapes: bodies, their links, planes of a scene, and shapes that programs create."""
 
 from __future__ import annotations
 
@@ -21,18 +21,17 @@ from rlbench_pin.urdf import UrdfOrigin, read_urdf
 
 Rgba = tuple[float, ...]
 ROBOT_SHAPES = ("robot", "gripper", "robot_link")
-"""Kinds of elements whose links belong to the robot."""
+"""Kinds of elements that consist of links of the robot."""
 WHITE: Rgba = (1.0, 1.0, 1.0, 1.0)
 
 
 class Shape(Object):
-    """A body of the scene, one of its links, a part of the room or of the arm, or a plane to place objects on.
+    """A body of the scene, one of its links, a part of the room or of the arm, or a plane for random placement.
 
-    A body with several links has its own name for the whole, and its links have `<body>/<link>`, or the link's name alone
-    if only one body has it.
+    Links of a body have the name `<body>/<link>`, or the name of the link if it is unique.
 
-    A shape that a program makes in `init_task`, or before the first step, exists in every episode. A shape made during an
-    episode is removed by the next reset. A shape made while no task is loaded exists in every task.
+    A shape that a program creates in `init_task`, or before the first step, exists in every episode. A shape that is created
+    during an episode is removed by the next reset. A shape that is created without a loaded task exists in every task.
     """
 
     kinds: ClassVar[tuple[TypeName, ...]] = ("shape",)
@@ -53,13 +52,13 @@ class Shape(Object):
         orientation: Sequence[float] | None = None,
         color: Sequence[float] | None = None,
     ) -> Shape:
-        """Add a primitive to the running world; see `Shape` for its lifetime.
+        """Add a primitive shape to the world; see `Shape` for its lifetime.
 
-        * `type`: which solid; `size`: its lengths along x, y, z [m]; `mass` [kg].
-        * `respondable`: touches other objects; `static`: does not move; `renderable`: cameras see it.
+        * `type`: kind of primitive; `size`: lengths along x, y, z [m]; `mass` [kg].
+        * `respondable`: collides with other objects; `static`: does not move; `renderable`: is visible in images.
         * `position` (3,) [m], None is the origin; `orientation`: Euler angles (3,) [rad].
-        * `color`: rgb in 0..1, None is light grey.
-        * The rest is accepted: both sides are drawn, edges are not.
+        * `color`: RGB from 0 to 1, None is light grey.
+        * All other arguments have no effect: both sides are drawn, edges are not.
         """
         kind = PrimitiveShape(type).name
         asset = made_shapes.primitive(kind, size, mass)
@@ -79,13 +78,13 @@ class Shape(Object):
         backface_culling: bool = False,
         visible_edges: bool = False,
     ) -> Shape:
-        """Add a surface to the running world, fixed in place; see `Shape` for its lifetime.
+        """Add a mesh to the world, at a fixed pose; see `Shape` for its lifetime.
 
-        Its frame is at the centre of its box. Its collision shape is its convex hull.
+        The origin is the centre of the bounding box. The collision shape is the convex hull.
 
-        * `vertices`: x, y, z of all corners [m], one after the other, in world coordinates.
-        * `indices`: corner numbers of all triangles.
-        * The rest is accepted and changes nothing.
+        * `vertices`: x, y, z of all vertices [m] in one list, in world coordinates.
+        * `indices`: vertex indices of all triangles in one list.
+        * All other arguments have no effect.
         """
         corners = np.array(vertices, dtype=float).reshape(-1, 3)
         triangles = np.array(indices, dtype=np.int64).reshape(-1, 3)
@@ -93,7 +92,7 @@ class Shape(Object):
 
     @classmethod
     def import_mesh(cls, filename: str, scaling_factor: float = 1.0) -> Shape:
-        """Add the surface of a mesh file (obj, stl, dae, ply), as `create_mesh` does.
+        """Add a mesh file (obj, stl, dae, ply) to the world, like `create_mesh`.
 
         Raises:
             AssetNotFound: There is no such file.
@@ -105,18 +104,19 @@ class Shape(Object):
     def import_shape(
         cls, filename: str, scaling_factor: float = 1.0, ignore_color: bool = False, ignore_textures: bool = False
     ) -> Shape:
-        """Add the surface of a mesh file; its materials and textures are left out. See `import_mesh`."""
+        """Add a mesh file without its materials and textures; see `import_mesh`."""
         return cls.import_mesh(filename, scaling_factor)
 
     @classmethod
     def _from_mesh(cls, corners: FloatArray, triangles: np.ndarray, name: str) -> Shape:
+        """Add a mesh of vertices (n, 3) [m] in world coordinates and triangles (m, 3)."""
         asset, middle = made_shapes.mesh(corners, triangles)
         shape = cls(made_shapes.spawn(Simulator.current().objects, name, asset, made_shapes.BodySettings(static=True)))
         shape.set_position(middle)
         return shape
 
     def copy(self) -> Shape:
-        """Add another body like it, at the same place."""
+        """Add a copy of the body at the same pose."""
         element = self.element
         if element.kind != "body":
             raise UnsupportedCall(f"copy of '{self.get_name()}'", "it is not a whole body.", "Copy a whole body.")
@@ -134,13 +134,16 @@ class Shape(Object):
         return [self, *(Shape(f"{element.name}/{link}") for link in links)]
 
     def get_mesh_data(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return corners (n, 3) [m] in its own frame, triangles (m, 3) and a normal for each corner of each of them (3 m, 3)."""
+        """Return the mesh in the frame of the shape: vertices (n, 3) [m], triangles (m, 3) and normals (3 m, 3).
+
+        There is one normal for each vertex of each triangle.
+        """
         return made_shapes.surface(self.scene_object)
 
     # Appearance ------------------------------------------------------------------------------------------------------
 
     def _get_rgba(self) -> Rgba:
-        """Return the colour of the shape; planes, which are not drawn, have the colour that was set."""
+        """Return the colour; for planes, which are not drawn, it is the last value of `_set_rgba`."""
         world, element, (owner, _, link) = self.table.world, self.element, self.element.name.partition("/")
         if element.kind in ("body", "room"):
             return world.body(element.name).color
@@ -154,7 +157,7 @@ class Shape(Object):
         return given
 
     def _set_rgba(self, rgba: Rgba) -> None:
-        """Colour the shape; of planes, which are not drawn, the colour is only kept."""
+        """Set the colour; for planes, which are not drawn, it is only stored."""
         world, element, (owner, _, link) = self.table.world, self.element, self.element.name.partition("/")
         if element.kind in ("body", "room"):
             world.body(element.name).set_color(rgba)
@@ -168,7 +171,7 @@ class Shape(Object):
             self.table.flags[element, "color"] = tuple(rgba)
 
     def _robot_links(self) -> list[int]:
-        """Return the numbers of the robot's links that belong to the shape, those with visuals first."""
+        """Return the indices of the robot links that belong to the shape, those with visuals first."""
         world, gripper = self.table.world, self.table.runtime.model.fingers.links
         model = world.robot.model
         names = {"robot": tuple(model.links), "gripper": gripper}.get(self.element.kind, (self.element.name,))
@@ -176,34 +179,34 @@ class Shape(Object):
         return sorted((model.link_index(name) for name in names), key=lambda index: index not in seen)
 
     def get_color(self) -> list[float]:
-        """Return red, green, blue in 0..1."""
+        """Return red, green, blue from 0 to 1."""
         return [float(c) for c in self._get_rgba()[:3]]
 
     def set_color(self, color: Any) -> None:
-        """Colour the whole shape: a body with all its links, or one link alone.
+        """Set the colour of a body with all its links, or of one link.
 
         Args:
-            color: red, green, blue in 0..1.
+            color: Red, green, blue from 0 to 1.
         """
         values = [float(c) for c in color]
         self._set_rgba((*values[:3], self._get_rgba()[3]))
 
     def get_transparency(self) -> float:
-        """Return 0 for opaque, 1 for invisible."""
+        """Return the transparency: 0 is opaque, 1 is invisible."""
         return 1.0 - float(self._get_rgba()[3])
 
     def set_transparency(self, value: float) -> None:
-        """Set 0 for opaque to 1 for invisible; values in between are drawn as opaque.
+        """Set the transparency: 0 is opaque, 1 is invisible; values in between are drawn opaque.
 
         Raises:
-            ValueError: `value` is not in 0..1.
+            ValueError: `value` is not between 0 and 1.
         """
         if not 0.0 <= value <= 1.0:
             raise ValueError(f"A transparency has to be between 0 (opaque) and 1 (invisible), not {value}.")
         self._set_rgba((*self._get_rgba()[:3], 1.0 - float(value)))
 
     def set_renderable(self, value: bool) -> None:
-        """Show the shape to cameras, or hide it; its colour is kept."""
+        """Set whether images show the shape; its colour does not change."""
         shown = bool(value)
         if shown == self.is_renderable():
             return
@@ -231,10 +234,11 @@ class Shape(Object):
         position: list[float] | None = None,
         orientation: list[float] | None = None,
     ) -> None:
-        """Put a texture on a body, a part of the room or a link of the arm; planes are not drawn, and stay as they are.
+        """Set the texture of a body, a part of the room or a link of the arm; no effect for planes, which are not drawn.
 
-        * `texture`: from `PyRep.create_texture`; `uv_scaling`: length of the image on the shape [m], two numbers; None is 1 m.
-        * The rest is accepted and changes nothing: textures lie along the axes of the shape and repeat.
+        * `texture`: from `PyRep.create_texture`.
+        * `uv_scaling`: length of the image on the shape [m], two numbers of which the first counts; None is 1 m.
+        * All other arguments have no effect: textures are mapped along the axes of the shape and repeat.
         """
         file = getattr(texture, "filename", None)
         if file is None:
@@ -250,11 +254,11 @@ class Shape(Object):
                 overrides.set_robot_link(index, image, repeats)
 
     def get_texture(self) -> None:
-        """Refused: the texture of a shape cannot be read back."""
+        """Raise UnsupportedCall: the texture of a shape cannot be read."""
         raise UnsupportedCall("get_texture", "textures are not read back.", "Keep what `create_texture` returned.")
 
     def remove_texture(self) -> None:
-        """Show the shape's own colours again."""
+        """Remove the texture, so that images show the colours of the shape."""
         overrides, kind, name = self.table.world.texture_overrides, self.element.kind, self.element.name
         if kind in ("body", "link"):
             overrides.clear_body(name.partition("/")[0])
@@ -267,39 +271,41 @@ class Shape(Object):
     # Physics ---------------------------------------------------------------------------------------------------------
 
     def body(self, call: str) -> Body:
-        """Return the body that the shape is, or is a link of.
+        """Return the body of the shape, or of its link.
 
         Raises:
-            UnsupportedCall: It is a plane or a part of the arm.
+            UnsupportedCall: The shape is a plane or a part of the arm; the message names `call`.
         """
         return body_of(self.table, self.element, call)
 
     def _has_body(self) -> bool:
+        """Return whether the shape is a body, a link of a body, or a part of the room."""
         return self.element.kind in BODIES
 
     def _link_index(self) -> int:
+        """Return the index of the link in the physics engine; -1 for the base link."""
         body, link = self.body("a physical property"), self.element.name.partition("/")[2]
         return body.model.link_index(link) if link else -1
 
     def is_respondable(self) -> bool:
-        """Whether it touches other objects."""
+        """Return whether the shape collides with other objects."""
         return self._has_body() and self.body("is_respondable").collides
 
     def set_respondable(self, value: bool) -> None:
-        """Let it touch other objects, or pass through them; a link shares this with its whole body. Planes touch nothing."""
+        """Set whether the shape collides with other objects; for a link it applies to the whole body. Planes never collide."""
         if self._has_body() or value:
             self.body("set_respondable").set_collides(bool(value))
 
     def is_dynamic(self) -> bool:
-        """Whether it moves under gravity and contacts."""
+        """Return whether the shape moves under gravity and contacts."""
         return self._has_body() and not self.body("is_dynamic").fixed
 
     def set_dynamic(self, value: bool) -> None:
-        """Let it move under gravity and contacts, or fix it at its pose.
+        """Set whether the shape moves under gravity and contacts, or is fixed at its pose.
 
         Raises:
-            UnsupportedCall: It is part of the room, or a link.
-            RlbenchPinError: It has joints, or no mass in its model file.
+            UnsupportedCall: The shape is a part of the room, or a link.
+            RlbenchPinError: The shape has joints, or no mass in its model file.
         """
         if not self._has_body() and not value:
             return
@@ -315,11 +321,11 @@ class Shape(Object):
         self.table.world.dynamics_overrides.set_fixed(body, not value)
 
     def get_mass(self) -> float:
-        """Return its mass [kg], also when it cannot move; that of the base link for a body."""
+        """Return the mass [kg] of the link; for a body that of the base link. Fixed bodies have a mass as well."""
         return self.table.world.dynamics_overrides.mass(self.body("get_mass").model, self._link_index())
 
     def set_mass(self, mass: float) -> None:
-        """Set its mass [kg]; resets do not change it back."""
+        """Set the mass [kg]; resets do not restore it."""
         if not 0.0 < mass < float("inf"):
             raise ValueError(f"A mass has to be positive and finite, not {mass} kg.")
         model = self.body("set_mass").model
@@ -331,27 +337,27 @@ class Shape(Object):
         return self.table.world.dynamics_overrides.friction(model, self._link_index())
 
     def set_bullet_friction(self, friction: float) -> None:
-        """Set the coefficient of sliding friction; resets do not change it back."""
+        """Set the coefficient of sliding friction; resets do not restore it."""
         if not 0.0 <= friction < float("inf"):
             raise ValueError(f"A coefficient of friction has to be 0 or above, not {friction}.")
         model = self.body("set_bullet_friction").model
         self.table.world.dynamics_overrides.set_friction(model, self._link_index(), float(friction))
 
     def compute_mass_and_inertia(self, density: float) -> None:
-        """Set the mass from a density [kg/m^3] and the volume of its solid parts; its inertia grows alike.
+        """Set the mass to a density [kg/m^3] times the volume of the collision shapes; the inertia changes in proportion.
 
-        Where parts overlap, their volume counts twice.
+        The volume of overlapping shapes counts twice.
         """
         parts = [part for parts, _ in self.scene_object.solids() for part in parts]
         self.set_mass(density * float(np.sum([geometry.part_volume(part) for part in parts])))
 
     def add_force(self, position: Numbers, force: Numbers, reset_force_torque: bool = False) -> None:
-        """Push it during the next step. The push acts as an impulse at once; call it before each step to go on pushing.
+        """Apply the impulse of a force during one control tick at once; call it before each step for a constant force.
 
         Args:
-            position: Point of action, in its own frame (3,) [m].
-            force: Force along its own axes (3,) [N].
-            reset_force_torque: Accepted; what was added before has acted already.
+            position: Point of action in the frame of the shape (3,) [m].
+            force: Force in the frame of the shape (3,) [N].
+            reset_force_torque: No effect: earlier forces have already been applied.
         """
         T_world_shape = self.get_matrix()
         at = T_world_shape @ np.append(_three(position), 1.0)
@@ -360,26 +366,26 @@ class Shape(Object):
     def add_force_and_torque(
         self, force: Numbers, torque: Numbers, reset_force: bool = False, reset_torque: bool = False
     ) -> None:
-        """Push and turn it about its centre of mass during the next step, as `add_force` does.
+        """Apply a force at the centre of mass and a torque for one control tick, like `add_force`.
 
         Args:
-            force: Along the axes of the world (3,) [N].
-            torque: About the axes of the world (3,) [N m].
-            reset_force: Accepted; what was added before has acted already.
-            reset_torque: Accepted.
+            force: Force in the world (3,) [N].
+            torque: Torque in the world (3,) [N m].
+            reset_force: No effect: earlier forces have already been applied.
+            reset_torque: No effect.
         """
         self._push(_three(force), _three(torque))
 
     def _push(self, force: FloatArray, torque: FloatArray, at: FloatArray | None = None) -> None:
-        """Apply the impulse of a force and a torque during one step at once; a fixed body does not move.
+        """Apply the impulse of a force and a torque during one control tick at once; a fixed body does not move.
 
         Args:
-            force: In the world (3,) [N].
-            torque: In the world (3,) [N m].
-            at: Point of action of the force, in the world (3,) [m]; None is the centre of mass.
+            force: Force in the world (3,) [N].
+            torque: Torque in the world (3,) [N m].
+            at: Point of action of the force in the world (3,) [m]; None is the centre of mass.
 
         Raises:
-            UnsupportedCall: It is a part of something larger.
+            UnsupportedCall: The shape is not a whole body.
         """
         body = self.body("a force")
         if self.element.kind != "body":
@@ -398,14 +404,14 @@ class Shape(Object):
 
 
 BODIES = ("body", "link", "room")
-"""Kinds of elements that are a body of the scene or the room, or a link of one."""
+"""Kinds of elements that are a body of the scene or of the room, or a link of a body."""
 
 
 def body_of(table: ObjectTable, element: Element, call: str) -> Body:
-    """Return the body that an element is, or is a link of.
+    """Return the body of an element, or of its link.
 
     Raises:
-        UnsupportedCall: It has no body.
+        UnsupportedCall: The element has no body; the message names `call`.
     """
     if element.kind not in BODIES:
         raise UnsupportedCall(
@@ -422,7 +428,7 @@ def _file_color(body: Body, link: str) -> Rgba:
 
 
 def _centre_of_mass(body: Body) -> tuple[FloatArray, FloatArray]:
-    """Return the inertial frame (7,) of the base link in the world, and the inertia (3, 3) in it over the mass [m^2]."""
+    """Return the inertial frame (7,) of the base link in the world, and its inertia (3, 3) divided by the mass [m^2]."""
     urdf, scale = read_urdf(body.model.urdf), body.model.scale
     inertial = next(link.inertial for link in urdf.links if link.name == urdf.base_link)
     if inertial is None:
@@ -437,6 +443,7 @@ def _centre_of_mass(body: Body) -> tuple[FloatArray, FloatArray]:
 
 
 def _three(values: Numbers) -> FloatArray:
+    """Return values as an array (3,), or raise ValueError if they are not three finite numbers."""
     numbers = np.asarray(values, dtype=float).reshape(-1)
     if numbers.shape != (3,) or not np.isfinite(numbers).all():
         raise ValueError(f"A position, force or torque has to be 3 finite numbers, not {numbers.tolist()}.")

@@ -21,9 +21,9 @@ from rlbench_pin.spatial import IDENTITY
 
 
 class VisionSensor(Object):
-    """A camera: one of the five of observations, one of their mask cameras, or one that a program made.
+    """A camera: one of the five observation cameras, one of their mask cameras, or a camera that a program created.
 
-    The camera's frame has z forward, x to the left, y up. Images show the present instant and come top row first.
+    The frame of the camera has z forward, x to the left and y up. Images show the current state, with the top row first.
     """
 
     kinds: ClassVar[tuple[ObjectType, ...]] = ("vision_sensor",)
@@ -48,14 +48,14 @@ class VisionSensor(Object):
         position: Sequence[float] | None = None,
         orientation: Sequence[float] | None = None,
     ) -> VisionSensor:
-        """Make a camera; it stays until `remove()`, through resets and tasks.
+        """Create a camera; it exists until `remove()`, also after resets and in other tasks.
 
         * `resolution`: width and height [px]; `view_angle`: field of view of the longer side [deg].
-        * `near_clipping_plane`, `far_clipping_plane` [m].
+        * `near_clipping_plane`, `far_clipping_plane`: distances of the clipping planes [m].
         * `render_mode`: OPENGL3 with shadows, OPENGL without, OPENGL_COLOR_CODED for handles as colours.
         * `explicit_handling`: allow `handle_explicitly`; `perspective_mode`: must be True.
         * `position` (3,) [m], None is the origin; `orientation`: Euler angles (3,) [rad].
-        * The rest is accepted and changes nothing.
+        * All other arguments have no effect.
         """
         if not perspective_mode:
             raise _no_parallel_view()
@@ -67,12 +67,12 @@ class VisionSensor(Object):
     # Images --------------------------------------------------------------------------------------------------------
 
     def view(self) -> CameraView:
-        """Return its present view, as geometry."""
+        """Return pose, field of view, size and clipping planes of the camera."""
         camera = self.scene_object
         return self.table.cameras.view(camera.name) if isinstance(camera, CameraObject) else _view(camera.pose, self.camera)
 
     def handle_explicitly(self) -> None:
-        """No effect: images always show the present instant.
+        """No effect: images always show the current state.
 
         Raises:
             RuntimeError: Explicit handling is off.
@@ -83,7 +83,7 @@ class VisionSensor(Object):
             )
 
     def capture_rgb(self) -> np.ndarray:
-        """Take an image: float32 (h, w, 3) in 0..1; mask cameras encode handles in the channels."""
+        """Return an image, float32 (h, w, 3) from 0 to 1; mask cameras encode handles in the channels."""
         world, mode = self.table.world, self.camera.render_mode
         if mode == COLOR_CODED:
             mask = world.render(self.view(), rgb=False, depth=False).mask
@@ -95,31 +95,31 @@ class VisionSensor(Object):
         return image.astype(np.float32) / np.float32(255.0)
 
     def capture_depth(self, in_meters: bool = False) -> np.ndarray:
-        """Measure depth along the axis: float32 (h, w), in 0..1 from near to far plane, or in [m]."""
+        """Return the depth along the optical axis, float32 (h, w), from 0 (near plane) to 1 (far plane), or in [m]."""
         view = self.view()
         metres = self.table.world.render(view, rgb=False, mask=False).depth
         assert metres is not None
         return metres if in_meters else normalised_depth(metres, view)
 
     def capture_pointcloud(self) -> np.ndarray:
-        """Return world coordinates of every pixel (h, w, 3) [m]."""
+        """Return the world coordinates of each pixel (h, w, 3) [m]."""
         return self.pointcloud_from_depth(self.capture_depth(in_meters=True))
 
     def pointcloud_from_depth(self, depth: np.ndarray) -> np.ndarray:
-        """Return world coordinates of every pixel (h, w, 3) [m] of a depth image (h, w) [m] of this camera."""
+        """Return the world coordinates (h, w, 3) [m] of each pixel of a depth image (h, w) [m] of this camera."""
         return self.pointcloud_from_depth_and_camera_params(depth, self.get_matrix(), self.get_intrinsic_matrix())
 
     @staticmethod
     def pointcloud_from_depth_and_camera_params(depth: np.ndarray, extrinsics: np.ndarray, intrinsics: np.ndarray) -> np.ndarray:
-        """Return world coordinates of every pixel: extrinsics * inverse(intrinsics) * (u, v, 1) * depth.
+        """Return the world coordinates of each pixel: extrinsics * inverse(intrinsics) * (u, v, 1) * depth.
 
         Args:
-            depth: (h, w) [m].
-            extrinsics: (4, 4) from camera to world.
-            intrinsics: (3, 3).
+            depth: Depth image (h, w) [m].
+            extrinsics: Matrix from camera to world coordinates (4, 4).
+            intrinsics: Matrix from camera to pixel coordinates (3, 3).
 
         Returns:
-            (h, w, 3) [m].
+            World coordinates (h, w, 3) [m].
         """
         height, width = depth.shape
         columns, rows = np.meshgrid(np.arange(width, dtype=float), np.arange(height, dtype=float))
@@ -135,14 +135,14 @@ class VisionSensor(Object):
 
     @property
     def camera(self) -> CameraSettings:
-        """All settings."""
+        """All settings of the camera."""
         found = self.scene_object
         camera = found.camera if isinstance(found, CameraObject) else self.table.placed[self.element.name].camera
         assert camera is not None, "vision sensors carry settings"
         return camera
 
     def change(self, **changes: Any) -> None:
-        """Change some of the settings; raise CameraError when no image can be captured with them."""
+        """Change some of the settings; raise CameraError if they are invalid."""
         camera, name = replace(self.camera, **changes), self.element.name
         _view(IDENTITY, camera)
         found = self.scene_object
@@ -156,7 +156,7 @@ class VisionSensor(Object):
         return list(self.camera.size)
 
     def set_resolution(self, resolution: Sequence[int]) -> None:
-        """Set width and height [px]; of a camera of observations, those of the observations."""
+        """Set width and height [px]; for an observation camera this also changes the observations."""
         self.change(size=_size(resolution))
 
     def get_perspective_mode(self) -> PerspectiveMode:
@@ -164,10 +164,10 @@ class VisionSensor(Object):
         return PerspectiveMode.PERSPECTIVE
 
     def set_perspective_mode(self, perspective_mode: PerspectiveMode) -> None:
-        """Accept PERSPECTIVE.
+        """No effect for PERSPECTIVE, the only available mode.
 
         Raises:
-            UnsupportedCall: ORTHOGRAPHIC.
+            UnsupportedCall: The mode is ORTHOGRAPHIC.
         """
         if perspective_mode != PerspectiveMode.PERSPECTIVE:
             raise _no_parallel_view()
@@ -181,11 +181,11 @@ class VisionSensor(Object):
         self.change(angle=float(angle))
 
     def get_orthographic_size(self) -> float:
-        """Refused: there is no parallel view."""
+        """Raise UnsupportedCall: there is no orthographic projection."""
         raise _no_parallel_view()
 
     def set_orthographic_size(self, ortho_size: float) -> None:
-        """Refused: there is no parallel view."""
+        """Raise UnsupportedCall: there is no orthographic projection."""
         raise _no_parallel_view()
 
     def get_near_clipping_plane(self) -> float:
@@ -213,30 +213,30 @@ class VisionSensor(Object):
         self.change(render_mode=_mode(render_mode).name)
 
     def get_windowed_size(self) -> Sequence[int]:
-        """Return the size of its window: (0, 0), there is none."""
+        """Return (0, 0): there is no window."""
         return (0, 0)
 
     def set_windowed_size(self, resolution: Sequence[int] = (0, 0)) -> None:
-        """Accepted: there is no window."""
+        """No effect: there is no window."""
 
     def get_explicit_handling(self) -> int:
-        """Return 1 when `handle_explicitly` may be called."""
+        """Return 1 if `handle_explicitly` is allowed, otherwise 0."""
         return int(self.camera.explicit_handling)
 
     def set_explicit_handling(self, value: int) -> None:
-        """Allow `handle_explicitly`, or not."""
+        """Set whether `handle_explicitly` is allowed; no effect for observation cameras, where it always is."""
         if self.element.kind == "placed":
             self.change(explicit_handling=bool(value))
 
     def get_entity_to_render(self) -> int:
-        """Return -1: cameras see everything."""
+        """Return -1: images show all objects."""
         return -1
 
     def set_entity_to_render(self, entity_to_render: Object | int | None) -> None:
-        """Accept everything (None or -1).
+        """No effect for all objects (None or -1).
 
         Raises:
-            UnsupportedCall: One object alone.
+            UnsupportedCall: The argument is a single object.
         """
         if entity_to_render not in (None, -1):
             raise UnsupportedCall(
@@ -244,16 +244,16 @@ class VisionSensor(Object):
             )
 
     def copy(self) -> VisionSensor:
-        """Make another camera with the same settings at the same place."""
+        """Create a camera with the same settings at the same pose."""
         made = VisionSensor(_placed(self.camera))
         made.set_pose(self.get_pose())
         return made
 
     def remove(self) -> None:
-        """Remove it; the five cameras of observations are only switched off.
+        """Remove the camera; an observation camera is only disabled.
 
         Raises:
-            PyRepError: It is the mask camera of one of the five cameras.
+            PyRepError: The camera is the mask camera of an observation camera.
         """
         camera = self.scene_object
         if not isinstance(camera, CameraObject):
@@ -266,7 +266,7 @@ class VisionSensor(Object):
 
 
 def _placed(camera: CameraSettings) -> Element:
-    """Put a camera at the origin of the world."""
+    """Create a camera at the origin of the world, and return it."""
     _view(IDENTITY, camera)
     table = Simulator.current().objects
     name = table.free_name("Vision_sensor")
@@ -275,7 +275,7 @@ def _placed(camera: CameraSettings) -> Element:
 
 
 def _view(pose: np.ndarray, camera: CameraSettings) -> CameraView:
-    """Return the view of a camera at a pose (7,), or raise CameraError when no image can be captured."""
+    """Return the view of a camera at a pose (7,), or raise CameraError for invalid settings."""
     return CameraView(pose.copy(), math.radians(camera.angle), camera.size, camera.near, camera.far)
 
 

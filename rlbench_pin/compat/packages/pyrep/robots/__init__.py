@@ -1,4 +1,4 @@
-"""Arms and grippers, as views on the robot of the running world. Both have joints in a fixed order, commanded together.
+"""Base class of arms and grippers, which are views on the robot of the current world.
 
 Programs import `RobotComponent` from `pyrep.robots.robot_component`; that name is an alias of this module.
 """
@@ -22,13 +22,13 @@ from rlbench_pin.spatial import FloatArray
 
 
 class RobotComponent(Object):
-    """An arm or a gripper of the running world; every list of numbers has one per joint, in the order of `joints`.
+    """An arm or a gripper of the current world; each list of numbers has one value per joint, in the order of `joints`.
 
     Args:
-        count: Number of the robot, from 0; a world has one.
+        count: Index of the robot; only 0 is possible, since a world has one robot.
         name: Name of the component.
-        joint_names: Names of its joints.
-        base_name: Name of the object that carries it; None is `name`.
+        joint_names: Names of the joints.
+        base_name: Name of the base object; None is `name`.
 
     Attributes:
         joints: The joints.
@@ -46,11 +46,7 @@ class RobotComponent(Object):
         raise NotImplementedError(f"{type(self).__name__} has no motors of its own. Derive from `Arm` or `Gripper`.")
 
     def copy(self) -> RobotComponent:
-        """Not offered: a world has one robot.
-
-        Raises:
-            UnsupportedCall: Always.
-        """
+        """Raise UnsupportedCall: a world has one robot."""
         raise UnsupportedCall(f"copy of '{self.get_name()}'", "a world has one robot.", "Use one process per robot.")
 
     def get_joint_count(self) -> int:
@@ -58,7 +54,7 @@ class RobotComponent(Object):
         return self._num_joints
 
     def get_joint_types(self) -> list[JointType]:
-        """Return the kinds of the joints."""
+        """Return the types of the joints."""
         return [joint.get_joint_type() for joint in self.joints]
 
     # Positions -------------------------------------------------------------------------------------------------------
@@ -68,11 +64,11 @@ class RobotComponent(Object):
         return self.motors.positions().tolist()
 
     def set_joint_positions(self, positions: Numbers, disable_dynamics: bool = False) -> None:
-        """Set the joint positions at once, at rest, and keep them there.
+        """Set the joint positions with velocity 0, and hold them.
 
         Args:
-            positions: One per joint [rad] or [m].
-            disable_dynamics: Accepted; joints are put there in any case, without physics.
+            positions: One position per joint [rad] or [m].
+            disable_dynamics: No effect: positions are always set without physics.
         """
         self.motors.teleport(self._numbers(positions))
 
@@ -81,7 +77,7 @@ class RobotComponent(Object):
         return self.motors.target_positions().tolist()
 
     def set_joint_target_positions(self, positions: Numbers) -> None:
-        """Go to joint positions [rad] or [m] in the coming steps; an arm is under position control from then on."""
+        """Set the target joint positions [rad] or [m] of the next steps; an arm switches to position control."""
         self.motors.set_target_positions(self._numbers(positions))
 
     # Velocities and forces -------------------------------------------------------------------------------------------
@@ -95,7 +91,7 @@ class RobotComponent(Object):
         return self.motors.target_velocities().tolist()
 
     def set_joint_target_velocities(self, velocities: Numbers) -> None:
-        """Move at joint velocities [rad/s] or [m/s] until the next command; an arm is under velocity control from then on."""
+        """Set the target joint velocities [rad/s] or [m/s] until the next command; an arm switches to velocity control."""
         self.motors.set_target_velocities(self._numbers(velocities))
 
     def get_joint_forces(self) -> list[float]:
@@ -103,45 +99,41 @@ class RobotComponent(Object):
         return self.motors.forces().tolist()
 
     def set_joint_forces(self, forces: Numbers) -> None:
-        """Cap the motors' forces [N m] or [N]; see `ArmMotors.set_forces` for when the caps of an arm count."""
+        """Set the maximum forces of the motors [N m] or [N]; `ArmMotors.set_forces` states when they apply for an arm."""
         self.motors.set_forces(self._numbers(forces))
 
     # Limits ----------------------------------------------------------------------------------------------------------
 
     def get_joint_intervals(self) -> tuple[list[bool], list[list[float]]]:
-        """Return which joints turn without end (none), and the lowest position and the range of each [rad] or [m]."""
+        """Return which joints have no limits (none), and the lower limit and range of each joint [rad] or [m]."""
         low, high = self.motors.limits()
         return [False] * self._num_joints, np.array([low, high - low]).T.tolist()
 
     def set_joint_intervals(self, cyclic: Sequence[bool], intervals: Sequence[Sequence[float]]) -> None:
-        """Not offered: the limits are those of the model.
-
-        Raises:
-            UnsupportedCall: Always.
-        """
+        """Raise UnsupportedCall: the limits are part of the model."""
         raise UnsupportedCall(
             "set_joint_intervals", "joint limits are part of the URDF of the robot.", "Clip your targets instead."
         )
 
     def get_joint_upper_velocity_limits(self) -> list[float]:
-        """Return the largest joint speeds [rad/s] or [m/s]."""
+        """Return the velocity limits [rad/s] or [m/s]."""
         return self.motors.velocity_limits().tolist()
 
     # Modes -----------------------------------------------------------------------------------------------------------
 
     def set_control_loop_enabled(self, value: bool) -> None:
-        """Control joint positions (True) or velocities, zero at first (False)."""
+        """Switch to position control (True), or to velocity control with velocity 0 (False)."""
         self.motors.set_control_loop(bool(value))
 
     def set_motor_locked_at_zero_velocity(self, value: bool) -> None:
-        """No effect: motors with a target velocity of zero always keep the joints at rest."""
+        """No effect: motors with a target velocity of 0 always hold the joints."""
 
     def get_joint_modes(self) -> list[JointMode]:
-        """Return the modes of the joints: they are driven by forces."""
+        """Return FORCE for each joint."""
         return [JointMode.FORCE] * self._num_joints
 
     def set_joint_mode(self, value: JointMode) -> None:
-        """Accept `JointMode.FORCE`, which the joints always have.
+        """No effect for `JointMode.FORCE`, the mode of all joints.
 
         Raises:
             UnsupportedCall: `value` is another mode.
@@ -154,11 +146,11 @@ class RobotComponent(Object):
     # Appearance ------------------------------------------------------------------------------------------------------
 
     def get_visuals(self) -> list[Shape]:
-        """Return the shapes that cameras see."""
+        """Return the shapes of the component."""
         return [Shape(item.get_name()) for item in self.get_objects_in_tree(object_type=ObjectType.SHAPE)]
 
     def _numbers(self, values: Numbers) -> FloatArray:
-        """Return one number per joint, or raise ValueError."""
+        """Return values as an array (n,), or raise ValueError if there is not one value per joint."""
         numbers = np.array(values, dtype=float).reshape(-1)
         if len(numbers) != self._num_joints:
             raise ValueError(
@@ -168,7 +160,7 @@ class RobotComponent(Object):
 
 
 def require_only_one(count: int, name: str) -> None:
-    """Raise UnsupportedCall for a second robot, and where the world's robot is another one."""
+    """Raise UnsupportedCall if `count` is not 0, or if the current world has another robot."""
     running = Simulator.current().model.description
     names = robot_names(running)
     if name not in (names.arm, names.gripper):

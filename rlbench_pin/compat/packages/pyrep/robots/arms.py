@@ -25,25 +25,25 @@ from rlbench_pin.planning import Plan
 from rlbench_pin.spatial import FloatArray
 
 ROBOT_KINDS = ("robot", "gripper", "tip", "robot_link", "robot_joint")
-"""Kinds of elements that belong to the arm itself."""
+"""Kinds of elements that belong to the robot."""
 CURVE_POINTS = 50
-"""Number of poses of a Cartesian path that the tip passes."""
+"""Number of poses for the sampling of a Cartesian path."""
 
 
 class Arm(RobotComponent):
-    """The arm of the running world.
+    """The arm of the current world.
 
-    Poses are of the tip, in the world or in the frame of `relative_to`: a position (3,) [m] and either Euler angles (3,) [rad]
+    Poses are tip poses in the world or in the frame of `relative_to`: a position (3,) [m] and either Euler angles (3,) [rad]
     or a quaternion (x, y, z, w).
 
     Args:
-        count: Number of the arm, from 0; a world has one.
+        count: Index of the arm; only 0 is possible, since a world has one arm.
         name: Name of the arm.
-        num_joints: Number of its joints.
-        base_name: Name of the object that carries it; None is `name`.
-        max_velocity: No joint is faster in paths [rad/s].
-        max_acceleration: No joint accelerates more in paths [rad/s^2].
-        max_jerk: Accelerations change no faster in paths [rad/s^3]; from 1000 on they may jump.
+        num_joints: Number of joints.
+        base_name: Name of the base object; None is `name`.
+        max_velocity: Maximum joint velocity in paths [rad/s].
+        max_acceleration: Maximum joint acceleration in paths [rad/s^2].
+        max_jerk: Maximum jerk in paths [rad/s^3]; from 1000 on there is no limit.
 
     Attributes:
         joints: The joints, from base to wrist.
@@ -65,7 +65,7 @@ class Arm(RobotComponent):
 
     @property
     def pace(self) -> Pace:
-        """Limits of the speed of paths."""
+        """Limits of velocity, acceleration and jerk in paths."""
         return Pace(self.max_velocity, self.max_acceleration, self.max_jerk)
 
     @property
@@ -74,13 +74,14 @@ class Arm(RobotComponent):
         return ArmMotors()
 
     def get_tip(self) -> Dummy:
-        """Return the tip: the frame between the fingers, z out of the gripper."""
-        return Dummy(Element("tip", self._tip_name))  # not looked up by name: programs ask in every step
+        """Return the tip: the frame between the fingers, with z out of the gripper."""
+        return Dummy(Element("tip", self._tip_name))  # faster than by name: programs call this at each step
 
     def get_jacobian(self) -> FloatArray:
-        """Return the Jacobian (n, 6) at the present posture: row i is the tip's `[linear, angular]` velocity per unit of joint i.
+        """Return the Jacobian (n, 6) of the tip at the current configuration, in world axes.
 
-        Along world axes; `arm.get_jacobian().T @ joint_velocities` is the tip's velocity (6,).
+        Row i is the `[linear, angular]` velocity of the tip per unit velocity of joint i, so
+        `arm.get_jacobian().T @ joint_velocities` is the velocity (6,) of the tip.
         """
         runtime = Simulator.current().runtime
         return runtime.model.jacobian(runtime.robot.joint_positions).T.copy()
@@ -94,10 +95,10 @@ class Arm(RobotComponent):
         quaternion: Numbers | None = None,
         relative_to: Object | None = None,
     ) -> list[float]:
-        """Return the joint positions [rad] that a descent from the present posture finds for a pose.
+        """Return joint positions [rad] for a pose, found by iteration from the current configuration.
 
         Raises:
-            IKError: The descent does not reach the pose, or it is no pose.
+            IKError: The iteration does not reach the pose, or the pose is invalid.
         """
         try:
             pose = arm_planning.world_pose(position, euler, quaternion, relative_to)
@@ -112,7 +113,7 @@ class Arm(RobotComponent):
         quaternion: Numbers | None = None,
         relative_to: Object | None = None,
     ) -> list[float]:
-        """Do what `solve_ik_via_jacobian` does; its older name."""
+        """Return the result of `solve_ik_via_jacobian`, of which this is the older name."""
         return self.solve_ik_via_jacobian(position, euler, quaternion, relative_to)
 
     def solve_ik_via_sampling(
@@ -127,15 +128,15 @@ class Arm(RobotComponent):
         max_time_ms: int = 10,
         relative_to: Object | None = None,
     ) -> FloatArray:
-        """Return up to `max_configs` different joint positions for a pose, shape (found, n), [rad], nearest first.
+        """Return up to `max_configs` different configurations for a pose, shape (found, n) [rad], the nearest first.
 
         * Pose: see the class.
-        * `ignore_collisions`: accept configurations in which the arm touches something.
-        * `trials`: descents from different postures, at most; `max_configs`: enough solutions to stop.
-        * The rest is accepted: our descents need no distance, and take well under a millisecond.
+        * `ignore_collisions`: accept configurations in collision.
+        * `trials`: maximum number of initial configurations; `max_configs`: maximum number of solutions.
+        * `distance_threshold` and `max_time_ms` have no effect.
 
         Raises:
-            ConfigurationError: No configuration was found, all collide, or it is no pose.
+            ConfigurationError: No configuration was found, all are in collision, or the pose is invalid.
         """
         try:
             pose = arm_planning.world_pose(position, euler, quaternion, relative_to)
@@ -156,7 +157,7 @@ class Arm(RobotComponent):
         max_configs: int = 60,
         relative_to: Object | None = None,
     ) -> list[list[float]]:
-        """Return different joint positions [rad] for a pose, as `solve_ik_via_sampling` does; its older name."""
+        """Return the result of `solve_ik_via_sampling` as lists; this is its older name."""
         found = self.solve_ik_via_sampling(
             position, euler, quaternion, ignore_collisions, trials, max_configs, relative_to=relative_to
         )
@@ -170,10 +171,10 @@ class Arm(RobotComponent):
         constraint_alpha_beta: bool = True,
         constraint_gamma: bool = True,
     ) -> None:
-        """Accept that inverse kinematics fixes the whole pose, which it always does.
+        """No effect if all arguments are True: inverse kinematics always constrains the whole pose.
 
         Raises:
-            UnsupportedCall: A part of the pose is to be left free.
+            UnsupportedCall: An argument is False.
         """
         if not (constraint_x and constraint_y and constraint_z and constraint_alpha_beta and constraint_gamma):
             raise UnsupportedCall(
@@ -185,12 +186,12 @@ class Arm(RobotComponent):
     def set_ik_group_properties(
         self, resolution_method: str = "pseudo_inverse", max_iterations: int = 6, dls_damping: float = 0.1
     ) -> None:
-        """Accept settings of another solver: ours has its own damping and iterates to an error of a micrometre."""
+        """No effect: the solver of this package has its own damping and iterates to an error of 1 micrometre."""
 
     # Collisions ------------------------------------------------------------------------------------------------------
 
     def check_arm_collision(self, obj: Object | None = None) -> bool:
-        """Return whether arm or gripper overlap `obj`; None: any collidable object, or the arm itself."""
+        """Return whether arm or gripper collide with `obj`; None: with any collidable object, or with themselves."""
         if obj is None:
             return arm_planning.arm_collides(Simulator.current(), None)
         if obj.element.kind in ("body", "room"):
@@ -213,12 +214,12 @@ class Arm(RobotComponent):
         algorithm: Algos = Algos.SBL,
         relative_to: Object | None = None,
     ) -> ArmConfigurationPath:
-        """Plan a timed path to a pose: along a straight line of the tip if that is free, otherwise around obstacles.
+        """Plan a timed path to a pose: along a straight line of the tip if it is free, otherwise around obstacles.
 
         * Pose: see the class.
-        * `ignore_collisions`: plan without collision checks. Otherwise objects that the arm touches already may be touched.
-        * `algorithm`: searches around obstacles; names that `arm_planning.ALGORITHMS` lacks mean our RRT-Connect.
-        * The rest is accepted: our planner has a budget of its own.
+        * `ignore_collisions`: plan without collision checks. Otherwise only objects that the arm touches now are ignored.
+        * `algorithm`: algorithm for paths around obstacles; RRT-Connect for names that are not in `arm_planning.ALGORITHMS`.
+        * All other arguments have no effect.
 
         Raises:
             ConfigurationPathError: There is no path.
@@ -234,10 +235,10 @@ class Arm(RobotComponent):
         ignore_collisions: bool = False,
         relative_to: Object | None = None,
     ) -> ArmConfigurationPath:
-        """Plan a timed path along the straight line of the tip to a pose; `steps` is accepted, our lines are as fine as needed.
+        """Plan a timed path of the tip along a straight line to a pose; `steps` has no effect.
 
         Raises:
-            ConfigurationPathError: The line cannot be followed.
+            ConfigurationPathError: The arm cannot follow the line.
         """
         return self._path((position, euler, quaternion, relative_to), True, ignore_collisions)
 
@@ -255,7 +256,7 @@ class Arm(RobotComponent):
         algorithm: Algos = Algos.SBL,
         relative_to: Object | None = None,
     ) -> ArmConfigurationPath:
-        """Plan a timed path to a pose without trying the straight line of the tip; the arguments are those of `get_path`.
+        """Plan a timed path to a pose without a straight line of the tip; the arguments are those of `get_path`.
 
         Raises:
             ConfigurationPathError: There is no path.
@@ -263,10 +264,10 @@ class Arm(RobotComponent):
         return self._path((position, euler, quaternion, relative_to), False, ignore_collisions, algorithm)
 
     def get_path_from_cartesian_path(self, path: CartesianPath) -> ArmConfigurationPath:
-        """Plan a timed path of the tip from its present pose along a Cartesian path, without collision checks.
+        """Plan a timed path of the tip from its current pose along a Cartesian path, without collision checks.
 
         Raises:
-            ConfigurationPathError: The arm cannot follow it.
+            ConfigurationPathError: The arm cannot follow the path.
         """
         poses = []
         for share in np.linspace(0.0, 1.0, CURVE_POINTS):
@@ -284,6 +285,7 @@ class Arm(RobotComponent):
         ignore_collisions: bool,
         algorithm: Algos = Algos.SBL,
     ) -> ArmConfigurationPath:
+        """Plan a timed path to a pose; `straight` is the argument of `arm_planning.plan_to`."""
         try:
             pose = arm_planning.world_pose(*target)
             plan = arm_planning.plan_to(
@@ -294,18 +296,19 @@ class Arm(RobotComponent):
             raise ConfigurationPathError(f"No path to the pose: {error}") from error
 
     def _timed(self, plan: Plan) -> ArmConfigurationPath:
+        """Return the path of a plan, timed within the limits of this arm."""
         trajectory = arm_planning.paced(Simulator.current().runtime, plan, self.pace)
         return ArmConfigurationPath(self, plan.path.ravel(), trajectory)
 
 
 class KnownArm(Arm):
-    """An arm of PyRep by its class name.
+    """Base of the arm classes of PyRep.
 
     Args:
-        count: Number of the arm, from 0; a world has one.
-        max_velocity: No joint is faster in paths [rad/s].
-        max_acceleration: No joint accelerates more in paths [rad/s^2].
-        max_jerk: Accelerations change no faster in paths [rad/s^3]; from 1000 on they may jump.
+        count: Index of the arm; only 0 is possible, since a world has one arm.
+        max_velocity: Maximum joint velocity in paths [rad/s].
+        max_acceleration: Maximum joint acceleration in paths [rad/s^2].
+        max_jerk: Maximum jerk in paths [rad/s^3]; from 1000 on there is no limit.
     """
 
     known_name: ClassVar[str]
@@ -316,6 +319,7 @@ class KnownArm(Arm):
 
 
 def _known_arm(title: str, name: str, joint_count: int) -> type[KnownArm]:
+    """Return the class `title` of the arm with a name and number of joints in PyRep."""
     return type(title, (KnownArm,), {"__module__": __name__, "known_name": name, "joint_count": joint_count})
 
 

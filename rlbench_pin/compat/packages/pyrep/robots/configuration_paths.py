@@ -1,6 +1,6 @@
-"""Paths of configurations, played step by step: `step()` commands the motion, and the caller steps the simulation.
+"""Paths in joint space, executed step by step: `step()` commands the motion, and the caller steps the simulation.
 
-Programs import `configuration_path` and `arm_configuration_path` of this name; both are aliases of this module.
+Programs import the modules `configuration_path` and `arm_configuration_path`; both are aliases of this module.
 """
 
 from __future__ import annotations
@@ -22,24 +22,24 @@ if TYPE_CHECKING:
     from pyrep.robots.arms import Arm
 
 ARRIVED = 2e-3
-"""Distance of a joint from the end of the path that the coming tick covers [rad]."""
+"""Maximum joint distance to the last command at which the path is complete [rad]; the next tick covers it."""
 SETTLING = 10
-"""Maximum number of repetitions of the last command for an arm that lags."""
+"""Maximum number of repetitions of the last command while the arm lags behind."""
 
 
 class ConfigurationPath:
     """A path that a robot follows step by step."""
 
     def step(self) -> bool:
-        """Command the next part of the motion; True when it is the last."""
+        """Command the next part of the motion, and return whether it is the last."""
         raise NotImplementedError
 
     def set_to_start(self, disable_dynamics: bool = False) -> None:
-        """Put the robot at the beginning of the path."""
+        """Set the robot to the start of the path."""
         raise NotImplementedError
 
     def set_to_end(self, disable_dynamics: bool = False) -> None:
-        """Put the robot at the end of the path."""
+        """Set the robot to the end of the path."""
         raise NotImplementedError
 
     def visualize(self) -> None:
@@ -52,15 +52,15 @@ class ConfigurationPath:
 
 
 class ArmConfigurationPath(ConfigurationPath):
-    """Configurations of an arm, one after the other; `path[i]` is one of them, (n,) [rad].
+    """A sequence of configurations of an arm; `path[i]` is configuration i, (n,) [rad].
 
-    Follow it by `done = path.step()` and a step of the scene in turn, until `done`. Motions are timed within the arm's
-    `max_velocity`, `max_acceleration` and `max_jerk`, and at rest at both ends.
+    To follow it, alternate `done = path.step()` and a step of the scene until `done`. Motions are timed within `max_velocity`,
+    `max_acceleration` and `max_jerk` of the arm, with velocity 0 at both ends.
 
     Args:
-        arm: The arm that follows it.
-        path_points: Joint positions of one configuration after the other, in one list (m * n,), [rad].
-        trajectory: Their timing; None computes it at the first step.
+        arm: The arm.
+        path_points: Joint positions of all configurations in one list (m * n,) [rad].
+        trajectory: Timing of the path; None computes it at the first step.
     """
 
     def __init__(self, arm: Arm, path_points: Numbers, trajectory: Trajectory | None = None) -> None:
@@ -85,10 +85,10 @@ class ArmConfigurationPath(ConfigurationPath):
 
     @property
     def trajectory(self) -> Trajectory:
-        """Timing of the path; computed again after points were replaced.
+        """Timing of the path; it is recomputed after a change of the points.
 
         Raises:
-            ConfigurationPathError: No timing keeps the limits of the arm.
+            ConfigurationPathError: No timing meets the limits of the arm.
         """
         if self._trajectory is None or self._timed_points is not self._path_points:
             try:
@@ -99,14 +99,14 @@ class ArmConfigurationPath(ConfigurationPath):
         return self._trajectory
 
     def step(self) -> bool:
-        """Command the next configuration; the simulation is stepped by the caller.
+        """Command the next configuration; the caller steps the simulation.
 
         Returns:
-            Whether this was the last command: after one more step of the simulation the arm is at the end of the path.
+            Whether this was the last command: after one more simulation step the arm is at the end of the path.
 
         Raises:
-            RuntimeError: The path is done already.
-            ConfigurationPathError: No timing keeps the limits of the arm.
+            RuntimeError: The path has already reached its end.
+            ConfigurationPathError: No timing meets the limits of the arm.
         """
         if self._path_done:
             raise RuntimeError("The path has already reached its end. Call `set_to_start()`, or plan another path.")
@@ -122,33 +122,34 @@ class ArmConfigurationPath(ConfigurationPath):
         return self._path_done
 
     def set_to_start(self, disable_dynamics: bool = False) -> None:
-        """Put the arm at the first configuration, at rest, so that the path can be followed (again)."""
+        """Set the arm to the first configuration with velocity 0, and restart the path."""
         self._arm.set_joint_positions(self[0], disable_dynamics)
         self._begin_again()
 
     def set_to_end(self, disable_dynamics: bool = False) -> None:
-        """Put the arm at the last configuration, at rest."""
+        """Set the arm to the last configuration with velocity 0."""
         self._arm.set_joint_positions(self[-1], disable_dynamics)
 
     def get_executed_joint_position_action(self) -> FloatArray | None:
-        """Return the joint positions (n,) [rad] that `step` commanded last; None before the first step."""
+        """Return the joint positions (n,) [rad] of the last command of `step`; None before the first step."""
         return None if self._joint_position_action is None else self._joint_position_action.copy()
 
     def visualize(self) -> None:
-        """No effect: there is no window. `path[:]` returns the configurations, for your own plot."""
+        """No effect: there is no window. Plot the configurations `path[:]` instead."""
 
     def clear_visualization(self) -> None:
-        """No effect, because nothing is drawn."""
+        """No effect: there is no drawing."""
 
     def _begin_again(self) -> None:
         self._tracker = self._joint_position_action = None
         self._path_done, self._settling = False, 0
 
     def _configurations(self) -> FloatArray:
+        """Return all configurations, shape (m, n), [rad]."""
         return np.reshape(np.asarray(self._path_points, dtype=float), (-1, self._num_joints))
 
     def _arrives(self) -> bool:
-        """Whether the coming tick brings the arm to the last command."""
+        """Return whether the arm reaches the last command in the next tick."""
         lag = np.asarray(self._arm.get_joint_positions()) - self._joint_position_action
         return bool(np.abs(lag).max() < ARRIVED)
 

@@ -1,7 +1,7 @@
 """Grippers: opening and closing of the fingers, and grasped objects.
 
-A program has the gripper of its arm; constructing another one raises an error. Programs import a module per gripper; all these
-names are aliases of this module.
+Only the gripper of the current robot can be constructed. Programs import one module per gripper; all these names are aliases
+of this module.
 """
 
 from __future__ import annotations
@@ -26,23 +26,23 @@ NEAR = 5e-4
 
 @dataclass(frozen=True)
 class Actuation:
-    """A motion of the fingers that goes on over several steps."""
+    """A motion of the fingers over several steps."""
 
     amount: float
-    """0 shut to 1 open."""
+    """Target opening, from 0 (closed) to 1 (open)."""
     velocity: float
-    """[m/s]."""
+    """Speed of a finger [m/s]."""
     ticks: int
-    """Ticks of the world when it began."""
+    """Tick counter of the world at its start."""
 
 
 class Gripper(RobotComponent):
-    """The gripper of the running world.
+    """The gripper of the current world.
 
     Args:
-        count: Number of the gripper, from 0; a world has one.
+        count: Index of the gripper; only 0 is possible, since a world has one gripper.
         name: Name of the gripper.
-        joint_names: Names of its joints.
+        joint_names: Names of the finger joints.
     """
 
     def __init__(self, count: int, name: str, joint_names: Sequence[str]) -> None:
@@ -56,16 +56,16 @@ class Gripper(RobotComponent):
 
     @property
     def _proximity_sensor(self) -> ProximitySensor:
-        """The sensor between the fingertips, by its name in PyRep."""
+        """The proximity sensor between the fingertips."""
         return ProximitySensor(f"{self.get_name()}_attachProxSensor")
 
     # Grasping --------------------------------------------------------------------------------------------------------
 
     def grasp(self, obj: Object) -> bool:
-        """Fix an object to the gripper where it is, if it reaches between the fingers.
+        """Fix an object to the gripper at its current pose, if a part of it is between the fingers.
 
         Returns:
-            Whether this call attached it: False when it is elsewhere, attached already, or cannot move.
+            Whether this call attached the object: False if it is elsewhere, already attached, or fixed in the world.
         """
         element = obj.element
         if element.kind != "body" or element.name in self._runtime.gripper.grasped:
@@ -77,22 +77,23 @@ class Gripper(RobotComponent):
         self._runtime.gripper.release()
 
     def get_grasped_objects(self) -> list[Object]:
-        """Return what the gripper holds: what is fixed to it, in the order in which it was grasped, or with
-        `attach_grasped_objects=False` what is between its fingers.
+        """Return the objects that are fixed to the gripper, in the order of their grasps.
+
+        With `attach_grasped_objects=False`, return the objects between the fingers.
         """
         return [Shape(self.table.handle(Element("body", name))) for name in self._runtime.gripper.held]
 
     # Fingers ---------------------------------------------------------------------------------------------------------
 
     def actuate(self, amount: float, velocity: float) -> bool:
-        """Drive the fingers towards an opening; call it again before every step of the simulation until it returns True.
+        """Move the fingers towards an opening; call it before each simulation step until it returns True.
 
         Args:
-            amount: 0 shut to 1 open.
+            amount: Target opening, from 0 (closed) to 1 (open).
             velocity: Speed of a finger [m/s].
 
         Returns:
-            Whether the fingers have arrived, or can go no further.
+            Whether the fingers have reached the opening, or are blocked.
 
         Raises:
             ValueError: `amount` is not between 0 and 1, or `velocity` is not positive and finite.
@@ -114,13 +115,13 @@ class Gripper(RobotComponent):
         return self._actuation is None
 
     def get_open_amount(self) -> list[float]:
-        """Return how far each finger is open, 0 shut to 1 open."""
+        """Return the opening of each finger, from 0 (closed) to 1 (open)."""
         return np.clip(self._runtime.gripper.opening, 0.0, 1.0).tolist()
 
     # Touch -----------------------------------------------------------------------------------------------------------
 
     def get_touch_sensor_forces(self) -> list[list[float]]:
-        """Return the contact force (3,) on each finger in the finger's own frame [N]."""
+        """Return the contact force (3,) [N] on each finger, in the frame of the finger."""
         return self._runtime.robot.touch_forces().reshape(-1, 3).tolist()
 
     @property
@@ -128,22 +129,23 @@ class Gripper(RobotComponent):
         return Simulator.current().runtime
 
     def _goes_on(self, amount: float, velocity: float) -> bool:
-        """Whether the fingers are still on the way that an earlier `actuate` sent them on."""
+        """Return whether the fingers still execute the motion of an earlier `actuate` with the same arguments."""
         going, control = self._actuation, self._runtime.gripper.control
         if going is None or (going.amount, going.velocity) != (amount, velocity) or going.ticks > self._runtime.world.ticks:
             return False
         return control.speed == velocity and bool(np.allclose(control.target, amount * self._runtime.description.gripper_open))
 
     def _is_at(self, amount: float) -> bool:
+        """Return whether both fingers are at an opening, from 0 (closed) to 1 (open)."""
         goal = amount * self._runtime.description.gripper_open
         return bool((np.abs(self._runtime.robot.fingers - goal) < NEAR).all())
 
 
 class KnownGripper(Gripper):
-    """A gripper of PyRep by its class name.
+    """Base of the gripper classes of PyRep.
 
     Args:
-        count: Number of the gripper, from 0; a world has one.
+        count: Index of the gripper; only 0 is possible, since a world has one gripper.
     """
 
     known_name: ClassVar[str]
@@ -154,6 +156,7 @@ class KnownGripper(Gripper):
 
 
 def _known_gripper(title: str, name: str, joints: tuple[str, ...] = ()) -> type[KnownGripper]:
+    """Return the class `title` of the gripper with a name and finger joints in PyRep."""
     return type(title, (KnownGripper,), {"__module__": __name__, "known_name": name, "known_joints": joints})
 
 

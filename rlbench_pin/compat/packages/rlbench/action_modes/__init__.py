@@ -5,7 +5,7 @@ from __future__ import annotations
 from rlbench_pin.errors import RlbenchPinError
 
 _FIRST_RELEASE = ("ActionMode", "ArmActionMode", "GripperActionMode")
-"""Names in RLBench's first releases, where this package was one module with enumerations."""
+"""Names of the first releases of RLBench, where this package was one module with enumerations."""
 
 
 class OldActionMode(RlbenchPinError, ImportError):
@@ -13,10 +13,11 @@ class OldActionMode(RlbenchPinError, ImportError):
 
 
 def __getattr__(name: str) -> object:
-    """Raise an error that names the present action modes to programs of the first releases.
+    """Raise an error; for a name of the first releases it lists the current action modes.
 
     Raises:
-        OldActionMode: The name is one of theirs.
+        OldActionMode: The name is from the first releases of RLBench.
+        AttributeError: The module has no such name.
     """
     if name in _FIRST_RELEASE:
         raise OldActionMode(

@@ -1,4 +1,4 @@
-"""Whole action modes: an arm mode and a gripper mode share one array."""
+"""Action modes of the robot: an arm mode and a gripper mode that share one array."""
 
 from __future__ import annotations
 
@@ -33,38 +33,38 @@ class ActionMode:
     """An arm mode and a gripper mode; subclasses define how they share one array.
 
     Args:
-        arm_action_mode: Mode of the first numbers.
-        gripper_action_mode: Mode of the numbers after them.
+        arm_action_mode: Mode of the first values of an action.
+        gripper_action_mode: Mode of the values after them.
     """
 
     def __init__(self, arm_action_mode: ArmActionMode, gripper_action_mode: GripperActionMode) -> None:
         self.arm_action_mode, self.gripper_action_mode = arm_action_mode, gripper_action_mode
 
     def action(self, scene: SceneLike, action: Action) -> None:
-        """Run one action to its end."""
+        """Execute one action to its end."""
         raise NotImplementedError(f"{type(self).__name__} needs a method `action(scene, action)`.")
 
     def action_shape(self, scene: SceneLike) -> int:
-        """Return how many numbers an action has."""
+        """Return the number of values of an action."""
         raise NotImplementedError(f"{type(self).__name__} needs a method `action_shape(scene)` that returns a number.")
 
     def action_bounds(self) -> tuple[FloatArray, FloatArray]:
-        """Return lowest and highest values of an action, each of shape (n,)."""
+        """Return lower and upper bounds of an action, each of shape (n,)."""
         raise NotImplementedError(f"{type(self).__name__} needs a method `action_bounds()` for this use, such as gymnasium.")
 
 
 class MoveArmThenGripper(ActionMode):
-    """The arm action runs to its end, then the gripper action; each part is given the scene.
+    """Executes the arm action to its end, then the gripper action.
 
-    For an arm mode with the argument `ignore_collisions`, an action may have one more number at its end: if it is not 0, the
+    For an arm mode with the argument `ignore_collisions`, an action may have an additional last value: if it is not 0, the
     action ignores collisions.
     """
 
     def action(self, scene: SceneLike, action: Action) -> None:
-        """Move the arm, then the gripper. With parts of this package a refused action changes nothing.
+        """Move the arm, then the gripper.
 
         Raises:
-            InvalidActionError: The action is refused.
+            InvalidActionError: The action is invalid. With modes of this package, the robot has not moved.
         """
         arm, gripper, ignore_collisions = self._split(scene, action)
         require_accepted(scene, ((self.arm_action_mode, arm), (self.gripper_action_mode, gripper)))
@@ -75,16 +75,16 @@ class MoveArmThenGripper(ActionMode):
         self.gripper_action_mode.action(scene, gripper)
 
     def action_shape(self, scene: SceneLike) -> int:
-        """Return how many numbers an action has, without the flag for collisions."""
+        """Return the number of values of an action, without the flag for collisions."""
         return int(np.prod(self.arm_action_mode.action_shape(scene))) + int(np.prod(self.gripper_action_mode.action_shape(scene)))
 
     def action_bounds(self) -> tuple[FloatArray, FloatArray]:
-        """Return the bounds of the arm's numbers, then of the gripper's, in the present world."""
+        """Return lower and upper bounds of an action in the current world, each of shape (n,): arm first, then gripper."""
         parts = (self.arm_action_mode.action_bounds(), self.gripper_action_mode.action_bounds())
         return np.concatenate([low for low, _ in parts]), np.concatenate([high for _, high in parts])
 
     def _split(self, scene: SceneLike, action: Action) -> tuple[FloatArray, FloatArray, bool | None]:
-        """Return the arm's numbers, the gripper's, and the flag for collisions, None where there is none."""
+        """Return the values for the arm, the values for the gripper, and the flag for collisions, or None without a flag."""
         arm, gripper = (int(np.prod(part.action_shape(scene))) for part in (self.arm_action_mode, self.gripper_action_mode))
         size, count = arm + gripper, np.size(np.asarray(action, dtype=object))
         with_flag = count == size + 1 and takes_ignore_collisions(self.arm_action_mode)
@@ -99,10 +99,10 @@ class JointPositionActionMode(ActionMode):
         super().__init__(JointPosition(absolute_mode=False), GripperJointPosition(absolute_mode=True))
 
     def action(self, scene: SceneLike, action: Action) -> None:
-        """Command both, step once, stop both.
+        """Command arm and gripper, step once, then stop both.
 
         Raises:
-            InvalidActionError: The action is refused; nothing has moved.
+            InvalidActionError: The action is invalid; the robot has not moved.
         """
         values = as_action(action, self.action_shape(scene), type(self).__name__)
         size = int(np.prod(self.arm_action_mode.action_shape(scene)))
@@ -115,11 +115,11 @@ class JointPositionActionMode(ActionMode):
             mode.action_post_step(scene, numbers)
 
     def action_shape(self, scene: SceneLike | None = None) -> int:
-        """Return how many numbers an action has."""
+        """Return the number of values of an action."""
         return len(robot_description(DEFAULT_ROBOT).arm_joints) + 1
 
     def action_bounds(self) -> tuple[FloatArray, FloatArray]:
-        """Return lowest and highest values: 0.1 rad each way for the joints, the range of a finger for the gripper."""
+        """Return lower and upper bounds: -0.1 and 0.1 rad for joints, the range of a finger [m] for the gripper."""
         arm = robot_description(DEFAULT_ROBOT)
         high = np.array([DELTA_LIMIT] * len(arm.arm_joints) + [arm.gripper_open])
         return np.append(-high[:-1], 0.0), high
@@ -129,7 +129,7 @@ Part = tuple[ArmActionMode | GripperActionMode, FloatArray]
 
 
 def require_accepted(scene: SceneLike, parts: Iterable[Part]) -> None:
-    """Raise InvalidActionError when a mode of this package refuses its numbers; modes of programs are not checked."""
+    """Raise InvalidActionError if the values of a mode of this package are invalid; modes of programs are not checked."""
     for mode, numbers in parts:
         if isinstance(mode, ScenePart):
             mode.values(scene, numbers)

@@ -59,10 +59,10 @@ __all__ = [
 
 
 class ArmActionMode(UserMode):
-    """Turns numbers into motion of the arm. Derive from it, or from one of the classes below."""
+    """Base class of arm modes: converts the values of an action to motions of the arm."""
 
     def set_control_mode(self, robot: Robot) -> None:
-        """Drive the arm as the mode needs it: here by positions."""
+        """Switch the arm to the control mode that the action mode needs, by default position control."""
         robot.arm.set_control_loop_enabled(True)
 
 
@@ -70,31 +70,31 @@ class JointVelocity(OneStepPart, modes.JointVelocity, ArmActionMode):
     """Joint velocities [rad/s] for one step; then the arm stops."""
 
     def set_control_mode(self, robot: Robot) -> None:
-        """Drive the arm by velocities."""
+        """Switch the arm to velocity control."""
         robot.arm.set_control_loop_enabled(False)
         robot.arm.set_motor_locked_at_zero_velocity(True)
 
 
 class JointPosition(OneStepPart, modes.JointPosition, ArmActionMode):
-    """Joint positions [rad], or changes of the measured ones: one step towards them, then stop.
+    """Joint positions [rad], or differences to the measured ones: one step towards them, then the arm stops.
 
     Args:
-        absolute_mode: Positions; otherwise changes.
+        absolute_mode: Use positions; otherwise differences.
     """
 
     _absolute_mode = setting("absolute_mode")
 
 
 class JointTorque(OneStepPart, modes.JointTorque, ArmActionMode):
-    """Joint torques [N m], with gravity, for one step; a positive torque turns a joint the positive way. Then the arm stops."""
+    """Joint torques [N m] for one step, including those against gravity, positive in the direction of the joint; then stop."""
 
     def set_control_mode(self, robot: Robot) -> None:
-        """Drive the arm without position control."""
+        """Switch position control of the arm off."""
         robot.arm.set_control_loop_enabled(False)
 
 
 class PosePart(ScenePart, pose.PoseMode):
-    """Settings of modes whose actions begin with a tip pose, under the names that derived classes use."""
+    """Settings of modes whose actions begin with a tip pose, with the attribute names of RLBench."""
 
     _absolute_mode = setting("absolute_mode")
 
@@ -114,29 +114,29 @@ class PosePart(ScenePart, pose.PoseMode):
 
 
 class EndEffectorPoseViaPlanning(PosePart, pose.EndEffectorPoseViaPlanning, ArmActionMode):
-    """A tip pose (7,): plan a timed, smooth motion there and run it to its end, or until the task is done.
+    """A tip pose (7,): plan a timed, smooth motion there and execute it to its end, or until the episode ends.
 
     Args:
-        absolute_mode: World pose; otherwise a delta to the present tip pose.
-        frame: Frame of the delta: an item of `RelativeFrame`, or 'world' or 'end effector'; the latter makes the pose relative
-            whatever `absolute_mode` says.
-        collision_checking: Plan around obstacles, unless the action says otherwise.
+        absolute_mode: Use world poses; otherwise deltas to the current tip pose.
+        frame: Frame of the delta: an item of `RelativeFrame`, 'world' or 'end effector'. With the frame of the end effector the
+            pose is relative for any `absolute_mode`.
+        collision_checking: Plan around obstacles, unless the action overrides it.
     """
 
     _callable_each_step: actions.OnStep | None = None
-    _robot_shapes: list[Object] | None = None  # for derived classes, which fill it
+    _robot_shapes: list[Object] | None = None  # derived classes of programs set it
 
     def action(self, scene: SceneLike, action: object, ignore_collisions: bool | None = None) -> None:
-        """Plan and run one motion.
+        """Plan and execute one motion.
 
         Args:
-            scene: What moves.
+            scene: The scene of the arm.
             action: Tip pose (7,): x, y, z [m], qx, qy, qz, qw.
             ignore_collisions: None: as `collision_checking`. True: without collision checks. False: around obstacles, or without
                 collision checks if that fails.
 
         Raises:
-            InvalidActionError: The pose is invalid or cannot be reached; nothing has moved.
+            InvalidActionError: The pose is invalid or cannot be reached; the arm has not moved.
         """
         target = self.target(runtime_of(scene), self.values(scene, action))
         ignore = not self.collision_checking if ignore_collisions is None else bool(ignore_collisions)
@@ -144,11 +144,11 @@ class EndEffectorPoseViaPlanning(PosePart, pose.EndEffectorPoseViaPlanning, ArmA
         actions.run(scene, plan, self._callable_each_step)
 
     def set_callable_each_step(self, callable_each_step: Callable[[Observation], object] | None) -> None:
-        """Call a function with an observation after every step of a motion; motions then go on when the task is done."""
+        """Call a function with an observation after each step of a motion; motions then continue when the episode ends."""
         self._callable_each_step = callable_each_step
 
     def record_end(self, scene: SceneLike, steps: int = 60, step_scene: bool = True) -> None:
-        """Pass further observations to the function of `set_callable_each_step`.
+        """Pass additional observations to the function of `set_callable_each_step`.
 
         Args:
             scene: The scene.
@@ -165,7 +165,7 @@ class EndEffectorPoseViaPlanning(PosePart, pose.EndEffectorPoseViaPlanning, ArmA
         return (7,)
 
     def _quick_boundary_check(self, scene: SceneLike, action: Action) -> None:
-        """Raise InvalidActionError when a pose (7,), in the world or in the frame of the tip, is outside the workspace."""
+        """Raise InvalidActionError if a pose (7,), in the world or in the frame of the tip, is outside the workspace."""
         target = np.asarray(action, dtype=float)
         if self._frame == RelativeFrame.EE:
             target = compose(runtime_of(scene).robot.tip_pose(), target)
@@ -173,12 +173,12 @@ class EndEffectorPoseViaPlanning(PosePart, pose.EndEffectorPoseViaPlanning, ArmA
 
 
 class EndEffectorPoseViaIK(PosePart, pose.EndEffectorPoseViaIK, ArmActionMode):
-    """A tip pose (7,): solve inverse kinematics near the present posture and drive the joints there.
+    """A tip pose (7,): solve inverse kinematics near the current configuration and move the joints there.
 
     Args:
-        absolute_mode: World pose; otherwise a delta to the present tip pose.
+        absolute_mode: Use world poses; otherwise deltas to the current tip pose.
         frame: As for `EndEffectorPoseViaPlanning`.
-        collision_checking: Accepted; the motion is not checked.
+        collision_checking: No effect: the motion has no collision checks.
     """
 
     def action_shape(self, scene: SceneLike | None = None) -> tuple[int]:
@@ -187,18 +187,18 @@ class EndEffectorPoseViaIK(PosePart, pose.EndEffectorPoseViaIK, ArmActionMode):
 
 
 class ERJointViaIK(PosePart, pose.ERJointViaIK, ArmActionMode):
-    """A tip pose and the angles of some joints: those are pinned, the others are solved for.
+    """A tip pose and the angles of some joints; inverse kinematics solves for the other joints.
 
     Args:
-        absolute_mode: World pose and absolute angles; otherwise deltas.
+        absolute_mode: Use world poses and absolute angles; otherwise deltas.
         frame: As for `EndEffectorPoseViaPlanning`.
-        collision_checking: Accepted; the motion is not checked.
-        commanded_joints: Indices of the pinned joints.
+        collision_checking: No effect: the motion has no collision checks.
+        commanded_joints: Indices of the joints with given angles.
         eps: Joint error at which the action ends [rad].
         delta_angle: The angle is a delta; needs relative mode and one joint, the first or the last.
     """
 
 
 def takes_ignore_collisions(mode: object) -> bool:
-    """Whether the method `action` of an arm mode has the argument `ignore_collisions`."""
+    """Return whether the method `action` of an arm mode has the argument `ignore_collisions`."""
     return "ignore_collisions" in inspect.signature(mode.action).parameters  # type: ignore[attr-defined]

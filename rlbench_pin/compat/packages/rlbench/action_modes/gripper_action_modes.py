@@ -15,11 +15,11 @@ __all__ = ["Discrete", "GripperActionMode", "GripperJointPosition", "InvalidActi
 
 
 class GripperActionMode(UserMode):
-    """Turns numbers into motion of the gripper. Derive from it, or from one of the classes below."""
+    """Base class of gripper modes: converts the values of an action to motions of the gripper."""
 
 
 class GripperPart(OneStepPart, native.GripperMode):
-    """Settings of the modes of the gripper, under the names that derived classes use."""
+    """Settings of gripper modes, with the attribute names of RLBench."""
 
     @property
     def _attach_grasped_objects(self) -> bool:
@@ -37,27 +37,27 @@ class GripperPart(OneStepPart, native.GripperMode):
 
 
 class Discrete(GripperPart, native.Discrete, GripperActionMode):
-    """One number, any finite one: above 0.5 opens the gripper, otherwise closes it; nothing happens when it is so already.
+    """One finite number: above 0.5 it opens the gripper, otherwise it closes it; no effect in the requested state.
 
     Args:
-        attach_grasped_objects: Fix graspable objects between the fingers to the gripper; None leaves it to the environment.
-        detach_before_open: Let go before the fingers open; otherwise after.
+        attach_grasped_objects: Fix graspable objects between the fingers to the gripper; None is the setting of the environment.
+        detach_before_open: Release objects before the fingers open; otherwise after.
     """
 
     def check(self, runtime: Runtime, values: FloatArray) -> FloatArray:
-        """Return the number unchanged: networks also return values beyond 0 and 1, which mean closed and open."""
+        """Return the value unchanged: values below 0 and above 1, which networks also return, mean closed and open."""
         return values
 
     def action(self, scene: SceneLike, action: object) -> None:
-        """Open or close until the fingers are at rest.
+        """Open or close the fingers until they stop.
 
         Raises:
-            InvalidActionError: The action is refused; nothing has moved.
+            InvalidActionError: The action is invalid; the fingers have not moved.
         """
         self.steps(runtime_of(scene), self.values(scene, action))
 
     def action_pre_step(self, scene: SceneLike, action: object) -> None:
-        """Command the fingers, for modes that step the simulation themselves."""
+        """Command the fingers, for action modes that step the simulation themselves."""
         runtime, wants_open = runtime_of(scene), bool(self.values(scene, action)[0] > 0.5)
         if wants_open and self.detach_before_open:
             runtime.gripper.release()
@@ -68,20 +68,20 @@ class Discrete(GripperPart, native.Discrete, GripperActionMode):
             runtime.gripper.set_target(goal, runtime.description.finger_speed)
 
     def action_post_step(self, scene: SceneLike, action: object) -> None:
-        """Release objects, or attach the object between the fingers."""
+        """Release the held objects, or attach the object between the fingers once they have stopped."""
         runtime, wants_open = runtime_of(scene), bool(self.values(scene, action)[0] > 0.5)
         at_rest = not runtime.gripper.moving
         hold_or_release(runtime, release=wants_open, attach=self.attaches(runtime) and at_rest)
 
 
 class GripperJointPosition(GripperPart, native.GripperJointPosition, GripperActionMode):
-    """One number: the position of both fingers [m], or its change, for one step; then the fingers stop.
+    """One number: the position of both fingers [m], or a difference, for one step; then the fingers stop.
 
     Args:
-        attach_grasped_objects: Fix graspable objects to the gripper once the fingers can close no further; None leaves it to the
-            environment.
-        detach_before_open: Let go before the fingers open; otherwise after.
-        absolute_mode: A position; otherwise a difference to the measured one.
+        attach_grasped_objects: Fix graspable objects to the gripper once the fingers can close no further; None is the setting
+            of the environment.
+        detach_before_open: Release objects before the fingers open; otherwise after.
+        absolute_mode: Use a position; otherwise a difference to the measured one.
     """
 
     def action_pre_step(self, scene: SceneLike, action: object) -> None:

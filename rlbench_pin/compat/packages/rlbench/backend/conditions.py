@@ -31,11 +31,11 @@ class Condition:
         raise NotImplementedError(f"{type(self).__name__} must define condition_met(self) -> (met, terminate).")
 
     def reset(self) -> None:
-        """Reset the state; called when an episode begins."""
+        """Reset the state; called at the start of an episode."""
 
 
 class NativeCondition(tasks.Condition):
-    """A condition of a user as a native one; its state is saved with the episode."""
+    """Native condition for a condition of a program; its state is saved with the episode."""
 
     def __init__(self, condition: Condition) -> None:
         self.condition, self._memory = condition, Remembered(condition)
@@ -64,7 +64,7 @@ class LibraryCondition(Condition):
         self.condition = condition
 
     def condition_met(self) -> Answer:
-        """Return whether the condition is met now, and that the episode goes on."""
+        """Return whether the condition is met now, and False: it does not end the episode."""
         return self.condition.met(), False
 
     def reset(self) -> None:
@@ -73,12 +73,12 @@ class LibraryCondition(Condition):
 
 
 def condition_of(native: tasks.Condition) -> Condition:
-    """Return a registered condition with the interface of RLBench: the program's own, or a view of a native one."""
+    """Return a registered condition with the interface of RLBench: that of the program, or a view of a native one."""
     return native.condition if isinstance(native, NativeCondition) else LibraryCondition(native)
 
 
 class JointCondition(Condition):
-    """Met while a joint is more than `position` [rad] or [m] away from where it was when the condition was made."""
+    """Met while a joint is more than `position` [rad] or [m] away from its position at the creation of the condition."""
 
     def __init__(self, joint: Joint, position: float) -> None:
         self.joint, self.position = joint, position
@@ -91,25 +91,25 @@ class JointCondition(Condition):
 
 
 class DetectedCondition(Condition):
-    """Met while a sensor sees an object, or while it does not when `negated`."""
+    """Met while a sensor detects an object; with `negated` while it does not."""
 
     def __init__(self, obj: Object, detector: ProximitySensor, negated: bool = False) -> None:
         self.obj, self.detector, self.negated = obj, detector, negated
 
     def condition_met(self) -> Answer:
-        """Return whether the object is seen now."""
+        """Return whether the object is detected now; with `negated` whether it is not."""
         met = bool(self.detector.is_detected(self.obj)) != self.negated
         return met, met
 
 
 class DetectedSeveralCondition(Condition):
-    """Met while a sensor sees at least `number_needed` of the objects."""
+    """Met while a sensor detects at least `number_needed` of the objects."""
 
     def __init__(self, objects: Sequence[Object], detector: ProximitySensor, number_needed: int) -> None:
         self.objects, self.detector, self.number_needed = objects, detector, number_needed
 
     def condition_met(self) -> Answer:
-        """Return whether enough objects are seen now."""
+        """Return whether enough objects are detected now."""
         met = sum(bool(self.detector.is_detected(obj)) for obj in self.objects) >= self.number_needed
         return met, met
 
@@ -140,7 +140,7 @@ class GraspedCondition(Condition):
 
 
 class EmptyCondition(Condition):
-    """Met while a list that the task keeps has no entries left."""
+    """Met while a list of the task is empty."""
 
     def __init__(self, container: Sized) -> None:
         self.container = container
@@ -152,17 +152,17 @@ class EmptyCondition(Condition):
 
 
 class FollowCondition(Condition):
-    """Met once an object has visited all points in order, coming within half of `delta_limit` of each.
+    """Met once an object has visited all points in order, each within half of `delta_limit`.
 
     An evaluation with the object farther than `delta_limit` from the next point is a strike; a visited point
-    clears the strikes. After more than `MAX_STRIKES` strikes, a further miss asks for the end of the episode.
+    clears the strikes. After more than `MAX_STRIKES` strikes, the next miss requests the end of the episode.
 
     Args:
         obj: The object that has to follow the points.
-        points: Points or poses; x, y, z come first [m].
-        relative_to: The points are in its frame; None is the world.
+        points: Points (3,) or poses (7,), with x, y, z first [m].
+        relative_to: Object in whose frame the points are; None is the world.
         delta_limit: Distance of a miss [m].
-        start_after_first: No strikes before the first point was visited.
+        start_after_first: Count no strikes before the first point was visited.
     """
 
     def __init__(
@@ -179,7 +179,7 @@ class FollowCondition(Condition):
         self.index, self.strikes = 0, 0
 
     def condition_met(self) -> Answer:
-        """Pass the points that the object is at now; return whether all were visited, and whether the path was lost."""
+        """Mark the points at the object as visited; return whether all are visited, and whether the episode should end."""
         first = True
         while self.index < len(self.points):
             place = np.asarray(self.obj.get_position(relative_to=self.relative_to))
@@ -193,7 +193,7 @@ class FollowCondition(Condition):
         return True, True
 
     def reset(self) -> None:
-        """Begin with the first point again, without strikes."""
+        """Restart with the first point, without strikes."""
         self.index, self.strikes = 0, 0
 
 
@@ -202,8 +202,8 @@ class ConditionSet(Condition):
 
     Args:
         conditions: The conditions.
-        order_matters: A condition that was met in its turn stays met.
-        simultaneously_met: Without effect: unordered conditions have to be met together.
+        order_matters: Each condition counts once it was met after the previous ones.
+        simultaneously_met: No effect: conditions without order have to be met together.
     """
 
     def __init__(self, conditions: Sequence[Condition], order_matters: bool = False, simultaneously_met: bool = True) -> None:
@@ -222,20 +222,20 @@ class ConditionSet(Condition):
         return met, met
 
     def reset(self) -> None:
-        """Reset the conditions, and begin with the first."""
+        """Reset the conditions, and restart with the first."""
         self.passed = 0
         for condition in self.conditions:
             condition.reset()
 
 
 class OrConditions(Condition):
-    """Met while one of the conditions is met."""
+    """Met while at least one of the conditions is met."""
 
     def __init__(self, conditions: Sequence[Condition]) -> None:
         self.conditions = list(conditions)
 
     def condition_met(self) -> Answer:
-        """Return whether a condition is met now; all are evaluated."""
+        """Return whether at least one condition is met now; all are evaluated."""
         answers = [condition.condition_met() for condition in self.conditions]
         met = any(answer[0] for answer in answers)
         return met, met
@@ -247,12 +247,12 @@ class OrConditions(Condition):
 
 
 class ColorCondition(Condition):
-    """Met while an object shows exactly the colour `success_rgb`, each channel in 0..1."""
+    """Met while an object has exactly the colour `success_rgb`, each channel from 0 to 1."""
 
     def __init__(self, shape: Shape, success_rgb: Sequence[float]) -> None:
         self.shape, self.success_rgb = shape, tuple(float(channel) for channel in success_rgb)[:3]
 
     def condition_met(self) -> Answer:
-        """Return whether the object shows the colour now."""
+        """Return whether the object has the colour now."""
         met = bool(np.allclose(np.asarray(self.shape.get_color(), dtype=float)[:3], self.success_rgb, rtol=0.0, atol=1e-6))
         return met, met

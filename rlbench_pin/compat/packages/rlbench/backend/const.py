@@ -5,7 +5,7 @@ from __future__ import annotations
 from rlbench_pin.datasets.formats.rlbench import DEPTH_STEPS, DESCRIPTIONS_FILE, LOW_DIM_FILE, VARIATION_FILE
 
 TTT_FILE = "task_design.ttt"
-"""Name of the base scene in RLBench; it is not read, because table and arm always exist."""
+"""Name of the base scene in RLBench; this package does not read it, because table and arm always exist."""
 
 LEFT_SHOULDER_RGB_FOLDER = "left_shoulder_rgb"
 LEFT_SHOULDER_DEPTH_FOLDER = "left_shoulder_depth"
@@ -24,9 +24,9 @@ FRONT_DEPTH_FOLDER = "front_depth"
 FRONT_MASK_FOLDER = "front_mask"
 
 IMAGE_FORMAT = "%d.png"
-"""Number of the frame -> name of its image."""
+"""Format of the file name of an image, with the index of the frame."""
 DEPTH_SCALE = DEPTH_STEPS
-"""Depth 0..1 is stored in so many steps."""
+"""Number of steps of stored depth values from 0 to 1."""
 
 EPISODES_FOLDER = "episodes"
 EPISODE_FOLDER = "episode%d"

@@ -1,4 +1,4 @@
-"""An arm with a gripper."""
+"""The robot: an arm with a gripper."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pyrep.robots.end_effectors import Gripper
 
 
 class Robot:
-    """An arm and the gripper that it carries.
+    """An arm with its gripper.
 
     Args:
         arm: The arm.

@@ -1,4 +1,4 @@
-"""The scene: world, task and robot, under RLBench's names."""
+"""The scene: world, task and robot, with the API of RLBench."""
 
 from __future__ import annotations
 
@@ -34,25 +34,25 @@ from rlbench_pin.observation import Demo, Observation
 from rlbench_pin.tasks import Task as NativeTask
 
 STEPS_BEFORE_EPISODE_START = SETTLE_TICKS
-"""Control ticks that a placed task comes to rest in."""
+"""Number of control ticks in which the objects of a placed task settle."""
 
 SEEDS = 2**31
-"""Seeds are drawn below this."""
+"""Upper bound of random seeds."""
 _WORD = 32  # [bit]
 
 
 class EpisodeSeeds:
     """Draws seeds, and recognizes the seeds of demonstrations.
 
-    A program may seed the global generator as a demonstration says (`demo.restore_state()`), then reset, and expects the start of
-    that demonstration. So a generator that was just seeded with the seed of a remembered demonstration gives its start.
+    Programs call `demo.restore_state()`, which seeds the global generator, then reset, and expect the start of the demonstration.
+    So if the global generator was just seeded with the seed of a known demonstration, `draw` returns the seed of that episode.
     """
 
     def __init__(self) -> None:
         self._known: dict[bytes, tuple[int, int]] = {}
 
     def remember(self, demo: Demo) -> None:
-        """Remember the seed of a demonstration; one without a seed is left out."""
+        """Store the seed of a demonstration; a demonstration without a seed is ignored."""
         seed = demo.random_seed
         if isinstance(seed, int | np.integer) and seed >= 0:
             words = np.array([int(seed) >> shift & 0xFFFFFFFF for shift in range(0, max(int(seed).bit_length(), 1), _WORD)])
@@ -73,7 +73,7 @@ def _fingerprint(state: Any) -> bytes:
 
 
 class Scene:
-    """World, task and robot together.
+    """World, task and robot.
 
     The package steps and observes through `step`, `get_observation` and `check_target_in_workspace` of this
     object, so that a subclass can override them.
@@ -88,7 +88,7 @@ class Scene:
         pyrep: The simulator.
         robot: Arm and gripper.
         robot_setup: Name of the arm.
-        task: The task that is loaded, or None.
+        task: The loaded task, or None.
     """
 
     def __init__(
@@ -110,14 +110,13 @@ class Scene:
         self._start_arm_joint_pos = self._runtime.robot.joint_positions.tolist()
         self._starting_gripper_joint_pos = self._runtime.robot.fingers.tolist()
         self._initial_robot_state = (robot.arm.get_configuration_tree(), robot.gripper.get_configuration_tree())
-        for (
-            name
-        ) in CAMERA_NAMES:  # `_cam_front`, `_cam_front_mask`, ... are read by programs, as is what begins so in other places
+        for name in CAMERA_NAMES:  # programs read these private attributes
             setattr(self, f"_{name}", VisionSensor(name))
             setattr(self, f"_{name}{MASK_SUFFIX}", VisionSensor(name + MASK_SUFFIX))
         self._set_camera_properties()
 
     def _forget_task(self) -> None:
+        """Set the attributes that depend on the task to their initial values."""
         self._has_init_task = self._has_init_episode = False
         self._variation_index = self._attempts = 0
         self._initial_task_state: Any = None
@@ -126,24 +125,25 @@ class Scene:
         self._origin: EpisodeOrigin | None = None
 
     def _build(self, native: type[NativeTask]) -> SceneRuntime:
+        """Build the world of a task and return its runtime, connected to this scene."""
         runtime = Simulator.current().load(native, self._obs_config, kind=SceneRuntime)
         runtime.serve(self)
         runtime.after_tick.append(self._after_step)
         return runtime
 
     def _set_camera_properties(self) -> None:
-        """Check the settings of the cameras; images follow the settings at every observation."""
+        """Check the settings of the cameras, which apply to each observation."""
         self._obs_config.check()
 
     @property
     def runtime(self) -> SceneRuntime:
-        """World, task and planner together, as the package itself uses them."""
+        """World, task and planner of rlbench_pin."""
         return self._runtime
 
     # Workspace and callbacks ----------------------------------------------------------------------------------------
 
     def prepare(self) -> None:
-        """Move the arm to `_start_arm_joint_pos`, if a program set another posture than that of the robot file."""
+        """Move the arm to `_start_arm_joint_pos`, if the arm has other joint positions."""
         if not np.array_equal(self._start_arm_joint_pos, self.robot.arm.get_joint_positions()):
             self.robot.arm.set_joint_positions(self._start_arm_joint_pos, disable_dynamics=True)
 
@@ -157,7 +157,7 @@ class Scene:
         )
 
     def register_step_callback(self, func: Callable[[], None] | None) -> None:
-        """Call `func` after every control tick, in place of the one registered before; None removes it."""
+        """Call `func` after each control tick; it replaces the previous function, and None removes it."""
         self._step_callback = func
 
     def _after_step(self) -> None:
@@ -174,7 +174,7 @@ class Scene:
 
     @cached_property
     def target_workspace_check(self) -> Dummy:
-        """A dummy that programs move to targets."""
+        """Dummy that programs move to targets."""
         return Dummy.create()
 
     @cached_property
@@ -184,7 +184,7 @@ class Scene:
     # Tasks ----------------------------------------------------------------------------------------------------------
 
     def load(self, task: Task) -> None:
-        """Build the world of a task in place of the present one, and connect the task to it."""
+        """Build the world of a task, replace the current world by it, and connect the task to it."""
         self._forget_task()
         self._runtime = self._build(type(task).native_class())
         self.task = task
@@ -193,7 +193,7 @@ class Scene:
         self._initial_task_pose = task.boundary_root().get_orientation()
 
     def unload(self) -> None:
-        """Go back to the empty table; without a task nothing happens."""
+        """Replace the world of the task by the empty table; without a task there is no effect."""
         if self.task is None:
             return
         self._runtime.task.end_episode()
@@ -202,7 +202,7 @@ class Scene:
         self._runtime = self._build(EmptyTable)
 
     def init_task(self) -> None:
-        """Save the initial state of the task; its own `init_task` was called when it was loaded."""
+        """Save the initial state of the task; `load` has called `init_task` of the task."""
         self._initial_task_state = self._loaded("init_task").get_state()
         self._has_init_task = True
 
@@ -211,16 +211,16 @@ class Scene:
 
         Args:
             index: Variation of the task.
-            randomly_place: Put the task at a random place.
-            max_attempts: Placements to try.
-            place_demo: Accepted; a demonstration that `start_next_as` was given is started from in any case.
+            randomly_place: Place the task at a random pose.
+            max_attempts: Maximum number of placements.
+            place_demo: No effect: the episode always starts as the demonstration of `start_next_as`, if there is one.
 
         Returns:
             The instructions.
 
         Raises:
-            BoundaryError: There was no free place for an object.
-            WaypointError: The last placement had waypoints out of reach.
+            BoundaryError: There was no free pose for an object.
+            WaypointError: The last placement had unreachable waypoints.
         """
         self._loaded("init_episode")
         if not self._has_init_task:
@@ -246,28 +246,28 @@ class Scene:
         return list(start.instructions)
 
     def start_next_as(self, demo: Demo | None) -> None:
-        """Let the next `init_episode` start as a demonstration; None lets it start at random again."""
+        """Start the next `init_episode` as a demonstration; None starts it at random."""
         if demo is not None:
             demos.check_start(demo, self._loaded("start_next_as").get_name(), self._runtime.model.description.reference)
         self._next_demo = demo
 
     def remember_start(self, demo: Demo) -> None:
-        """Let an episode start as `demo` did when numpy's global generator was just seeded with the demonstration's seed."""
+        """Start an episode as `demo` if numpy's global generator was just seeded with the seed of the demonstration."""
         self._seeds.remember(demo)
 
     @property
     def descriptions(self) -> list[str]:
-        """Instructions of the present episode.
+        """Instructions of the current episode.
 
         Raises:
-            NotReset: There is none (also a RuntimeError).
+            NotReset: There is no episode (also a RuntimeError).
         """
         if self._origin is None:
             raise NotReset("get_task_descriptions")
         return list(self._origin.instructions)
 
     def sign(self, demo: Demo) -> None:
-        """Add the start of the episode to a demonstration that a program made of plain observations."""
+        """Add seed, instructions, task and variation of the episode to a demonstration that a program made of observations."""
         if self._origin is not None and demo.random_seed is None:
             origin = self._origin
             demo.random_seed, demo.attempt, demo.num_reset_attempts = origin.seed, origin.attempt, origin.reset_attempts
@@ -276,20 +276,20 @@ class Scene:
             self.remember_start(demo)
 
     def _before_episode(self) -> None:
-        """Called before an episode is laid out."""
+        """Called before the setup of an episode."""
 
     def _after_episode_start(self, variation: int, rng: np.random.Generator) -> None:
-        """Called when an episode is laid out and settled."""
+        """Called after the setup of an episode, when the objects have settled."""
 
     def reset(self) -> None:
-        """End the episode and restore the world as it was built."""
+        """End the episode and restore the initial state of the world."""
         self._runtime.task.end_episode()
         world = self._runtime.world
         world.restore(world.origin)
         self._has_init_episode = False
 
     def _place_task(self) -> None:
-        """Put the task at a random place on the table. Every placement of an episode calls this, unless the task is static."""
+        """Place the task at a random pose on the table. Each placement of an episode calls this, unless the task is static."""
         root, world = self.task.boundary_root(), self._runtime.world
         if root == self.task.get_base() and not np.array_equal(world.root.pose, world.spec.placement.pose):
             world.place_root(world.spec.placement.pose)
@@ -298,11 +298,12 @@ class Scene:
         self._workspace_boundary.sample(root, min_rotation=low, max_rotation=high)
 
     def place(self, rng: np.random.Generator) -> None:
-        """Put the task at a random place on the table, drawn from `rng`."""
+        """Place the task at a random pose on the table, drawn from `rng`."""
         with self._workspace_boundary.drawing_from(rng):
             self._place_task()
 
     def _loaded(self, call: str) -> Any:
+        """Return the loaded task, or raise TaskEnvironmentError with the name of the method."""
         if self.task is None:
             raise TaskEnvironmentError(f"`Scene.{call}` needs a task. Call `load(task)` first, or `Environment.get_task(...)`.")
         return self.task
@@ -310,11 +311,11 @@ class Scene:
     # The loop -------------------------------------------------------------------------------------------------------
 
     def step(self) -> None:
-        """Advance one control tick: physics, the task's own step, then the registered callback."""
+        """Advance one control tick: physics, the step of the task, then the registered function."""
         self._runtime.advance()
 
     def get_observation(self) -> Observation:
-        """Observe without stepping."""
+        """Return an observation without a simulation step."""
         observation = self._runtime.observe()
         self._observed = observation.misc
         try:
@@ -324,7 +325,7 @@ class Scene:
         return observation
 
     def _get_misc(self) -> dict[str, Any]:
-        """Return the `misc` entries of the observation that is being made, or of the present instant."""
+        """Return the `misc` entries of the observation in progress, or of a new observation."""
         misc = dict(self._runtime.observe().misc if self._observed is None else self._observed)
         if self._frame is not None and self._joint_position_action is not None:
             misc["joint_position_action"] = self._joint_position_action
@@ -342,16 +343,16 @@ class Scene:
         callable_each_step: Callable[[Observation], None] | None = None,
         randomly_place: bool = True,
     ) -> Demo:
-        """Play the demonstration of the present episode; without one, an episode is started first.
+        """Execute a demonstration in the current episode and return it; without an episode, start one first.
 
         Args:
-            record: Keep observations; otherwise the demonstration is empty.
-            callable_each_step: Called with every recorded observation.
-            randomly_place: Put the task at a random place, when an episode is started.
+            record: Store observations; otherwise the demonstration is empty.
+            callable_each_step: Function that is called with each observation.
+            randomly_place: Place the task at a random pose, if an episode is started.
 
         Raises:
-            NoWaypointsError: The task has none.
-            DemoError: The goal was not reached, or a motion could not be planned.
+            NoWaypointsError: The task has no waypoints.
+            DemoError: The demonstration had no success, or a motion could not be planned.
         """
         task = self._loaded("get_demo")
         if not self._has_init_episode:
@@ -376,7 +377,7 @@ class Scene:
     def _keep_frame(
         self, frame: Observation, frames: list[Observation], record: bool, func: Callable[[Observation], None] | None
     ) -> None:
-        """Pass a frame that was just observed to `_demo_record_step`."""
+        """Call `_demo_record_step` for a new observation."""
         self._joint_position_action, self._frame = frame.misc.get("joint_position_action"), frame
         try:
             self._demo_record_step(frames, record, func)
@@ -384,7 +385,7 @@ class Scene:
             self._frame = None
 
     def _demo_record_step(self, demo_list: list[Observation], record: bool, func: Callable[[Observation], None] | None) -> None:
-        """Record one frame: keep the observation of this instant with `record`, and call `func` with it."""
+        """Record the current observation: append it to the list with `record`, and call `func` with it."""
         if not record and func is None:
             return
         observation = self.get_observation() if self._frame is None else self._frame

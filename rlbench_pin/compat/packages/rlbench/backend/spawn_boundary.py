@@ -1,4 +1,4 @@
-"""Random places inside boundaries, under RLBench's names. All draws come from numpy's global generator."""
+"""Random placement inside boundaries, with the API of RLBench. All draws come from numpy's global generator."""
 
 from __future__ import annotations
 
@@ -16,23 +16,24 @@ from rlbench_pin.tasks.boxes import OrientedBox, rotated
 from rlbench_pin.tasks.placement import footprint
 
 MAX_SAMPLES = 100
-"""Places that are tried for one object."""
+"""Maximum number of tries for one object."""
 ANY_YAW = ((0.0, 0.0, -3.14), (0.0, 0.0, 3.14))
+"""Default bounds of the random rotation: roll, pitch, yaw [rad]."""
 FLAT = 1e-4
 """Height below which a boundary is a plane [m]."""
 PLACED, TOO_BIG, TOUCHES, TOO_NEAR = 1, -1, -2, -3
-"""Answers of `BoundaryObject.add`."""
+"""Return values of `BoundaryObject.add`."""
 
 
 class BoundingBox:
-    """A box along some axes: lowest and highest x, y and z [m]."""
+    """An axis-aligned box: bounds of x, y and z [m]."""
 
     def __init__(self, min_x: float, max_x: float, min_y: float, max_y: float, min_z: float, max_z: float) -> None:
         self.min_x, self.max_x, self.min_y, self.max_y, self.min_z, self.max_z = min_x, max_x, min_y, max_y, min_z, max_z
 
     @property
     def corners(self) -> FloatArray:
-        """Lowest and highest corner, shape (2, 3) [m]."""
+        """Corners with the smallest and the largest coordinates, shape (2, 3) [m]."""
         return np.array([[self.min_x, self.min_y, self.min_z], [self.max_x, self.max_y, self.max_z]], dtype=float)
 
     @classmethod
@@ -42,13 +43,13 @@ class BoundingBox:
         return cls(*(float(bound) for pair in zip(low, high) for bound in pair))
 
     def within_boundary(self, boundary: BoundingBox, is_plane: bool) -> bool:
-        """Return whether this box is inside another; on a plane the height does not count."""
+        """Return whether this box is inside another; for a plane the height is ignored."""
         axes = 2 if is_plane else 3
         mine, other = self.corners[:, :axes], boundary.corners[:, :axes]
         return bool(np.all(mine[0] >= other[0] - 1e-9) and np.all(mine[1] <= other[1] + 1e-9))
 
     def rotate(self, rotation: Sequence[float] | FloatArray) -> BoundingBox:
-        """Return the box around this one after a rotation about its origin.
+        """Return the axis-aligned box around this box after a rotation about the origin.
 
         Args:
             rotation: Roll, pitch, yaw (3,) [rad], or a quaternion (4,), x, y, z, w.
@@ -66,7 +67,7 @@ class BoundaryObject:
     """One boundary and the objects in it.
 
     Args:
-        boundary: A flat region, on which the height of objects stays as it is, or a box.
+        boundary: A plane, on which objects keep their height, or a box.
     """
 
     def __init__(self, boundary: Object) -> None:
@@ -94,18 +95,18 @@ class BoundaryObject:
         min_distance: float = 0.01,
         others: Sequence[Object] | None = None,
     ) -> int:
-        """Try one random place for an object, and move it there when it is free.
+        """Try one random pose for an object, and move the object there if the pose is free.
 
         Args:
-            obj: What to place.
-            ignore_collisions: Do not look at what was placed already.
-            min_rotation: Lowest roll, pitch, yaw in the axes of the boundary, on top of the present rotation [rad].
-            max_rotation: Highest roll, pitch, yaw [rad].
+            obj: Object to place.
+            ignore_collisions: Ignore objects that were placed before.
+            min_rotation: Lower bounds of the rotation that is added: roll, pitch, yaw in the frame of the boundary [rad].
+            max_rotation: Upper bounds of this rotation [rad].
             min_distance: Minimum distance between origins [m].
-            others: Objects placed already; None: those of this boundary.
+            others: Objects that were placed before; None: those of this boundary.
 
         Returns:
-            1 when placed, -1 when it did not fit, -2 when it would touch an object, -3 when it would be too near to an object.
+            1: placed; -1: it does not fit; -2: it would touch an object; -3: it would be too near to an object.
         """
         start = np.asarray(obj.get_pose(relative_to=self._boundary), dtype=float)
         turn = self.draw(np.asarray(min_rotation, dtype=float), np.asarray(max_rotation, dtype=float))
@@ -126,7 +127,7 @@ class BoundaryObject:
         return PLACED
 
     def _refusal(self, box: OrientedBox, position: FloatArray, others: Sequence[Object], min_distance: float) -> int | None:
-        """Return why a place is not free, or None."""
+        """Return `TOUCHES` or `TOO_NEAR` if a pose is not free, otherwise None."""
         for other in others:
             pose = np.asarray(other.get_pose(relative_to=self._boundary), dtype=float)
             if box.overlaps(OrientedBox.of(self._box(other).corners, pose)):
@@ -136,18 +137,19 @@ class BoundaryObject:
         return None
 
     def _box(self, obj: Object) -> BoundingBox:
+        """Return the box around an object in its own frame."""
         return bounding_box(obj)
 
     def draw(self, low: FloatArray, high: FloatArray) -> FloatArray:
-        """Return numbers (n,), each drawn between its bounds."""
+        """Return random numbers (n,), uniform between their bounds."""
         return np.random.uniform(low, high)
 
     def _get_position_within_boundary(self, obj: Object, obj_bbox: BoundingBox) -> list[float]:
-        """Draw a place for an object, [x, y, z] in the frame of the boundary [m].
+        """Return a random position [x, y, z] for an object in the frame of the boundary [m].
 
         Args:
-            obj: What is placed; on a plane it keeps its height.
-            obj_bbox: Box around it along the axes of the boundary, from its origin.
+            obj: Object to place; on a plane it keeps its height.
+            obj_bbox: Box around the object along the axes of the boundary, relative to the origin of the object.
         """
         low = self._boundary_bbox.corners[0] - obj_bbox.corners[0]
         high = self._boundary_bbox.corners[1] - obj_bbox.corners[1]
@@ -157,12 +159,12 @@ class BoundaryObject:
         return [float(x) for x in place]
 
     def clear(self) -> None:
-        """Forget the placed objects."""
+        """Remove all objects from the list of placed objects."""
         self._contained_objects = []
 
 
 class SpawnBoundary:
-    """Places objects at random inside one or several boundaries without letting them touch.
+    """Places objects at random poses inside one or several boundaries, without contacts between them.
 
     Args:
         boundaries: Regions of the scene, as `Shape('boundary')`.
@@ -185,17 +187,17 @@ class SpawnBoundary:
         max_rotation: Sequence[float] = ANY_YAW[1],
         min_distance: float = 0.01,
     ) -> None:
-        """Move an object to a random place.
+        """Move an object to a random free pose.
 
         Args:
-            obj: What to place.
-            ignore_collisions: Do not look at what was placed already.
-            min_rotation: Lowest roll, pitch, yaw, on top of the present rotation [rad].
-            max_rotation: Highest roll, pitch, yaw [rad].
+            obj: Object to place.
+            ignore_collisions: Ignore objects that were placed before.
+            min_rotation: Lower bounds of the rotation that is added: roll, pitch, yaw [rad].
+            max_rotation: Upper bounds of this rotation [rad].
             min_distance: Minimum distance between origins of placed objects [m].
 
         Raises:
-            BoundaryError: No place was found in `MAX_SAMPLES` tries.
+            BoundaryError: No free pose was found in `MAX_SAMPLES` tries.
         """
         others = [item for boundary in self._boundaries for item in boundary.contained_objects]
         answers = []
@@ -210,16 +212,17 @@ class SpawnBoundary:
         )
 
     def _choose(self) -> BoundaryObject:
+        """Return a random boundary, with probabilities proportional to the areas or volumes."""
         return self._boundaries[int(np.random.choice(len(self._boundaries), p=self._probabilities))]
 
     def clear(self) -> None:
-        """Forget the placed objects; call it at the start of every episode."""
+        """Remove all objects from the lists of placed objects; call it at the start of each episode."""
         for boundary in self._boundaries:
             boundary.clear()
 
 
 def bounding_box(obj: Object) -> BoundingBox:
-    """Return the box around an object in its own axes; an object that is not a shape is a point."""
+    """Return the box around an object in its own frame; for an object that is not a shape it is a point."""
     if not isinstance(obj, Shape):
         return BoundingBox(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     bounds = obj.get_model_bounding_box() if obj.is_model() else obj.get_bounding_box()
@@ -229,15 +232,16 @@ def bounding_box(obj: Object) -> BoundingBox:
 class WorkspaceArea(BoundaryObject):
     """The plane of the workspace. Only the footprint of an object has to fit.
 
-    Places are drawn exactly as the native placement draws them, so one seed gives one place with both.
+    The draws are those of the native placement, so a seed gives the same pose with both.
 
     Attributes:
-        rng: Generator of the places; None is numpy's global generator.
+        rng: Random generator; None is numpy's global generator.
     """
 
     rng: np.random.Generator | None = None
 
     def _box(self, obj: Object) -> BoundingBox:
+        """Return the footprint of an object, without height."""
         world, element = Simulator.current().runtime.world, obj.element
         name = element.name.partition("/")[0]
         if element.kind == "root" or world.spec.placement.footprint is not None:
@@ -250,11 +254,11 @@ class WorkspaceArea(BoundaryObject):
         return BoundingBox(float(low[0]), float(high[0]), float(low[1]), float(high[1]), 0.0, 0.0)
 
     def draw(self, low: FloatArray, high: FloatArray) -> FloatArray:
-        """Return numbers (n,), each drawn between its bounds from `rng`."""
+        """Return random numbers (n,) from `rng`, uniform between their bounds."""
         return super().draw(low, high) if self.rng is None else self.rng.uniform(low, high)
 
     def _get_position_within_boundary(self, obj: Object, obj_bbox: BoundingBox) -> list[float]:
-        """Draw a place for an object, [x, y, z] in the frame of the plane [m]; the middle when it does not fit."""
+        """Return a random position [x, y, z] for an object in the frame of the plane [m]; the middle if it does not fit."""
         low = (self._boundary_bbox.corners[0] - obj_bbox.corners[0])[:2]
         high = (self._boundary_bbox.corners[1] - obj_bbox.corners[1])[:2]
         x, y = self.draw(low, high) if np.all(low <= high) else (low + high) / 2.0
@@ -278,7 +282,7 @@ class Workspace(SpawnBoundary):
 
     @contextmanager
     def drawing_from(self, rng: np.random.Generator | None) -> Iterator[None]:
-        """Draw from `rng` in a block; None is numpy's global generator."""
+        """Draw from `rng` within a `with` block; None is numpy's global generator."""
         before, self._area.rng = self._area.rng, rng
         try:
             yield

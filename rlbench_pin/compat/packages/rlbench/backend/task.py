@@ -1,4 +1,4 @@
-"""Tasks under RLBench's names: classes of the library, or classes written in the paper's style."""
+"""Tasks with the API of RLBench: tasks of the library, or classes of a program."""
 
 from __future__ import annotations
 
@@ -42,13 +42,13 @@ class TreeState:
     bodies: dict[str, tuple[FloatArray, FloatArray]]
     """Name -> pose (7,) and velocity (6,)."""
     joints: dict[str, tuple[float, float]]
-    """Name -> value and speed."""
+    """Name -> position and velocity."""
     frames: dict[str, tuple[str, FloatArray]]
     """Name -> parent and pose (7,) in the frame of the parent."""
 
 
 class TreeChanged(RlbenchPinError, RuntimeError):
-    """The objects of the task have changed."""
+    """The task has other objects than the saved state."""
 
 
 class Task:
@@ -102,7 +102,7 @@ class Task:
         return cls.native_origin() if "library_name" in vars(cls) else adapter_of(cast("Any", cls), cls.step is not Task.step)
 
     def bind(self, native: NativeTask) -> None:
-        """Connect the native task of the world that was built; a task in the paper's style now finds its objects."""
+        """Connect the native task of a new world; for a class of a program this calls `init_task`."""
         self._native = native
         if isinstance(native, PaperTask):
             native.tie(self)
@@ -152,7 +152,7 @@ class Task:
         type(self).native_origin().step(self.native)
 
     def reward(self) -> float | None:
-        """Return the shaped reward of this instant, or None when the task has none."""
+        """Return the current shaped reward; None if the task has none."""
         return type(self).native_origin().reward(self.native)
 
     def cleanup(self) -> None:
@@ -179,10 +179,10 @@ class Task:
         """No effect: the objects of the low-dimensional state, and their order, follow from the scene file."""
 
     def load(self) -> Object:
-        """Build the world of the task in place of the present one, unless it is the present one, and return its base.
+        """Build the world of the task, unless it is the current world, and return the base of the task.
 
         Raises:
-            FileNotFoundError: There is no scene file.
+            FileNotFoundError: The task has no scene file.
         """
         simulator = Simulator.current()
         if self._native is None or simulator.runtime.task is not self._native:
@@ -234,7 +234,7 @@ class Task:
         return [waypoint_of(waypoint, self.robot) for waypoint in self.native.get_waypoints()]
 
     def should_repeat_waypoints(self) -> bool:
-        """Return whether the waypoint list is to be repeated; called once after the last waypoint."""
+        """Return whether to repeat the waypoints; called once after the last waypoint."""
         return self.native.should_repeat_waypoints()
 
     def get_graspable_objects(self) -> list[Object]:
@@ -242,11 +242,11 @@ class Task:
         return [Shape(name) for name in self.native.get_graspable_objects()]
 
     def success(self) -> tuple[bool, bool]:
-        """Return whether the goal is reached, and whether the episode is over."""
+        """Return whether the task is successful, and whether the episode is over."""
         return type(self).native_origin().success(self.native)
 
     def validate(self) -> None:
-        """Raise WaypointError unless every waypoint can be reached in sequence, collisions ignored."""
+        """Raise WaypointError unless all waypoints are reachable in sequence, without collision checks."""
         runtime = Simulator.current().runtime
         runtime.refresh_planner()
         home = np.array(runtime.description.home)
@@ -283,11 +283,11 @@ class Task:
             world.joint(name).set_state(position, speed)
 
     def cleanup_(self) -> None:
-        """Clean up after an episode, if one was begun."""
+        """Clean up after an episode, if one was started."""
         self.native.end_episode()
 
     def clear_registerings(self) -> None:
-        """Forget everything that was registered."""
+        """Remove all registered conditions, graspable objects and functions."""
         native = self.native
         if isinstance(native, PaperTask):
             native.forget_registrations()
@@ -308,7 +308,7 @@ class Task:
 
 
 def _world_name(item: Any) -> str:
-    """Return the name in the world of an object of the scene, given a view or a name; for a part, that of its object."""
+    """Return the name in the world of an object, given as a view or a name; for a link or joint, the name of its body."""
     return (item if isinstance(item, str) else str(item.element.name)).partition("/")[0]
 
 
@@ -321,10 +321,10 @@ def _attribute_of(native: object | None, name: str) -> Any:
 
     Args:
         native: The task, or None when it is not loaded.
-        name: A public name; lists and tuples of objects are possible, too.
+        name: Public name of an attribute; its value may be a list or tuple of objects.
 
     Raises:
-        AttributeError: It has no attribute of that name that a program could use.
+        AttributeError: There is no such attribute, or its value is of another type.
     """
     kept = {} if native is None or name.startswith("_") else vars(native)
     if name not in kept:
@@ -333,6 +333,7 @@ def _attribute_of(native: object | None, name: str) -> Any:
 
 
 def _view(value: Any, name: str) -> Any:
+    """Return a value for programs; raise AttributeError with `name` if its type is internal."""
     if isinstance(value, list | tuple):
         return [_view(item, name) for item in value]
     if isinstance(value, Body | ObjectJoint | Frame):

@@ -14,18 +14,18 @@ from rlbench_pin.scene.spec import BodySpec
 _SOLIDS = 25
 """Number of convex solids in the assets."""
 _SCALES = (0.85, 1.2)
-"""Lowest and highest scale of a solid."""
+"""Bounds of the random scale of a solid."""
 
 
 def sample_procedural_objects(task_base: Object, num_samples: int, mass: float = 0.1) -> list[Shape]:
-    """Add convex solids of random form and size to the scene, drawn from numpy's global generator.
+    """Add convex solids of random shape and size to the scene, drawn from numpy's global generator.
 
-    They are placed side by side above the base, belong to the episode and are removed after it.
+    They are placed side by side, 0.1 m above the base, and are removed after the episode.
 
     Args:
-        task_base: Object above which they are placed.
+        task_base: Object above which the solids are placed.
         num_samples: Number of solids.
-        mass: Mass of each [kg].
+        mass: Mass of each solid [kg].
     """
     world = Simulator.current().world
     free = (name for name in (f"object{i}" for i in count()) if name not in world.bodies)

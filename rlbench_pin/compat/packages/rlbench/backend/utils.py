@@ -1,6 +1,6 @@
 """Conversion between float arrays and images, masks by handle, and task classes by name.
 
-An image encodes a number in 24 bits: the number times a scale, in red, green and blue, red the most significant.
+A colour image encodes each number times a scale in 24 bits: red, green and blue, with red as the most significant byte.
 """
 
 from __future__ import annotations
@@ -15,22 +15,22 @@ from rlbench_pin.errors import CameraError
 from rlbench_pin.tasks.registry import camel_case
 
 DEFAULT_RGB_SCALE_FACTOR = 256000.0
-"""Steps of a number 1.0 in a colour image, unless another scale is given."""
+"""Default scale of colour images: number of steps from 0.0 to 1.0."""
 DEFAULT_GRAY_SCALE_FACTOR = {np.uint8: 100.0, np.uint16: 1000.0, np.int32: DEFAULT_RGB_SCALE_FACTOR}
-"""The same for images of one channel, by the type of their numbers."""
+"""Default scales of images with one channel, by the type of their numbers."""
 _HIGHEST = 2**24 - 1
 _GRAY_MODES = {np.dtype(np.uint8): np.uint8, np.dtype(np.uint16): np.uint16, np.dtype(np.int32): np.int32}
 
 
 def task_file_to_task_class(task_file: str) -> type:
-    """Return the class of a task, given the name of its file with or without `.py`."""
+    """Return the class of a task for the name of its file, with or without `.py`."""
     name = task_file.removesuffix(".py")
     found: type = getattr(importlib.import_module(f"rlbench.tasks.{name}"), camel_case(name))
     return found
 
 
 def ClipFloatValues(float_array: np.ndarray, min_value: float, max_value: float) -> np.ndarray:
-    """Return an array with its numbers between `min_value` and `max_value`; NaN becomes `min_value`."""
+    """Return an array with its numbers clipped to `min_value` and `max_value`; NaN becomes `min_value`."""
     array = np.nan_to_num(np.asarray(float_array, dtype=np.float64), nan=min_value, posinf=max_value, neginf=min_value)
     return np.clip(array, min_value, max_value)
 
@@ -38,14 +38,14 @@ def ClipFloatValues(float_array: np.ndarray, min_value: float, max_value: float)
 def float_array_to_rgb_image(
     float_array: np.ndarray, scale_factor: float | None = DEFAULT_RGB_SCALE_FACTOR, drop_blue: bool = False
 ) -> Image.Image:
-    """Spread numbers (h, w) over the 24 bits of a colour image; what does not fit is clipped.
+    """Encode numbers (h, w) in the 24 bits of a colour image; numbers out of range are clipped.
 
-    With `scale_factor=rlbench.backend.const.DEPTH_SCALE`, depth 0..1 becomes the same image as in stored demonstrations.
+    With `scale_factor=rlbench.backend.const.DEPTH_SCALE`, depth from 0 to 1 gives the same image as in stored demonstrations.
 
     Args:
         float_array: The numbers, shape (h, w), not negative.
-        scale_factor: Steps of a number 1.0.
-        drop_blue: Leave the least significant channel empty.
+        scale_factor: Number of steps from 0.0 to 1.0; None is the default scale.
+        drop_blue: Set the least significant channel to 0.
     """
     scale = DEFAULT_RGB_SCALE_FACTOR if scale_factor is None else scale_factor
     array = _plane(float_array)
@@ -57,15 +57,15 @@ def float_array_to_rgb_image(
 def float_array_to_grayscale_image(
     float_array: np.ndarray, scale_factor: float | None = None, image_dtype: type = np.uint8
 ) -> Image.Image:
-    """Turn numbers (h, w) into an image of one channel; what does not fit is clipped.
+    """Encode numbers (h, w) in an image with one channel; numbers out of range are clipped.
 
     Args:
         float_array: The numbers, shape (h, w), not negative.
-        scale_factor: Steps of a number 1.0; by default 100 for uint8, 1000 for uint16, 256000 for int32.
-        image_dtype: Type of the image's numbers, one of these three.
+        scale_factor: Number of steps from 0.0 to 1.0; by default 100 for uint8, 1000 for uint16, 256000 for int32.
+        image_dtype: Type of the numbers in the image, one of these three.
 
     Raises:
-        CameraError: Another type was asked for.
+        CameraError: `image_dtype` is another type.
     """
     kind = _GRAY_MODES.get(np.dtype(image_dtype))
     if kind is None:
@@ -77,14 +77,14 @@ def float_array_to_grayscale_image(
 
 
 def image_to_float_array(image: Image.Image | np.ndarray, scale_factor: float | None = None) -> np.ndarray:
-    """Return the numbers (h, w), float32, that an image of one of the two kinds was made from.
+    """Decode an image of one of the two kinds: return its numbers (h, w), float32.
 
     Args:
-        image: The image, or its bytes (h, w, 3) or (h, w).
-        scale_factor: What it was made with; None is the default of its kind.
+        image: The image, or its values (h, w, 3) or (h, w).
+        scale_factor: Scale of the encoding; None is the default of this kind of image.
 
     Raises:
-        CameraError: It has neither one nor three channels.
+        CameraError: The image has neither one nor three channels.
     """
     array = np.asarray(image)
     if array.ndim == 3 and array.shape[2] >= 3:
@@ -103,6 +103,7 @@ def image_to_float_array(image: Image.Image | np.ndarray, scale_factor: float | 
 
 
 def _plane(float_array: np.ndarray) -> np.ndarray:
+    """Return an array (h, w) or (h, w, 1) with shape (h, w)."""
     array = np.asarray(float_array)
     if array.ndim == 3 and array.shape[2] == 1:
         array = array[..., 0]

@@ -1,4 +1,4 @@
-"""Waypoints of demonstrations under RLBench's names, and paths to them."""
+"""Waypoints of demonstrations with the API of RLBench, and paths to them."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ WaypointFunction = Callable[["Waypoint"], Any]
 
 
 class Waypoint:
-    """One stop of a demonstration. `waypoint_of` makes one from a waypoint of a scene.
+    """One waypoint of a demonstration. `waypoint_of` creates one from a waypoint of a scene.
 
     Args:
-        waypoint: Object that marks the place.
+        waypoint: Object at the pose of the waypoint.
         robot: Arm and gripper.
         ignore_collisions: Plan without collision checks.
-        start_of_path_func: Called with the waypoint before its path is planned.
-        end_of_path_func: Called with the waypoint when it was reached.
+        start_of_path_func: Function that is called with the waypoint before its path is planned.
+        end_of_path_func: Function that is called with the waypoint after its path was executed.
         native: The waypoint of the scene; its settings take precedence.
     """
 
@@ -53,7 +53,7 @@ class Waypoint:
 
     @property
     def skip(self) -> bool:
-        """Whether the waypoint is left out; a start function may set it. False again in every episode."""
+        """Whether the waypoint is left out; a start function may set it. Each episode starts with False."""
         return self._skip if self.native is None else self.native.skip
 
     @skip.setter
@@ -63,15 +63,15 @@ class Waypoint:
             self.native.skip = bool(skip)
 
     def get_path(self, ignore_collisions: bool = False) -> ArmConfigurationPath:
-        """Return a path of the arm from where it is to the waypoint, planned as in demonstrations.
+        """Return a path of the arm from its current configuration to the waypoint, planned as in demonstrations.
 
-        With grasp symmetry, the rotation of the gripper is one with which the following waypoints can be reached as well.
+        With grasp symmetry, the gripper gets a rotation with which the arm can also reach the following waypoints.
 
         Args:
-            ignore_collisions: Plan without collision checks, also where the waypoint asks for them.
+            ignore_collisions: Plan without collision checks, even if the waypoint requires them.
 
         Raises:
-            ConfigurationPathError: There is none.
+            ConfigurationPathError: There is no path.
         """
         native = self.native
         if native is None:
@@ -88,7 +88,7 @@ class Waypoint:
         return ArmConfigurationPath(self._robot.arm, plan.path.flatten())
 
     def _asked_path(self, ignore_collisions: bool, turn: float = 0.0) -> ArmConfigurationPath:
-        """Ask the arm for a path to the object, with the gripper turned about its z [rad]."""
+        """Return a path of the arm to the object of the waypoint, with the gripper rotated by `turn` [rad] about its z-axis."""
         raise NotImplementedError(f"{type(self).__name__} must define get_path(self, ignore_collisions).")
 
     def get_ext(self) -> str:
@@ -96,22 +96,22 @@ class Waypoint:
         return self._ext
 
     def get_waypoint_object(self) -> Object:
-        """Return the object that marks the place."""
+        """Return the object at the pose of the waypoint."""
         return self._waypoint
 
     def remove(self) -> None:
-        """Remove the object that marks the place."""
+        """Remove the object at the pose of the waypoint."""
         self._waypoint.remove()
 
     def start_of_path(self) -> None:
-        """Run what was registered for the start of the path."""
+        """Call the function that was registered for the start of the path."""
         if self.native is not None:
             self.native.run_start_hook()
         elif self._start is not None:
             self._start(self)
 
     def end_of_path(self) -> None:
-        """Run what was registered for the end of the path."""
+        """Call the function that was registered for the end of the path."""
         if self.native is not None:
             self.native.run_end_hook()
         elif self._end is not None:
@@ -142,14 +142,14 @@ def waypoint_of(native: NativeWaypoint, robot: Robot) -> Waypoint:
 
 
 def _extension(waypoint: Object, native: NativeWaypoint | None) -> str:
-    """Return the extension string of a waypoint; opening to a fraction from further open is called closing."""
+    """Return the extension string of a waypoint; a partial opening that does not release objects is `close_gripper`."""
     text = str(waypoint.get_extension_string())
     closes = native is not None and isinstance(native.gripper, float) and not native.releases
     return text.replace("open_gripper(", "close_gripper(") if closes else text
 
 
 def _rest_of_run(native: NativeWaypoint, task: NativeTask) -> list[NativeWaypoint]:
-    """Return a waypoint and those after it that share its grasp symmetry."""
+    """Return a waypoint and the following waypoints of its group with the same grasp symmetry."""
     for run in grasp_groups([w for w in task.get_waypoints() if w is native or not w.skip]):
         if native in run:
             return run[run.index(native) :]
