@@ -6,6 +6,7 @@ import hashlib
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
@@ -410,6 +411,7 @@ def pybullet_distributions() -> tuple[str, ...]:
     return tuple(number + name for name, number in found.items() if number != "unknown")
 
 
+@cache
 def _version(name: str) -> str:
     try:
         return version(name.replace("_", "-"))

@@ -11,7 +11,7 @@ import pytest
 from rlbench_pin.checking.validate import demo_bytes
 from rlbench_pin.cli.doctor import check_image
 from rlbench_pin.cli.main import main
-from rlbench_pin.environment import library_versions, low_dim_config, make_environment
+from rlbench_pin.environment import demos, library_versions, low_dim_config, make_environment
 from rlbench_pin.errors import CameraError
 from rlbench_pin.recording.video import Clip, Orbit, grid_frames, grid_size, side_view
 
@@ -116,6 +116,7 @@ def test_doctor_refuses_two_pybullets(monkeypatch, capsys, tmp_path):
         folder.mkdir()
         (folder / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: {version}\n")
     monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(demos, "_version", demos._version.__wrapped__)  # not the versions read before
     assert library_versions()["pybullet"] == "3.2.7, 3.2.8 (pybullet-arm64)"
     assert main(["doctor", "--json"]) == 1
     finding = json.loads(capsys.readouterr().out)["findings"][0]

@@ -21,21 +21,12 @@ THIN = 0.0045
 """Half the thickness of the ring across its circle, as it is seen [m]."""
 
 
-def cube(name: str, side: float, mass: float) -> Model:
-    """Return a plain cube, its edges bevelled for the eye."""
+def cube(name: str, side: float, mass: float, bevel: float = EDGE) -> Model:
+    """Return a cube; the bevel of its edges is visual only, so that all cubes behave alike."""
     size = (side, side, side)
-    seen = mesh_shape("cube", bevelled_box(size, bevel=EDGE))
+    seen = mesh_shape("cube", bevelled_box(size, bevel=bevel))
     link = Link(name, mass, (Visual(seen, plastic(RED), crease=0.1),), (box_shape(size),), friction=0.8)
     return Model(name, f"objects/{name}", "centre", (link,), notes=(f"rests with its origin at {side / 2} m",))
-
-
-def chamfered_cube() -> Model:
-    """Return a cube with large chamfers, similar to a plain one."""
-    _, side, mass = CUBES[0]
-    solid = mesh_shape("cube_chamfered", bevelled_box((side, side, side), bevel=CHAMFER))
-    link = Link("cube_chamfered", mass, (Visual(solid, plastic(RED), crease=0.1),), (solid,), friction=0.8)
-    notes = (f"rests with its origin at {side / 2} m; chamfers of {CHAMFER}",)
-    return Model("cube_chamfered", "objects/cube_chamfered", "centre", (link,), notes=notes)
 
 
 def ball_marker() -> Model:
@@ -77,4 +68,11 @@ def building_strip() -> Model:
 
 def models() -> tuple[Model, ...]:
     """Return the models of this family."""
-    return (*(cube(*c) for c in CUBES), chamfered_cube(), ball_marker(), ring_marker(), target_square(), building_strip())
+    return (
+        *(cube(*c) for c in CUBES),
+        cube("cube_chamfered", *CUBES[0][1:], CHAMFER),
+        ball_marker(),
+        ring_marker(),
+        target_square(),
+        building_strip(),
+    )
