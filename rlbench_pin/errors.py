@@ -358,10 +358,9 @@ class RetimingError(PlanningError):
 
     reason = "timing"
 
-    def __init__(self, cause: str, joint: str = "") -> None:
-        self.cause, self.joint = cause, joint
-        at = f" (joint {joint})" if joint else ""
-        super().__init__(f"The path cannot be timed under the joint limits{at}: {cause}.")
+    def __init__(self, cause: str) -> None:
+        self.cause = cause
+        super().__init__(f"The path cannot be timed under the joint limits: {cause}.")
 
 
 class ProblemFileError(RlbenchPinError):

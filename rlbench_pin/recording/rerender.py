@@ -63,17 +63,16 @@ class EpisodeSeed:
         robot_description(self.robot)
 
 
-def seeds_of(root: Path, tasks: Sequence[str] = ()) -> list[EpisodeSeed]:
+def seeds_of(root: Path) -> list[EpisodeSeed]:
     """Return the seeds of a dataset.
 
     Args:
         root: Folder of the dataset; only its manifests are needed.
-        tasks: Only these tasks; all tasks when empty.
 
     Raises:
-        DatasetError: A task is not stored, or an episode has no seed.
+        DatasetError: An episode has no seed.
     """
-    entries = _entries(root, tasks)
+    entries = _entries(root, ())
     more = _common(root)
     return [_seed(task, entry, **more) for task, entry in entries]
 

@@ -247,22 +247,20 @@ def pair_shares(first: float, second: float, shared: float) -> tuple[float, floa
     return s * max(p - q, 0.0) + (1 - s) * p * (1 - q), s * max(q - p, 0.0) + (1 - s) * q * (1 - p)
 
 
-def paired_power(first: float, second: float, shared: float, episodes: int, level: float = SIGNIFICANT) -> float:
-    """Return the power of the exact test: the probability that a difference is significant.
+def paired_power(first: float, second: float, shared: float, episodes: int) -> float:
+    """Return the power of the exact test: the probability that a difference is significant, with p up to `SIGNIFICANT`.
 
     Args:
         first: Success rate of the first policy.
         second: Success rate of the second policy.
         shared: Share of the episodes with a common draw, see `pair_shares`.
         episodes: Number of episodes that both play.
-        level: p-values up to this are significant.
 
     Returns:
         Sum of the probabilities of all significant splits, over all numbers of pairs with different outcomes.
     """
     only_first, only_second = pair_shares(first, second, shared)
     episodes = as_whole(episodes, "episodes", least=0, most=20_000)
-    level = as_number(level, "level", above=0.0, most=1.0)
     differ = only_first + only_second
     if differ == 0.0:
         return 0.0
@@ -270,7 +268,7 @@ def paired_power(first: float, second: float, shared: float, episodes: int, leve
     for m, weight in enumerate(_binomial(episodes, min(1.0, differ))):
         if weight > 1e-12:
             lower = 2.0 * np.cumsum(_binomial(m, 0.5)[: (m + 1) // 2])
-            critical = int(np.searchsorted(lower, level, side="right"))  # splits with fewer than this on one side
+            critical = int(np.searchsorted(lower, SIGNIFICANT, side="right"))  # splits with fewer than this on one side
             chances = _binomial(m, only_second / differ)
             total += weight * float(chances[:critical].sum() + chances[m + 1 - critical :].sum())
     return float(total)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import secrets
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -19,7 +19,7 @@ from rlbench_pin.evaluation.policies.settings import ARM_MODES, GRIPPER_MODES, P
 from rlbench_pin.evaluation.protocols.plan import Place, split_places
 from rlbench_pin.evaluation.protocols.protocol import Protocol
 from rlbench_pin.robot.description import DEFAULT_ROBOT, robot_description
-from rlbench_pin.tasks import Task, checked_class, find_task, is_task_file, task_digest, task_reference
+from rlbench_pin.tasks import Task, find_task, is_task_file, task_digest, task_reference
 from rlbench_pin.values import as_choice, as_flag, as_names, as_number, as_record, as_text, as_whole
 
 EXPERT = "expert"
@@ -236,26 +236,24 @@ def _checked_key(value: object) -> str:
     return key
 
 
-def plan_episodes(config: EvaluationConfig, tasks: Mapping[str, type[Task]] | None = None) -> list[EpisodeItem]:
+def plan_episodes(config: EvaluationConfig) -> list[EpisodeItem]:
     """Return the episodes of an evaluation, task by task.
 
     Args:
         config: Settings of the evaluation. Without a key, the seeds of the policy are different in each call.
-        tasks: Word of `config.tasks` -> task class; None finds the tasks.
 
     Raises:
         UnknownName: A task does not exist.
     """
     config = as_record(config, EvaluationConfig, "config").with_key()
-    found = {word: find_task(word) for word in config.tasks} if tasks is None else tasks
-    tasks = as_record(found, Mapping, "tasks")  # type: ignore[type-abstract]
-    names = [checked_class(task).get_name() for task in tasks.values()]
+    tasks = [find_task(word) for word in config.tasks]
+    names = [task.get_name() for task in tasks]
     if len(set(names)) < len(names):
         raise InvalidArgument("tasks", config.tasks, "have to have different names", "Remove one of the tasks with equal names.")
     items: list[EpisodeItem] = []
     with make_environment(config, expert_settings()) as environment:
         places = None if config.protocol is None else split_places(config.protocol, "test")
-        for task in tasks.values():
+        for task in tasks:
             running, found_by, name = environment.get_task(task).task, task_reference(task), task.get_name()
             count = running.variation_count()
             drawn = _spread_places(config, count) if places is None else _protocol_places(name, count, places[name])
