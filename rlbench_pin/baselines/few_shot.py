@@ -259,7 +259,7 @@ class Part:
 
 
 @dataclass(frozen=True)
-class Shown:
+class StoredDemonstration:
     """A stored demonstration."""
 
     words: frozenset[str]
@@ -269,7 +269,7 @@ class Shown:
     parts: tuple[Part, ...]
     """Its key frames, grouped by parts of the scene."""
 
-    def misses(self, words: frozenset[str]) -> float:
+    def word_cost(self, words: frozenset[str]) -> float:
         """Return the cost [m] of the words of an instruction: 0 for the same words, `WORDS` for no word in common."""
         return WORDS * (1.0 - len(words & self.words) / max(1, len(words | self.words)))
 
@@ -295,20 +295,20 @@ class Nearest:
 
     def adapt(self, demonstrations: Sequence[Demonstration]) -> NearestPolicy:
         """Store the demonstrations."""
-        return NearestPolicy([remembered(demonstration) for demonstration in demonstrations], self._local)
+        return NearestPolicy([store(demonstration) for demonstration in demonstrations], self._local)
 
 
 class NearestPolicy(KeyFramePolicy):
     """Replays the key frames of the best matching demonstration; after a failure, those of the next one.
 
     Args:
-        shown: The demonstrations.
+        stored: The demonstrations.
         local: Register parts of the scene separately.
     """
 
-    def __init__(self, shown: Sequence[Shown], local: bool) -> None:
+    def __init__(self, stored: Sequence[StoredDemonstration], local: bool) -> None:
         super().__init__(nearest_config())
-        self._shown, self._local = shown, local
+        self._stored, self._local = stored, local
         self._plans: list[list[KeyFrame]] = []
         self._next, self._tries, self._tip = 0, 0, np.full(7, np.nan)
 
@@ -340,22 +340,24 @@ class NearestPolicy(KeyFramePolicy):
         """
         assert observation.gripper_pose is not None
         scene, home, words = Scene(scene_points(observation)), KeyFrame(observation.gripper_pose, True), words_of(instruction)
-        wholes = [(scene.whole(shown.scene), shown) for shown in self._shown]
-        wholes.sort(key=lambda fit: fit[0].cost + fit[1].misses(words))
+        wholes = [(scene.whole(stored.scene), stored) for stored in self._stored]
+        wholes.sort(key=lambda fit: fit[0].cost + fit[1].word_cost(words))
         ways = (True, False) if self._local else (False,)
-        plans = [_moved(shown, scene, whole, words, local) for whole, shown in wholes[:CONSIDERED] for local in ways]
+        plans = [_moved(stored, scene, whole, words, local) for whole, stored in wholes[:CONSIDERED] for local in ways]
         return [[*frames, home] for _, frames in sorted(plans, key=lambda plan: plan[0])]
 
 
-def _moved(shown: Shown, scene: Scene, whole: Match, words: frozenset[str], local: bool) -> tuple[float, list[KeyFrame]]:
+def _moved(
+    stored: StoredDemonstration, scene: Scene, whole: Match, words: frozenset[str], local: bool
+) -> tuple[float, list[KeyFrame]]:
     """Return the cost [m] of a demonstration, and its key frames moved to this scene, by parts or with the whole scene."""
     find = scene.part if local else scene.staying
-    matches = [find(part.points, whole.motion) if len(part.points) else None for part in shown.parts]
+    matches = [find(part.points, whole.motion) if len(part.points) else None for part in stored.parts]
     costs = [match.cost for match in matches if match is not None]
     frames = []
-    for part, motion in zip(shown.parts, _motions(matches, whole.motion)):
+    for part, motion in zip(stored.parts, _motions(matches, whole.motion)):
         frames += [KeyFrame(motion.of_pose(f.pose), f.is_open, f.ignore_collisions) for f in part.frames]
-    return (float(np.mean(costs)) if costs else whole.cost) + shown.misses(words), frames
+    return (float(np.mean(costs)) if costs else whole.cost) + stored.word_cost(words), frames
 
 
 def _motions(matches: Sequence[Match | None], whole: PlanarMotion) -> list[PlanarMotion]:
@@ -368,7 +370,7 @@ def _motions(matches: Sequence[Match | None], whole: PlanarMotion) -> list[Plana
     return [whole if motion is None else motion for motion in motions]
 
 
-def remembered(demonstration: Demonstration) -> Shown:
+def store(demonstration: Demonstration) -> StoredDemonstration:
     """Return the record of a demonstration: its words, its scene and its key frames."""
     seen = demonstration.observations
     scene = scene_points(seen[0])
@@ -379,7 +381,7 @@ def remembered(demonstration: Demonstration) -> Shown:
         else:
             groups.append([frame])
     parts = tuple(Part(tuple(group), _around(scene, group)) for group in groups)
-    return Shown(frozenset().union(*map(words_of, demonstration.instructions)), scene, parts)
+    return StoredDemonstration(frozenset().union(*map(words_of, demonstration.instructions)), scene, parts)
 
 
 def words_of(sentence: str) -> frozenset[str]:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, ClassVar, cast
 
 import numpy as np
 
-from rlbench_pin.compat.task_memory import GlobalDraws, Remembered
+from rlbench_pin.compat.task_memory import GlobalDraws, SavedAttributes
 from rlbench_pin.errors import TaskError
 from rlbench_pin.observation import Observation
 from rlbench_pin.scene.spec import ROOT, WORLD
@@ -45,7 +45,7 @@ class PaperTask(Task):
 
     def __init__(self, world: World) -> None:
         super().__init__(world)
-        self._user: Remembered | None = None
+        self._user: SavedAttributes | None = None
         self._draws = GlobalDraws()
         self._placement: np.random.Generator | None = None
         self._made: tuple[str, ...] = ()
@@ -66,7 +66,7 @@ class PaperTask(Task):
 
     def tie(self, user: UserTask) -> None:
         """Connect the user's task, whose views then refer to this world, and call its `init_task`."""
-        self._user = Remembered(user, FIXED_ATTRIBUTES)
+        self._user = SavedAttributes(user, FIXED_ATTRIBUTES)
         with self._draws.lent():
             user.load()
             user.set_initial_objects_in_scene()

@@ -119,7 +119,7 @@ def _refill(container: Any, fill: Callable[[Iterable[Any]], object], items: list
     fill(items)
 
 
-class Remembered:
+class SavedAttributes:
     """Saves and restores the attributes of one object, with the interface of the state of native tasks.
 
     Args:

@@ -13,7 +13,7 @@ pytest.importorskip("tensorboard")
 
 from rlbench_pin.baselines.cloning.training import MODEL, SETTINGS, write_settings, write_tensors  # noqa: E402
 from rlbench_pin.baselines.key_frames import KeyFrameLearner, load_key_frames, policy  # noqa: E402
-from rlbench_pin.baselines.key_frames.examples import (  # noqa: E402  # noqa: E402  # noqa: E402  # noqa: E402
+from rlbench_pin.baselines.key_frames.examples import (  # noqa: E402
     FLAT,
     HIGH,
     LOW,
@@ -31,9 +31,9 @@ from rlbench_pin.baselines.key_frames.examples import (  # noqa: E402  # noqa: E
     likeness,
     make_cloud,
     near,
+    network_input,
     overview,
     pose_from,
-    sight,
     turn,
     whole,
 )
@@ -113,7 +113,7 @@ def test_a_sight_is_a_sample_in_a_frame_with_the_tip_at_its_end(arm: RobotModel)
     cloud = overview(make_cloud(look(BALL), arm))
     conditioning = Conditioning("Push the blue one, then the red one.", pose_at((0.2, 0.1, 1.0), np.pi, 0.2, 0.3), 1.0, 2)
     sample = whole(cloud, np.random.default_rng(0))
-    found = sight(sample, conditioning, OVERVIEW)
+    found = network_input(sample, conditioning, OVERVIEW)
     assert found.points.shape == (WHOLE, POINT) and found.neighbours.shape == (WHOLE, NEIGHBOURS)
     np.testing.assert_allclose(found.points[-1, :3], conditioning.tip[:3] - OVERVIEW.origin, atol=1e-6)
     assert found.points[-1, -1] == 1.0 and not found.points[:-1, -1].any()
@@ -123,7 +123,7 @@ def test_a_sight_is_a_sample_in_a_frame_with_the_tip_at_its_end(arm: RobotModel)
     tip = pose_from(rotation @ conditioning.tip[:3] + shift, (axes_of(conditioning.tip).reshape(2, 3) @ rotation.T).ravel())
     moved = Cloud((sample.points @ rotation.T + shift).astype(np.float32), sample.colors)
     frame = Frame(rotation @ OVERVIEW.origin + shift, rotation)
-    same = sight(moved, Conditioning(conditioning.sentence, tip, 1.0, 2), frame)
+    same = network_input(moved, Conditioning(conditioning.sentence, tip, 1.0, 2), frame)
     np.testing.assert_allclose(same.points, found.points, atol=1e-5)
     np.testing.assert_allclose(same.context, found.context, atol=1e-6)
 

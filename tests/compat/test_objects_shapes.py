@@ -252,7 +252,7 @@ def test_how_long_shapes_stay(pyrep: PyRep) -> None:
     """Through resets when made before the first step, through tasks when made without one, else until the next reset."""
     simulator = Simulator.current()
     simulator.unload()
-    everlasting = Shape.create(PrimitiveShape.CUBOID, [0.05] * 3, static=True, position=[0.1, 0.4, 1.0], color=[0.0, 1.0, 0.0])
+    permanent = Shape.create(PrimitiveShape.CUBOID, [0.05] * 3, static=True, position=[0.1, 0.4, 1.0], color=[0.0, 1.0, 0.0])
     camera = VisionSensor.create([32, 32], position=[0.0, 0.0, 2.0])
     simulator.load(TakeLidOffSaucepan, ObservationConfig())
     early = Shape.create(PrimitiveShape.CUBOID, [0.05] * 3, position=[0.3, 0.3, TABLE + 0.026])
@@ -262,7 +262,7 @@ def test_how_long_shapes_stay(pyrep: PyRep) -> None:
     handle = early.get_handle()
     simulator.world.build_again()
     assert early.still_exists() and early.get_handle() == handle and np.allclose(early.get_position()[:2], [0.3, 0.3], atol=1e-3)
-    assert not late.still_exists() and everlasting.still_exists() and everlasting.get_color() == [0.0, 1.0, 0.0]
-    assert np.allclose(everlasting.get_position(), [0.1, 0.4, 1.0]) and camera.still_exists()
+    assert not late.still_exists() and permanent.still_exists() and permanent.get_color() == [0.0, 1.0, 0.0]
+    assert np.allclose(permanent.get_position(), [0.1, 0.4, 1.0]) and camera.still_exists()
     simulator.load(OpenDrawer, ObservationConfig())
-    assert not early.still_exists() and everlasting.still_exists() and everlasting.get_name() == "Cuboid"
+    assert not early.still_exists() and permanent.still_exists() and permanent.get_name() == "Cuboid"

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from rlbench_pin.compat.task_memory import GlobalDraws, Remembered
+from rlbench_pin.compat.task_memory import GlobalDraws, SavedAttributes
 
 
 class Counter:
@@ -34,7 +34,7 @@ class Owner:
 def test_contents_come_back_in_the_same_objects() -> None:
     """Numbers, arrays, containers in containers, objects of one's own, generators; new attributes go."""
     owner: Any = Owner()
-    kept = Remembered(owner, ("fixed",))
+    kept = SavedAttributes(owner, ("fixed",))
     state = kept.state()
     inner, counter, array, log = owner.list[1], owner.counter, owner.array, owner.log
     drawn = [owner.rng.random(), owner.random.random(), owner.state_rng.rand()]
@@ -65,7 +65,7 @@ def test_contents_come_back_in_the_same_objects() -> None:
 def test_a_state_can_be_given_back_twice() -> None:
     """Changes after going back do not reach the state."""
     owner: Any = Owner()
-    kept = Remembered(owner)
+    kept = SavedAttributes(owner)
     state = kept.state()
     for _ in range(2):
         owner.list.append(1)

@@ -150,7 +150,7 @@ def approach(turn: FloatArray, point: FloatArray, back: float) -> list[pin.SE3]:
     return [placed(turn, point - back * turn[:, 2]), placed(turn, point)]
 
 
-MEANT = 0.07
+TARGET_RADIUS = 0.07
 """Obstacles nearer than this to the target of the tip may be touched [m]."""
 PLANNING = PlannerConfig(
     max_velocity=1.5, margin=0.008, clearance=0.02, certify=False, ik_starts=15, checks=6000, attempts=1, simplify_checks=600
@@ -193,7 +193,7 @@ class Driver:
         """
         pose = se3_to_pose(target)
         try:
-            return self._planner.reachable(q, pose, rng, ignore_collisions=False, allowed=self._meant(target)), True
+            return self._planner.reachable(q, pose, rng, ignore_collisions=False, allowed=self._obstacles_at(target)), True
         except GoalInCollision:
             return solve_ik(self.arm, pose, q, rng, starts=10)[0], False
 
@@ -203,7 +203,7 @@ class Driver:
         Without a collision-free motion it is a straight motion in joint space.
         """
         try:
-            meant = self._meant(self.arm.tip_se3(goal))
+            meant = self._obstacles_at(self.arm.tip_se3(goal))
             return self._planner.plan_to_configuration(q, goal, allowed=meant, rng=rng).trajectory, True
         except PlanningError:
             return self._planner.plan_to_configuration(q, goal, ignore_collisions=True, rng=rng).trajectory, False
@@ -225,14 +225,14 @@ class Driver:
         twist = np.concatenate([target.translation - here.translation, turn]) / self.period
         return self._cartesian.velocity_for_twist(q, v, twist)
 
-    def _meant(self, target: pin.SE3) -> list[str]:
+    def _obstacles_at(self, target: pin.SE3) -> list[str]:
         """Return the names of the obstacles at a target of the tip; the gripper may touch them."""
-        return [] if self._world is None else near(self._world, target.translation, MEANT)
+        return [] if self._world is None else near(self._world, target.translation, TARGET_RADIUS)
 
 
 SPEED, TURNING = 0.2, 1.0
 """Speed of the tip on a straight motion [m/s], and its angular speed [rad/s]."""
-PACES = 4
+RAMP_TICKS = 4
 """Ticks that the tip needs for acceleration to this speed; deceleration takes about as many."""
 LAG = 0.015
 """Maximum distance to the current station before the target advances [m]; 1 rad counts as 0.1 m."""
@@ -318,16 +318,16 @@ class Gripper:
 
         The target waits while the tip lags behind; after `PATIENCE` such ticks the motion ends.
         """
-        share = self._driver.period / PACES
+        share = self._driver.period / RAMP_TICKS
         segments = pairwise([self.tip, *targets])
         stations = [station for a, b in segments for station in line(a, b, share * speed, share * TURNING)]
-        v, k, pace, late, last = self._zero, -1, 0, 0, len(stations) - 1
+        v, k, advance, late, last = self._zero, -1, 0, 0, len(stations) - 1
         while late < PATIENCE:
             if k < last and (k < 0 or apart(self.tip, stations[k]) < LAG):
-                pace, late = min(pace + 1, PACES, 1 + (last - k) // PACES), 0
-                k = min(k + pace, last)
+                advance, late = min(advance + 1, RAMP_TICKS, 1 + (last - k) // RAMP_TICKS), 0
+                k = min(k + advance, last)
             else:
-                pace, late = 0, late + 1
+                advance, late = 0, late + 1
             v = self._driver.towards(self.joints, v, stations[k])
             yield from self._tick(v)
             if k == last and apart(self.tip, stations[last]) < THERE:

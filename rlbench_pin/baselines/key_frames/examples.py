@@ -219,7 +219,7 @@ class Conditioning:
 
 
 @dataclass(frozen=True, eq=False)
-class Sight:
+class NetworkInput:
     """One input of a network; batches have an additional first dimension."""
 
     points: np.ndarray
@@ -230,16 +230,16 @@ class Sight:
     """Context vector, (CONTEXT,)."""
 
     @staticmethod
-    def batch(sights: list[Sight], device: torch.device) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
+    def batch(inputs: list[NetworkInput], device: torch.device) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
         """Return the points, neighbours and contexts of several inputs as tensors on a device."""
         points, context = (
             torch.as_tensor(np.stack(c), dtype=torch.float32, device=device)
-            for c in ([s.points for s in sights], [s.context for s in sights])
+            for c in ([s.points for s in inputs], [s.context for s in inputs])
         )
-        return points, torch.as_tensor(np.stack([s.neighbours for s in sights]), device=device), context
+        return points, torch.as_tensor(np.stack([s.neighbours for s in inputs]), device=device), context
 
 
-def sight(cloud: Cloud, conditioning: Conditioning, frame: Frame) -> Sight:
+def network_input(cloud: Cloud, conditioning: Conditioning, frame: Frame) -> NetworkInput:
     """Return the input of a network for a sampled cloud, with the tip as an additional point, in the coordinates of a frame."""
     world = np.concatenate([cloud.points, conditioning.tip[None, :3]])
     colors = np.concatenate([cloud.colors / 255.0, np.zeros((1, 3))])
@@ -247,7 +247,7 @@ def sight(cloud: Cloud, conditioning: Conditioning, frame: Frame) -> Sight:
     flag[-1] = 1.0
     rows = np.concatenate([frame.points(world), colors, likeness(colors, conditioning.sentence), flag], axis=1)
     near_by = cKDTree(world).query(world, k=NEIGHBOURS)[1]
-    return Sight(rows.astype(np.float32), near_by, conditioning.row(frame, encode_sentence(conditioning.sentence)))
+    return NetworkInput(rows.astype(np.float32), near_by, conditioning.row(frame, encode_sentence(conditioning.sentence)))
 
 
 def likeness(colors: FloatArray, sentence: str) -> FloatArray:

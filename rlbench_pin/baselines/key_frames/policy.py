@@ -14,12 +14,12 @@ from rlbench_pin.baselines.key_frames.examples import (
     Cloud,
     Conditioning,
     Frame,
-    Sight,
+    NetworkInput,
     close_up,
     cloud_config,
     make_cloud,
+    network_input,
     overview,
-    sight,
     whole,
 )
 from rlbench_pin.baselines.key_frames.training import KIND, Votes, load_key_frames
@@ -37,7 +37,7 @@ APART = 3.0
 """Minimum distance of two clusters, in units of the scales of the densities."""
 TRIES = 6
 """Maximum number of failed poses at a key frame before the next key frame."""
-NUDGE = 0.006
+RETRY_SPREAD = 0.006
 """Random shift of a pose for each failure after all clusters have failed, and for each repetition of all key frames: standard
 deviation along each axis [m]."""
 HOME = -1
@@ -83,7 +83,7 @@ class KeyFramePolicy:
             assert self._home is not None, "the first action is never the way back"
             return np.concatenate([self._home, [1.0, 0.0]])
         pose, gripper = self._next(observation)
-        pose[:3] += self._rng.normal(scale=NUDGE, size=3) * (self._round + max(0, self._refused - CLUSTERS + 1))
+        pose[:3] += self._rng.normal(scale=RETRY_SPREAD, size=3) * (self._round + max(0, self._refused - CLUSTERS + 1))
         return np.concatenate([pose, gripper])
 
     def _count(self, observation: Observation) -> None:
@@ -124,7 +124,9 @@ class KeyFramePolicy:
     def _votes(self, name: str, cloud: Cloud, conditioning: Conditioning, frame: Frame) -> Votes:
         """Return the votes of the network `name` for a cloud, in the coordinates of a frame."""
         with torch.no_grad():
-            votes: Votes = self._networks[self._task][name](*Sight.batch([sight(cloud, conditioning, frame)], self._device))
+            votes: Votes = self._networks[self._task][name](
+                *NetworkInput.batch([network_input(cloud, conditioning, frame)], self._device)
+            )
         return votes
 
 

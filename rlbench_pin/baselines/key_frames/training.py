@@ -29,11 +29,11 @@ from rlbench_pin.baselines.key_frames.examples import (
     Conditioning,
     Example,
     Frame,
-    Sight,
+    NetworkInput,
     axes_of,
     close_up,
+    network_input,
     read_key_frames,
-    sight,
     turn,
     whole,
 )
@@ -224,8 +224,8 @@ class KeyFrameLearner:
         gripper = self._tensor([e.target[7:].clip(0.0, 1.0) for e in drawn])
         losses: Losses = {}
         for name, network in self.network.items():
-            sights = [sight(*seen) for seen in zip(clouds[name], conditioning, frames[name], strict=True)]
-            votes: Votes = network(*Sight.batch(sights, self._device))
+            inputs = [network_input(*seen) for seen in zip(clouds[name], conditioning, frames[name], strict=True)]
+            votes: Votes = network(*NetworkInput.batch(inputs, self._device))
             position = [f.points(e.target[:3]) for e, f in zip(drawn, frames[name], strict=True)]
             axes = [f.axes(axes_of(e.target[:7])) for e, f in zip(drawn, frames[name], strict=True)]
             losses[name] = -votes.log_density(self._tensor(position), self._tensor(axes)).mean()

@@ -320,7 +320,7 @@ def make_model(config: ReinforcementConfig, env: VecNormalize) -> Model:
     return PPO("MlpPolicy", env, n_steps=config.segment // config.workers, policy_kwargs=networks, **settings, **common)
 
 
-def teach(model: Model, env: VecNormalize, experience: Experience, steps: int) -> None:
+def start_from_demonstrations(model: Model, env: VecNormalize, experience: Experience, steps: int) -> None:
     """Initialize an untrained model from demonstrations.
 
     Its policy imitates them, SAC stores them in its buffer, and `env` gets their statistics for normalization.

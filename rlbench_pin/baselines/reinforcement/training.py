@@ -39,7 +39,7 @@ from rlbench_pin.baselines.reinforcement.algorithms import (
     freeze_policy,
     gather,
     make_model,
-    teach,
+    start_from_demonstrations,
 )
 from rlbench_pin.baselines.reinforcement.environment import EPSILON, TICKS, VALIDATION_SEED, LearningEnv, ReinforcementConfig
 from rlbench_pin.datasets import write_whole
@@ -194,7 +194,7 @@ def write_checkpoint(folder: Path, config: ReinforcementConfig, model: Model, en
     if isinstance(model, ImitatingSac):
         tensors["log_ent_coef"] = model.log_ent_coef  # type: ignore[assignment]
         tensors |= _buffer(model.replay_buffer)
-    state = {"legs": segments, "steps": model.num_timesteps, "config": config.identity()}
+    state = {"segments": segments, "steps": model.num_timesteps, "config": config.identity()}
     write_tensors(folder / CHECKPOINT, tensors, state=json.dumps(state, sort_keys=True))  # several notes have no fixed order
 
 
@@ -221,7 +221,7 @@ def read_checkpoint(folder: Path, config: ReinforcementConfig, model: Model, env
             statistics.mean, statistics.var = (tensors[f"{name}/{key}"].numpy() for key in ("mean", "var"))  # type: ignore[union-attr]
             statistics.count = float(tensors[f"{name}/count"])  # type: ignore[union-attr]
         model.num_timesteps = int(state["steps"])
-        return int(state["legs"])
+        return int(state["segments"])
     except (KeyError, TypeError, ValueError, RuntimeError) as error:
         raise ModelFileError(path, f"does not fit this task or version ({error})") from error
 
@@ -389,7 +389,7 @@ class _Training:
         if done == 0:
             if config.demonstrations:
                 experience = gather(self._eval_env, config.demonstrations, self._report_demonstrations)
-                teach(model, self._env, experience, config.imitation_steps)
+                start_from_demonstrations(model, self._env, experience, config.imitation_steps)
             self._keep(CurvePoint(0, 0, None, None, *self._validate()))
         model.set_logger(configure(str(self._folder / "tensorboard"), ["tensorboard"]))
         return done
@@ -479,7 +479,7 @@ def _log(model: Model, point: CurvePoint) -> None:
     """Write a point of the curve for TensorBoard."""
     for name, value in (("reward", point.reward), ("success", point.success), ("validation", point.validation)):
         if value is not None:
-            model.logger.record(f"legs/{name}", value)
+            model.logger.record(f"segments/{name}", value)
     model.logger.dump(point.steps)
 
 

@@ -201,7 +201,7 @@ def spawn(table: ObjectTable, name: str, asset: Path, settings: BodySettings) ->
     table.forget(element)
     table.rename(element, shown)
     if isinstance(table.runtime.task, EmptyTable):
-        table.everlasting.add(native)
+        table.permanent.add(native)
     return element
 
 

@@ -69,7 +69,7 @@ class ObjectTable:
         placed: Objects that are not part of the physics (dummies, cameras, paths, planes), by name.
         parents: Parents that programs changed.
         cameras: The five cameras.
-        everlasting: Bodies that a program added without a loaded task; they exist in the worlds of all later tasks.
+        permanent: Bodies that a program added without a loaded task; they exist in the worlds of all later tasks.
         flags: Properties such as `detectable` that differ from their default.
     """
 
@@ -79,7 +79,7 @@ class ObjectTable:
         self.parents: dict[Element, Element | None] = {}
         self.flags: dict[tuple[Element, str], object] = {}
         self.cameras = Cameras(runtime, config)
-        self.everlasting: set[str] = set()
+        self.permanent: set[str] = set()
         self._names: dict[Element, str] = {}
         self._handles: dict[Element, int] = {}
         if before is not None:
@@ -89,8 +89,8 @@ class ObjectTable:
     def _take_over(self, before: ObjectTable) -> None:
         """Copy the objects that belong to no task from the table of the previous world, which is still open."""
         self.placed |= {name: p for name, p in before.placed.items() if not hangs_in_task(before.placed, name)}
-        self.everlasting = {name for name in before.everlasting if name in before.world.spawned}
-        for name in sorted(self.everlasting):
+        self.permanent = {name for name in before.permanent if name in before.world.spawned}
+        for name in sorted(self.permanent):
             there, here = before.world.body(name), self.world.add_body(name, before.world.spawned[name])
             here.set_pose(there.pose)
             here.set_colors(there.colors)

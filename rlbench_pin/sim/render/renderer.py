@@ -18,7 +18,7 @@ from rlbench_pin.sim.client import PhysicsClient, bullet
 from rlbench_pin.sim.render.backdrop import Painter
 from rlbench_pin.sim.render.camera import CameraView, Images
 from rlbench_pin.sim.render.lighting import Lighting, ShadowMap, light_view
-from rlbench_pin.sim.render.raster.drawing import Sight
+from rlbench_pin.sim.render.raster.drawing import CameraGroup
 from rlbench_pin.sim.render.raster.stage import Appearance, Lamp
 from rlbench_pin.sim.render.shading import (
     KeptBackdrop,
@@ -174,10 +174,10 @@ class Renderer:
         groups = [[n for n, own in enumerate(kinds) if own == kind] for kind in sorted(set(kinds))]
         wanted = [[requests[n] for n in group] for group in groups]
         rooms = [[self._backdrop(painter, request.view) for request in group] for group in wanted]
-        sights = [self._sight(group) for group in wanted]
+        camera_groups = [self._camera_group(group) for group in wanted]
         makes_map = shadows is None and any(request.is_shaded for request in requests)
         light = self._view_of_light()
-        shooting = self._rasterizer.shoot(sights, self.lighting, light if makes_map else None)
+        shooting = self._rasterizer.shoot(camera_groups, self.lighting, light if makes_map else None)
         taken: dict[int, Images] = {}
         for number, (group, own, room) in enumerate(zip(groups, wanted, rooms, strict=True)):
             near, first = None, own[0]
@@ -208,10 +208,10 @@ class Renderer:
         x, y, z = self.lighting.key.direction
         return light_view((x, y, z))
 
-    def _sight(self, requests: Sequence[Request]) -> Sight:
+    def _camera_group(self, requests: Sequence[Request]) -> CameraGroup:
         lighting, first = self.lighting, requests[0]
         ambient = lighting.ambient if first.is_shaded else lighting.ambient + lighting.mean_fill
-        return Sight([request.view for request in requests], first.rgb, ambient)
+        return CameraGroup([request.view for request in requests], first.rgb, ambient)
 
     def _kept_links(
         self, shooting: Shooting, number: int, backdrops: Sequence[KeptBackdrop], room: Painter

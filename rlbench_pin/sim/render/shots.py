@@ -16,7 +16,7 @@ from rlbench_pin.sim.output import captured_output
 from rlbench_pin.sim.render.camera import CameraView, projection_matrix
 from rlbench_pin.sim.render.lighting import SPECULAR, Lighting
 from rlbench_pin.sim.render.masks import bodies_of
-from rlbench_pin.sim.render.raster.drawing import TOUCHING, Blocked, Drawing, Drawn, Sight
+from rlbench_pin.sim.render.raster.drawing import TOUCHING, Blocked, CameraGroup, Drawing, Drawn
 from rlbench_pin.sim.render.raster.stage import Appearance, Lamp, Materials, Parts, Placed, Stage
 
 _HARDWARE_NEAR = 0.03  # its depth has so few bits that a nearer plane would cost millimetres [m]
@@ -102,7 +102,7 @@ class NumpyShooting:
     Args:
         stage: The objects.
         placed: Their triangles.
-        sights: The groups of cameras.
+        camera_groups: The groups of cameras.
         light: Camera of a light, if one looks.
 
     Attributes:
@@ -110,11 +110,11 @@ class NumpyShooting:
         state: What is equal as long as the same links are stationary before the same cameras and look the same, or None.
     """
 
-    def __init__(self, stage: Stage, placed: Placed, sights: Sequence[Sight], light: CameraView | None) -> None:
-        self._parts, self._materials, self._sights = placed.parts, stage.materials, sights
-        self._firsts = np.cumsum([0, *(len(sight.views) for sight in sights)]).tolist()
+    def __init__(self, stage: Stage, placed: Placed, camera_groups: Sequence[CameraGroup], light: CameraView | None) -> None:
+        self._parts, self._materials, self._camera_groups = placed.parts, stage.materials, camera_groups
+        self._firsts = np.cumsum([0, *(len(camera_group.views) for camera_group in camera_groups)]).tolist()
         opacity = stage.materials.opacity.take(placed.parts.shape)
-        views = [view for sight in sights for view in sight.views]
+        views = [view for camera_group in camera_groups for view in camera_group.views]
         self._drawing = Drawing(placed, stage.layers, opacity, views, light)
         self.lamps: Sequence[Lamp] = stage.lamps()
         states = self._drawing.states()
@@ -122,7 +122,7 @@ class NumpyShooting:
 
     def shot(self, number: int, limit: NDArray[np.float32] | None, again: NDArray[np.int64] | None = None) -> Shot:
         """Return what a group of cameras sees; with `again` stationary cameras see stationary links in these pixels alone."""
-        return self._shot(self._drawing.seen(self._sights[number], self._firsts[number], limit, again), number)
+        return self._shot(self._drawing.seen(self._camera_groups[number], self._firsts[number], limit, again), number)
 
     def blocked(self) -> Blocked:
         """Return what stands in the light."""
@@ -130,10 +130,10 @@ class NumpyShooting:
 
     def stationary(self, number: int, limit: NDArray[np.float32]) -> tuple[Shot, Blocked, list[bool]]:
         """Return what stationary cameras of a group and the light see of stationary links, and which cameras are stationary."""
-        sight, first = self._sights[number], self._firsts[number]
-        is_kept = [state is not None for state in self._drawing.states()[first : first + len(sight.views)]]
+        camera_group, first = self._camera_groups[number], self._firsts[number]
+        is_kept = [state is not None for state in self._drawing.states()[first : first + len(camera_group.views)]]
         return (
-            self._shot(self._drawing.stationary(sight, first, limit), number),
+            self._shot(self._drawing.stationary(camera_group, first, limit), number),
             self._drawing.all_blocked(stationary=True),
             is_kept,
         )
@@ -145,7 +145,7 @@ class NumpyShooting:
         return self._drawing.blocked(), self._drawing.changed()
 
     def _shot(self, drawn: Drawn, number: int) -> Shot:
-        return _shot(drawn, self._parts, self._materials, self._sights[number])
+        return _shot(drawn, self._parts, self._materials, self._camera_groups[number])
 
 
 class NumpyRasterizer:
@@ -160,26 +160,26 @@ class NumpyRasterizer:
     def __init__(self, client: PhysicsClient, room: frozenset[int], appearance: Appearance) -> None:
         self._stage, self._other = Stage(client, room, appearance), BulletRasterizer(client, room)
 
-    def shoot(self, sights: Sequence[Sight], lighting: Lighting, light: CameraView | None) -> Shooting:
+    def shoot(self, camera_groups: Sequence[CameraGroup], lighting: Lighting, light: CameraView | None) -> Shooting:
         """Look through some cameras, and through `light`, the camera of a light."""
         placed = self._stage.update()
         if placed is None:
-            return self._other.shoot(sights, lighting, light)
-        return NumpyShooting(self._stage, placed, sights, light)
+            return self._other.shoot(camera_groups, lighting, light)
+        return NumpyShooting(self._stage, placed, camera_groups, light)
 
 
-def _shot(drawn: Drawn, parts: Parts, materials: Materials, sight: Sight) -> Shot:
+def _shot(drawn: Drawn, parts: Parts, materials: Materials, camera_group: CameraGroup) -> Shot:
     """The pixels of some cameras."""
     triangles = drawn.triangles
     shape = parts.shape.take(triangles)
-    places = (sight.views, drawn.ends, drawn.pixels, drawn.row, drawn.column, drawn.inverse, drawn.depth)
+    places = (camera_group.views, drawn.ends, drawn.pixels, drawn.row, drawn.column, drawn.inverse, drawn.depth)
     segments = (parts.segments, parts.link.take(triangles))
-    if not sight.is_lit:
+    if not camera_group.is_lit:
         return Shot(*places, *segments, _DULL, None, shape)
     glossy = materials.is_glossy.take(shape).nonzero()[0] if materials.is_glossy.any() else _NONE
     colors, gloss = materials.colors.take(shape, axis=1), materials.gloss.take(shape.take(glossy), axis=1)
     if materials.patterns:
-        factors = _patterns(drawn, materials.pattern.take(shape), materials, sight)
+        factors = _patterns(drawn, materials.pattern.take(shape), materials, camera_group)
         colors *= factors
         gloss *= factors.take(glossy, axis=1)
     return Shot(
@@ -191,17 +191,17 @@ def _shot(drawn: Drawn, parts: Parts, materials: Materials, sight: Sight) -> Sho
         glossy=glossy,
         gloss=gloss,
         shining=materials.shines.take(shape).nonzero()[0] if materials.shines.any() else _NONE,
-        opacity=materials.opacity.take(shape[drawn.ends[len(sight.views)] :]),
+        opacity=materials.opacity.take(shape[drawn.ends[len(camera_group.views)] :]),
         shades=drawn.surface([0], slice(None))[0] if parts.surface.shape[1] else None,
     )
 
 
-def _patterns(drawn: Drawn, pattern: NDArray[np.int64], materials: Materials, sight: Sight) -> NDArray[np.float32]:
+def _patterns(drawn: Drawn, pattern: NDArray[np.int64], materials: Materials, camera_group: CameraGroup) -> NDArray[np.float32]:
     """Factors (3, n) of the colours of pixels that see some patterns (n,), with mean 1."""
     factors = np.ones((3, len(pattern)), dtype=np.float32)
     patterned = (pattern >= 0).nonzero()[0]
     pattern = pattern.take(patterned)
-    scales = np.array([-1.4 / view.intrinsics()[0, 0] for view in sight.views], dtype=np.float32)
+    scales = np.array([-1.4 / view.intrinsics()[0, 0] for view in camera_group.views], dtype=np.float32)
     camera = np.repeat(np.arange(len(drawn.ends) - 1) % len(scales), np.diff(np.searchsorted(patterned, drawn.ends)))
     places, widths = drawn.surface([1, 2], patterned), drawn.depth.take(patterned) * scales.take(camera)
     for number, (texture, size) in enumerate(materials.patterns):
@@ -224,30 +224,30 @@ class BulletRasterizer:
         self._client, self._hardware = client, client.hardware
         self._room = np.array(sorted(room), dtype=np.int32)
 
-    def shoot(self, sights: Sequence[Sight], lighting: Lighting, light: CameraView | None) -> Shooting:
+    def shoot(self, camera_groups: Sequence[CameraGroup], lighting: Lighting, light: CameraView | None) -> Shooting:
         """Look through some cameras, and through `light`, the camera of a light."""
-        return BulletShooting(self, sights, lighting, light)
+        return BulletShooting(self, camera_groups, lighting, light)
 
-    def shot(self, sight: Sight, limit: NDArray[np.float32] | None, lighting: Lighting) -> Shot:
+    def shot(self, camera_group: CameraGroup, limit: NDArray[np.float32] | None, lighting: Lighting) -> Shot:
         """Return what some cameras see before a depth (n,) [m]."""
-        ends = np.cumsum([0, *(view.size[0] * view.size[1] for view in sight.views)])
+        ends = np.cumsum([0, *(view.size[0] * view.size[1] for view in camera_group.views)])
         limits = [None if limit is None else limit[a:b] for a, b in zip(ends, ends[1:])]
-        each = [self._pixels(view, own, sight, lighting) for view, own in zip(sight.views, limits, strict=True)]
+        each = [self._pixels(view, own, camera_group, lighting) for view, own in zip(camera_group.views, limits, strict=True)]
         pixels, inverse, depth, segments, colors = (np.concatenate(values, axis=-1) for values in zip(*each, strict=True))
         counts = [len(own[0]) for own in each]
-        widths = np.repeat([view.size[0] for view in sight.views], counts)
+        widths = np.repeat([view.size[0] for view in camera_group.views], counts)
         row, column = pixels // widths, pixels % widths
         pixels += np.repeat(ends[:-1], counts)
         places = (np.cumsum([0, *counts]), pixels, row.astype(np.float32), column.astype(np.float32), inverse, depth)
-        return Shot(sight.views, *places, segments, np.arange(len(pixels)), colors, None, segments.astype(np.int64))
+        return Shot(camera_group.views, *places, segments, np.arange(len(pixels)), colors, None, segments.astype(np.int64))
 
     def _pixels(
-        self, view: CameraView, limit: NDArray[np.float32] | None, sight: Sight, lighting: Lighting
+        self, view: CameraView, limit: NDArray[np.float32] | None, camera_group: CameraGroup, lighting: Lighting
     ) -> tuple[NDArray, ...]:
         """Pixels, inverse depths, depths, segments and colours (3, n) of what one camera sees."""
         if self._hardware and view.near < _HARDWARE_NEAR < view.far:
             view = replace(view, near=_HARDWARE_NEAR)
-        colors, buffer, segments = self._camera_image(view, sight, lighting)
+        colors, buffer, segments = self._camera_image(view, camera_group, lighting)
         segments = np.reshape(segments, -1)
         moving = segments >= 0
         if self._hardware:
@@ -261,17 +261,17 @@ class BulletRasterizer:
         rgb = np.reshape(colors, (-1, 4))[pixels, :3].T.astype(np.float32)
         return pixels, inverse, depth, segments[pixels], rgb
 
-    def _camera_image(self, view: CameraView, sight: Sight, lighting: Lighting) -> tuple[NDArray, NDArray, NDArray]:
+    def _camera_image(self, view: CameraView, camera_group: CameraGroup, lighting: Lighting) -> tuple[NDArray, NDArray, NDArray]:
         """Colours, depth buffer and segments; OpenGL prints a line at every change of size."""
-        key = lighting.key.intensity if sight.is_lit else 0.0
+        key = lighting.key.intensity if camera_group.is_lit else 0.0
         with captured_output() if self._hardware else nullcontext():
             images = bullet.getCameraImage(
                 *view.size,
                 viewMatrix=view.gl_view,
                 projectionMatrix=projection_matrix(view, self._hardware),
-                lightDirection=lighting.key.direction if sight.is_lit else (0.0, 0.0, 1.0),
+                lightDirection=lighting.key.direction if camera_group.is_lit else (0.0, 0.0, 1.0),
                 lightColor=(1.0, 1.0, 1.0),
-                lightAmbientCoeff=sight.ambient,
+                lightAmbientCoeff=camera_group.ambient,
                 lightDiffuseCoeff=key,
                 lightSpecularCoeff=SPECULAR if key else 0.0,
                 shadow=0,
@@ -291,25 +291,25 @@ class BulletShooting:
 
     Args:
         rasterizer: The renderer.
-        sights: The groups of cameras.
+        camera_groups: The groups of cameras.
         lighting: The lights.
         light: Camera of a light, if one looks.
     """
 
     def __init__(
-        self, rasterizer: BulletRasterizer, sights: Sequence[Sight], lighting: Lighting, light: CameraView | None
+        self, rasterizer: BulletRasterizer, camera_groups: Sequence[CameraGroup], lighting: Lighting, light: CameraView | None
     ) -> None:
-        self._rasterizer, self._sights, self._lighting, self._light = rasterizer, sights, lighting, light
+        self._rasterizer, self._camera_groups, self._lighting, self._light = rasterizer, camera_groups, lighting, light
         self.lamps: Sequence[Lamp] = ()
 
     def shot(self, number: int, limit: NDArray[np.float32] | None) -> Shot:
         """Return what a group of cameras sees."""
-        return self._rasterizer.shot(self._sights[number], limit, self._lighting)
+        return self._rasterizer.shot(self._camera_groups[number], limit, self._lighting)
 
     def blocked(self) -> Blocked:
         """Return what stands in the light."""
         assert self._light is not None
-        shot = self._rasterizer.shot(Sight([self._light]), None, self._lighting)
+        shot = self._rasterizer.shot(CameraGroup([self._light]), None, self._lighting)
         width, height = self._light.size
         depth = np.full(width * height, np.inf, dtype=np.float32)
         depth[shot.pixels] = shot.depth

@@ -29,7 +29,7 @@ _SOLID = np.float32(0.999)
 
 
 @dataclass(frozen=True, eq=False)
-class Sight:
+class CameraGroup:
     """Cameras with equal requests."""
 
     views: Sequence[CameraView]
@@ -201,40 +201,44 @@ class Drawing:
         every[rows.start // 4 : rows.stop // 4, columns.start // 4 : columns.stop // 4] = blocks
         return every
 
-    def seen(self, sight: Sight, first: int, limit: NDArray[np.float32] | None, again: NDArray[np.int64] | None = None) -> Drawn:
+    def seen(
+        self, camera_group: CameraGroup, first: int, limit: NDArray[np.float32] | None, again: NDArray[np.int64] | None = None
+    ) -> Drawn:
         """Return the visible triangles of some cameras.
 
         Args:
-            sight: The cameras.
+            camera_group: The cameras.
             first: Number of the first of them.
             limit: Depth of the room in all their pixels (n,), image after image, which hides farther triangles [m]; None hides
                 nothing.
             again: With it stationary links are left out in the pixels of cameras with layers, but for these pixels (k,).
         """
         targets = self._targets
-        part = slice(targets.starts[first], targets.starts[first + len(sight.views)])
+        part = slice(targets.starts[first], targets.starts[first + len(camera_group.views)])
         keys = targets.keys[part]
         is_seen = keys > 0
         if again is not None:
-            for number in range(first, first + len(sight.views)):
+            for number in range(first, first + len(camera_group.views)):
                 layer, begin = self._layers[number], targets.starts[number]
                 if layer is not None:
                     own = slice(begin - part.start, targets.starts[number + 1] - part.start)
                     is_seen[own] &= keys[own] != layer.nearest.ravel()
             is_seen[again] = True
         if self._front is None:
-            return _drawn(keys, is_seen, sight, first, limit, self._projection)
+            return _drawn(keys, is_seen, camera_group, first, limit, self._projection)
         front = self._front[part]
-        return _drawn(np.concatenate([keys, front]), np.concatenate([is_seen, front > 0]), sight, first, limit, self._projection)
+        return _drawn(
+            np.concatenate([keys, front]), np.concatenate([is_seen, front > 0]), camera_group, first, limit, self._projection
+        )
 
-    def stationary(self, sight: Sight, first: int, limit: NDArray[np.float32]) -> Drawn:
+    def stationary(self, camera_group: CameraGroup, first: int, limit: NDArray[np.float32]) -> Drawn:
         """Return the visible stationary links of cameras with layers, in front of a depth of all pixels (n,) [m]."""
-        layers = self._layers[first : first + len(sight.views)]
-        each = zip(layers, sight.views, strict=True)
+        layers = self._layers[first : first + len(camera_group.views)]
+        each = zip(layers, camera_group.views, strict=True)
         keys = np.concatenate(
             [np.zeros(view.size[0] * view.size[1], np.int64) if own is None else own.nearest.ravel() for own, view in each]
         )
-        return _drawn(keys, keys > 0, sight, first, limit, self._projection)
+        return _drawn(keys, keys > 0, camera_group, first, limit, self._projection)
 
     def _kept(self, number: int) -> Layer:
         layer = self._layers[number]
@@ -245,7 +249,7 @@ class Drawing:
 def _drawn(
     keys: NDArray[np.int64],
     is_seen: NDArray[np.bool_],
-    sight: Sight,
+    camera_group: CameraGroup,
     first: int,
     limit: NDArray[np.float32] | None,
     projection: Projection,
@@ -255,12 +259,12 @@ def _drawn(
     Args:
         keys: Keys of their pixels (n,), and where there is glass, those of glass in front of them (2 n,).
         is_seen: Which of these to look at.
-        sight: The cameras.
+        camera_group: The cameras.
         first: Number of the first of them.
         limit: Depth of the pixels (n,) from which on nothing is seen [m].
         projection: The triangles.
     """
-    counts = [view.size[0] * view.size[1] for view in sight.views]
+    counts = [view.size[0] * view.size[1] for view in camera_group.views]
     cameras = np.arange(first, first + len(counts))
     has_glass = len(keys) > sum(counts)
     if has_glass:
@@ -270,7 +274,7 @@ def _drawn(
     depth: NDArray[np.float32] = np.float32(1.0) / inverse
     ends = np.searchsorted(pixels, np.cumsum([0, *counts]))
     if has_glass:
-        pixels[ends[len(sight.views)] :] -= len(keys) // 2
+        pixels[ends[len(camera_group.views)] :] -= len(keys) // 2
     if limit is not None:
         seen = depth < limit.take(pixels) + TOUCHING
         if not seen.all():
@@ -278,8 +282,8 @@ def _drawn(
             pixels, triangles = pixels.take(kept), triangles.take(kept)
             inverse, depth = inverse.take(kept), depth.take(kept)
             ends = np.searchsorted(kept, ends)
-    rows, columns = _grid(tuple(view.size for view in sight.views))
-    place, forms = _no_forms() if not sight.is_lit else _forms(triangles, np.repeat(cameras, np.diff(ends)), projection)
+    rows, columns = _grid(tuple(view.size for view in camera_group.views))
+    place, forms = _no_forms() if not camera_group.is_lit else _forms(triangles, np.repeat(cameras, np.diff(ends)), projection)
     return Drawn(ends, pixels, triangles, inverse, depth, rows.take(pixels), columns.take(pixels), place, forms)
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.sim import CameraView, Lighting, World, look_at
-from rlbench_pin.sim.render.raster.drawing import Sight
+from rlbench_pin.sim.render.raster.drawing import CameraGroup
 from rlbench_pin.sim.render.raster.meshes import Triangles
 from rlbench_pin.sim.render.raster.stage import Appearance, Layers, Placed, join
 from rlbench_pin.sim.render.shading import colors_in_light
@@ -28,10 +28,10 @@ def view_from(eye: tuple[float, float, float], size: tuple[int, int] = (128, 96)
 def shots(world: World, views: list[CameraView]) -> tuple[list[Shot], list[Shot]]:
     """What both see without the room."""
     room = frozenset(body.model.uid for body in world.room.values())
-    sights = [Sight([v], True, Lighting().ambient + Lighting().mean_fill) for v in views]
+    camera_groups = [CameraGroup([v], True, Lighting().ambient + Lighting().mean_fill) for v in views]
     limits = [np.full(v.size[0] * v.size[1], v.far, dtype=np.float32) for v in views]
     shootings = [
-        rasterizer.shoot(sights, Lighting(), None)
+        rasterizer.shoot(camera_groups, Lighting(), None)
         for rasterizer in (NumpyRasterizer(world.client, room, Appearance()), BulletRasterizer(world.client, room))
     ]
     ours, theirs = ([shooting.shot(n, limit) for n, limit in enumerate(limits)] for shooting in shootings)
@@ -137,7 +137,7 @@ def test_what_was_drawn_before_changes_no_byte() -> None:
     with build(cube_scene(cube("a", 0.3, 0.1, 0.9, fixed=True), cube("b", 0.35, -0.1, 0.9, fixed=True))) as world:
         room = frozenset(body.model.uid for body in world.room.values())
         views = [view_from(eye) for eye in EYES[:2]]
-        sights = [Sight([view], True) for view in views] + [Sight(views, True)]
+        camera_groups = [CameraGroup([view], True) for view in views] + [CameraGroup(views, True)]
         old = NumpyRasterizer(world.client, room, Appearance())
         rest = np.zeros(7)
 
@@ -163,9 +163,9 @@ def test_what_was_drawn_before_changes_no_byte() -> None:
         ]
         for change in changes:
             change()
-            fresh = NumpyRasterizer(world.client, room, Appearance()).shoot(sights, Lighting(), None)
-            again = old.shoot(sights, Lighting(), None)
-            for number in range(len(sights)):
+            fresh = NumpyRasterizer(world.client, room, Appearance()).shoot(camera_groups, Lighting(), None)
+            again = old.shoot(camera_groups, Lighting(), None)
+            for number in range(len(camera_groups)):
                 ours, expected = again.shot(number, None), fresh.shot(number, None)
                 for name in PRODUCTS:
                     np.testing.assert_array_equal(getattr(ours, name), getattr(expected, name))

@@ -13,7 +13,7 @@ from pyrep.objects.object import Object
 from pyrep.objects.shape import Shape
 from pyrep.robots.end_effectors import Gripper
 from rlbench_pin import tasks
-from rlbench_pin.compat.task_memory import Remembered
+from rlbench_pin.compat.task_memory import SavedAttributes
 from rlbench_pin.spatial import FloatArray
 
 MAX_STRIKES = 3
@@ -38,7 +38,7 @@ class NativeCondition(tasks.Condition):
     """Native condition for a condition of a program; its state is saved with the episode."""
 
     def __init__(self, condition: Condition) -> None:
-        self.condition, self._memory = condition, Remembered(condition)
+        self.condition, self._memory = condition, SavedAttributes(condition)
 
     def met(self) -> bool:
         """Return whether the condition is met now."""
