@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +38,7 @@ class Panel:
     texture: Texture | None = None
     uv: NDArray[np.float64] | None = None
 
-    @property
+    @cached_property
     def normal(self) -> NDArray[np.float64]:
         """Unit normal (3,) of the visible side."""
         n = np.cross(self.edges[0], self.edges[1])
@@ -45,7 +46,7 @@ class Panel:
 
 
 @dataclass(frozen=True, eq=False)
-class PanelSight:
+class VisiblePanel:
     """Candidate pixels of one rectangle, and the affine forms of 1/z, s/z and t/z for the ray of a pixel."""
 
     number: int
@@ -76,18 +77,18 @@ class Canvas:
         self.columns, self.rows = pixel_rays(view)
         self.owner = np.full(self._shape, -1, dtype=np.int32)
         self.inverse, self._s, self._t = (np.zeros(self._shape, dtype=np.float32) for _ in range(3))
-        self.only: PanelSight | None = None
+        self.only: VisiblePanel | None = None
         self._drawn: list[int] = []
 
-    def draw(self, sights: Sequence[PanelSight]) -> None:
+    def draw(self, panels: Sequence[VisiblePanel]) -> None:
         """Draw rectangles, the nearest first."""
-        if sights and self._hides(sights[0], sights[1:]):
-            self.only = sights[0]
+        if panels and self._hides(panels[0], panels[1:]):
+            self.only = panels[0]
             self.owner[:] = self.only.number
             self.inverse = self._affine(self.only.forms[0], self.only.window)
             return
-        for sight in sights:
-            self._add(sight)
+        for panel in panels:
+            self._add(panel)
 
     def draw_alone(self, corner: NDArray[np.float64], bases: NDArray[np.float64], number: int) -> bool:
         """Draw an unoccluded rectangle that faces the camera if it fills the image; return whether it does.
@@ -97,33 +98,33 @@ class Canvas:
             bases: Its normal, and vectors whose products with one of its points give s and t, (3, 3).
             number: Its number.
         """
-        sight = PanelSight(number, (slice(None), slice(None)), _forms(corner[None], bases[None])[0], 0.0)
-        if not self._hides(sight, ()):
+        panel = VisiblePanel(number, (slice(None), slice(None)), _forms(corner[None], bases[None])[0], 0.0)
+        if not self._hides(panel, ()):
             return False
-        self.draw([sight])
+        self.draw([panel])
         return True
 
-    def _hides(self, sight: PanelSight, others: Sequence[PanelSight]) -> bool:
+    def _hides(self, panel: VisiblePanel, others: Sequence[VisiblePanel]) -> bool:
         """Whether a rectangle fills the image in front of all others; a test of the corners of the image suffices."""
         rays = np.array([[x, y, 1.0] for x in self.columns[[0, -1]] for y in self.rows[[0, -1]]])
-        inverse, s, t = sight.forms @ rays.T
+        inverse, s, t = panel.forms @ rays.T
         beside = np.minimum(np.minimum(s, t), inverse - np.maximum(s, t)).min()
         nearest = max((other.nearest for other in others), default=0.0)
         return bool(beside > 0.0 and inverse.max() * self.view.near * _SLACK < 1.0 and inverse.min() > nearest * _SLACK)
 
-    def _add(self, sight: PanelSight) -> None:
+    def _add(self, panel: VisiblePanel) -> None:
         """Draw one rectangle where it is nearer than the present content."""
-        window = sight.window
+        window = panel.window
         there = self.inverse[window]
-        if float(there.min()) > sight.nearest * _SLACK:
+        if float(there.min()) > panel.nearest * _SLACK:
             return
-        inverse, s, t = (self._affine(form, window) for form in sight.forms)
+        inverse, s, t = (self._affine(form, window) for form in panel.forms)
         seen = (inverse > there) & (s >= 0.0) & (s <= inverse) & (t >= 0.0) & (t <= inverse)
         seen &= inverse * np.float32(self.view.near) < 1.0
         if not seen.any():
             return
-        self._drawn.append(sight.number)
-        np.copyto(self.owner[window], sight.number, where=seen)
+        self._drawn.append(panel.number)
+        np.copyto(self.owner[window], panel.number, where=seen)
         for target, value in ((self.inverse, inverse), (self._s, s), (self._t, t)):
             np.copyto(target[window], value, where=seen)
 
@@ -166,7 +167,7 @@ class Canvas:
         return texture.indices(u, v, depth)
 
 
-def sights_of(canvas: Canvas, corners: NDArray, edges: NDArray, bases: NDArray) -> list[PanelSight]:
+def visible_panels(canvas: Canvas, corners: NDArray, edges: NDArray, bases: NDArray) -> list[VisiblePanel]:
     """Return the rectangles that face a camera and are at least partly in its image, the nearest first.
 
     Args:
@@ -177,14 +178,14 @@ def sights_of(canvas: Canvas, corners: NDArray, edges: NDArray, bases: NDArray) 
     """
     view = canvas.view
     points = corners[:, None] + np.stack([0.0 * corners, edges[:, 0], edges[:, 1], edges[:, 0] + edges[:, 1]], axis=1)
-    chosen = _in_sight(view, np.einsum("ij,ij->i", bases[:, 0], corners) < 0.0, points)
+    chosen = _visible(view, np.einsum("ij,ij->i", bases[:, 0], corners) < 0.0, points)
     corners, bases, points = corners[chosen], bases[chosen], points[chosen]
     forms = _forms(corners, bases)
     low, high = _windows(view, points)
     rows, columns = (rays[np.stack([low[:, axis], high[:, axis] - 1])] for rays, axis in ((canvas.rows, 1), (canvas.columns, 0)))
     nearest = (forms[:, 0, 1] * rows).max(axis=0) + (forms[:, 0, 0] * columns).max(axis=0) + forms[:, 0, 2]
     return [
-        PanelSight(int(chosen[i]), (slice(low[i, 1], high[i, 1]), slice(low[i, 0], high[i, 0])), forms[i], float(nearest[i]))
+        VisiblePanel(int(chosen[i]), (slice(low[i, 1], high[i, 1]), slice(low[i, 0], high[i, 0])), forms[i], float(nearest[i]))
         for i in np.argsort(-nearest, kind="stable").tolist()
         if (low[i] < high[i]).all()
     ]
@@ -199,7 +200,7 @@ def _forms(corners: NDArray[np.float64], bases: NDArray[np.float64]) -> NDArray[
     return forms
 
 
-def _in_sight(view: CameraView, facing: NDArray[np.bool_], points: NDArray[np.float64]) -> NDArray[np.int64]:
+def _visible(view: CameraView, facing: NDArray[np.bool_], points: NDArray[np.float64]) -> NDArray[np.int64]:
     """Numbers of the rectangles that face the camera and are partly in its view frustum, by their corners (m, 4, 3)."""
     width, height = view.size
     slope_x, slope_y = (0.5 * (side + 2) / abs(view.intrinsics()[0, 0]) * points[..., 2] for side in (width, height))
@@ -311,7 +312,7 @@ class Painter:
         corners, bases = self._corners @ rotation.T + shift, self._bases @ rotation.T
         top = self._top
         if not (self._is_clear(view.pose[:3]) and canvas.draw_alone(corners[top], bases[top], top)):
-            canvas.draw(sights_of(canvas, corners, self._edges @ rotation.T, bases))
+            canvas.draw(visible_panels(canvas, corners, self._edges @ rotation.T, bases))
         owner, inverse = canvas.owner, canvas.inverse
         texel = np.zeros(owner.size, dtype=np.int32)
         for number, pixels in canvas.visible():
