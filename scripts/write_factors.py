@@ -52,9 +52,7 @@ def rows() -> list[tuple[str, ...]]:
 
 def _levels(factor: Factor) -> tuple[str, ...]:
     numbers = [*factor.levels, *[None] * (3 - len(factor.levels)), factor.colosseum]
-    if not factor.levels[0]:
-        return "on", "", "", ""
-    shown = ["" if level is None else ", ".join(map(_shown, level.values())) for level in numbers]
+    shown = ["" if level is None else ", ".join(map(_shown, level.values())) or "on" for level in numbers]
     return (*shown[:-1], f"{shown[-1]}, by task" if factor.by_task else shown[-1])
 
 
