@@ -65,9 +65,10 @@ def joined(entries: list[dict[str, Any]]) -> list[dict[str, Any]]:
     return list(found.values())
 
 
-def settings_of(entry: dict[str, Any]) -> set[tuple[str, str]]:
-    """Return policy and setting of each row of an entry."""
-    return {(entry["policy"], row["factors"]) for row in entry["factors"]}
+def without(entry: dict[str, Any], made: list[dict[str, Any]]) -> dict[str, Any]:
+    """Return an entry without the rows that newer entries of its policy contain."""
+    newer = {row["factors"] for new in made if new["policy"] == entry["policy"] for row in new["factors"]}
+    return {**entry, "factors": [row for row in entry["factors"] if row["factors"] not in newer]}
 
 
 def page(entries: list[dict[str, Any]]) -> str:
@@ -102,8 +103,8 @@ def main() -> int:
     parser.add_argument("--check", action="store_true", help="change nothing; exit 1 when the page is out of date")
     arguments = parser.parse_args()
     made = joined([entry_of(path) for path in arguments.files])
-    played = {key for entry in made for key in settings_of(entry)}
-    entries = sorted([*(e for e in stored() if not played & settings_of(e)), *made], key=lambda entry: entry["policy"])
+    kept = [entry for entry in (without(old, made) for old in stored()) if entry["factors"]]
+    entries = sorted([*kept, *made], key=lambda entry: entry["policy"])
     if not arguments.check:
         DATA.write_text(json.dumps(entries, indent=1) + "\n", encoding="utf-8")
     return write_pages(arguments.check, {PAGE: page(entries)})
