@@ -84,7 +84,8 @@ def _section(entry: dict[str, Any]) -> str:
         rows.append((f"`{row['factors']}`", str(row["tasks"]), str(row["episodes"]), _rate(row["success"]), difference, low))
     head = ("Factor", "Tasks", "Episodes", "Success [%]", "Difference", f"Tasks below {100 * LOW:.0f} %")
     text = f"At commit `{entry['commit'][:8]}`. Factors in the training data: {entry['trained_on'] or 'not stated'}."
-    return f"## {entry['policy']}\n\n{text}\n\n{table(head, rows, 'lrrrrl')}\n"
+    title = f"{entry['policy']}, episodes per task: {entry['episodes'] // entry['tasks']}"
+    return f"## {title}\n\n{text}\n\n{table(head, rows, 'lrrrrl')}\n"
 
 
 def _rate(estimate: dict[str, Any]) -> str:

@@ -295,7 +295,7 @@ class Nearest:
 
     def adapt(self, demonstrations: Sequence[Demonstration]) -> NearestPolicy:
         """Store the demonstrations."""
-        return NearestPolicy([store(demonstration) for demonstration in demonstrations], self._local)
+        return NearestPolicy([record_of(demonstration) for demonstration in demonstrations], self._local)
 
 
 class NearestPolicy(KeyFramePolicy):
@@ -370,7 +370,7 @@ def _motions(matches: Sequence[Match | None], whole: PlanarMotion) -> list[Plana
     return [whole if motion is None else motion for motion in motions]
 
 
-def store(demonstration: Demonstration) -> StoredDemonstration:
+def record_of(demonstration: Demonstration) -> StoredDemonstration:
     """Return the record of a demonstration: its words, its scene and its key frames."""
     seen = demonstration.observations
     scene = scene_points(seen[0])

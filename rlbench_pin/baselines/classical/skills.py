@@ -203,8 +203,8 @@ class Driver:
         Without a collision-free motion it is a straight motion in joint space.
         """
         try:
-            meant = self._obstacles_at(self.arm.tip_se3(goal))
-            return self._planner.plan_to_configuration(q, goal, allowed=meant, rng=rng).trajectory, True
+            allowed = self._obstacles_at(self.arm.tip_se3(goal))
+            return self._planner.plan_to_configuration(q, goal, allowed=allowed, rng=rng).trajectory, True
         except PlanningError:
             return self._planner.plan_to_configuration(q, goal, ignore_collisions=True, rng=rng).trajectory, False
 

@@ -9,10 +9,16 @@ from assets_lib.mesh import icosphere, lathe
 from assets_lib.urdf import Link, Model, Visual, box_shape, glossy, mesh_shape, plastic
 
 RED, PALE = (0.9, 0.1, 0.1), (1.0, 0.62, 0.55)
-CUBES = (("cube", 0.05, 0.1), ("cube_small", 0.04, 0.05), ("cube_45", 0.045, 0.06), ("block_60", 0.06, 0.12))
-"""Name, side [m], mass [kg]."""
 EDGE, CHAMFER = 0.002, 0.0075
 """Bevel of a cube, and of the chamfered one [m]."""
+CUBES = (
+    ("cube", 0.05, 0.1, EDGE),
+    ("cube_small", 0.04, 0.05, EDGE),
+    ("cube_45", 0.045, 0.06, EDGE),
+    ("block_60", 0.06, 0.12, EDGE),
+    ("cube_chamfered", 0.05, 0.1, CHAMFER),
+)
+"""Name, side [m], mass [kg], bevel [m]."""
 BALL = 0.05
 """Diameter of the ball [m]."""
 RING, TUBE = 0.041, 0.007
@@ -21,7 +27,7 @@ THIN = 0.0045
 """Half the thickness of the ring across its circle, as it is seen [m]."""
 
 
-def cube(name: str, side: float, mass: float, bevel: float = EDGE) -> Model:
+def cube(name: str, side: float, mass: float, bevel: float) -> Model:
     """Return a cube; the bevel of its edges is visual only, so that all cubes behave alike."""
     size = (side, side, side)
     seen = mesh_shape("cube", bevelled_box(size, bevel=bevel))
@@ -68,11 +74,4 @@ def building_strip() -> Model:
 
 def models() -> tuple[Model, ...]:
     """Return the models of this family."""
-    return (
-        *(cube(*c) for c in CUBES),
-        cube("cube_chamfered", *CUBES[0][1:], CHAMFER),
-        ball_marker(),
-        ring_marker(),
-        target_square(),
-        building_strip(),
-    )
+    return (*(cube(*c) for c in CUBES), ball_marker(), ring_marker(), target_square(), building_strip())
