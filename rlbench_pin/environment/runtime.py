@@ -526,13 +526,13 @@ def follow(
     dt = runtime.world.control_dt
     targets = _compliant_targets(runtime, trajectory) if compliant else TrajectoryTracker(trajectory, dt, MIN_SPEED)
     for target in islice(targets, ticks):
-        arrived = False
-        while not arrived:
+        lost = True
+        while lost:
             runtime.drive_to(target)
             on_tick(target)
             if runtime.over and not whole:
                 return
-            arrived = runtime.world.command_arrived
+            lost = runtime.world.command_lost
     if ticks is not None:
         return
     for _ in range(_REST_TICKS):

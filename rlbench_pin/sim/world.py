@@ -100,16 +100,16 @@ class World(Contents):
         self.robot.forget_measurements()
 
     @property
-    def command_arrived(self) -> bool:
-        """Whether the motors got a command in the last tick, delayed or not; False when it was lost."""
-        return self.command_delay is None or not self.command_delay.lost
+    def command_lost(self) -> bool:
+        """Whether the command of the last tick is lost and never reaches the motors."""
+        return self.command_delay is not None and self.command_delay.lost
 
     def delay_commands(self, latency: int = 0, loss: float = 0.0, seed: int = 0) -> None:
         """Delay commands of the arm's motors from now on, and lose some; without arguments there is no delay.
 
         Args:
             latency: Control ticks between a command and its arrival.
-            loss: Probability that a command is lost. The last command that arrived then stays active.
+            loss: Probability that a command is lost on its way. The command before it then stays active for one more tick.
             seed: Seed of the losses.
 
         Raises:

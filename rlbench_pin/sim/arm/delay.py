@@ -13,9 +13,9 @@ from rlbench_pin.sim.arm.control import ArmControl, SimRobot
 
 @dataclass(frozen=True)
 class DelayState:
-    """State of a delay."""
+    """State of a delay; None in `waiting` is a lost command."""
 
-    waiting: tuple[ArmControl, ...]
+    waiting: tuple[ArmControl | None, ...]
     wanted: ArmControl
     arrived: ArmControl
     random: Mapping[str, Any]
@@ -27,7 +27,7 @@ class CommandDelay:
     Args:
         robot: The arm; its present command is the first to arrive.
         latency: Control ticks between a command and its arrival.
-        loss: Probability that a command is lost. The last command that arrived then stays active.
+        loss: Probability that a command is lost on its way. The command before it then stays active for one more tick.
         seed: Seed of the losses.
     """
 
@@ -35,21 +35,20 @@ class CommandDelay:
         self._robot, self._loss = robot, loss
         self._rng = np.random.default_rng(seed)
         self._wanted = self._arrived = robot.control
-        self._waiting = (robot.control,) * latency
+        self._waiting: tuple[ArmControl | None, ...] = (robot.control,) * latency
         self.lost = False
-        """Whether the command of the last tick was lost."""
+        """Whether the command that was given in the last tick is lost."""
 
     def pass_on(self) -> None:
         """Send the motors the command that arrives at the start of this tick."""
         given = self._robot.control
         if given is not self._arrived:
             self._wanted = given
-        self._waiting = (*self._waiting, self._wanted)
-        arriving, *waiting = self._waiting
+        self.lost = bool(self._rng.random() < self._loss)
+        arriving, *waiting = (*self._waiting, None if self.lost else self._wanted)
         self._waiting = tuple(waiting)
         before = self._arrived
-        self.lost = bool(self._rng.random() < self._loss)
-        command = before if self.lost else arriving
+        command = before if arriving is None else arriving
         follows_on = command.mode == before.mode == "position"
         reference = before.reference if follows_on else self._robot.joint_positions
         self._robot.set_control(ArmControl(command.mode, command.target, reference, given.torques))

@@ -325,20 +325,30 @@ def test_lost_commands_are_the_same_again_and_survive_a_saved_state(drawer: Task
 
 
 @pytest.mark.simulation
-def test_planned_motions_repeat_lost_commands(drawer: TaskEnvironment) -> None:
-    """Every command of a trajectory arrives, once, in its order."""
-    start(drawer, "action_loss:3", seed=4)
+@pytest.mark.parametrize("factors", ["action_loss:3", "action_loss:3+action_latency:1"])
+def test_planned_motions_repeat_lost_commands(drawer: TaskEnvironment, factors: str) -> None:
+    """Every command of a trajectory arrives, in its order: the motors never skip one, also with latency."""
+    start(drawer, factors, seed=4)
     runtime, delay = drawer.runtime, drawer.world.command_delay
     assert delay is not None
     q = runtime.robot.joint_positions
     goal = q + np.array([1.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
     trajectory = retime(np.stack([q, goal]), runtime.model.limits)
     sent: list[tuple[np.ndarray, bool]] = []
-    follow(runtime, trajectory, on_tick=lambda target: sent.append((target, delay.lost)))
+    arrived: list[np.ndarray] = []
+
+    def on_tick(target: np.ndarray) -> None:
+        sent.append((target, delay.lost))
+        arrived.append(delay.state().arrived.target)
+
+    follow(runtime, trajectory, on_tick=on_tick)
     assert 0 < sum(lost for _, lost in sent) < len(sent)
     for (target, lost), (following, _) in zip(sent, sent[1:]):
         assert not lost or np.array_equal(target, following)
     np.testing.assert_allclose(runtime.robot.joint_positions, goal, atol=2e-3)
+    given = np.unique([target[0] for target, _ in sent])
+    reached = np.searchsorted(given, [target[0] for target in arrived if target[0] in given])
+    assert set(np.diff(reached)) == {0, 1} and len(given) - reached[-1] <= 4
 
 
 @pytest.mark.simulation
