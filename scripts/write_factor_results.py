@@ -83,9 +83,10 @@ def _section(entry: dict[str, Any]) -> str:
         difference = f"{100 * row['difference']['value']:+.1f} ({_span(row['difference'])})"
         rows.append((f"`{row['factors']}`", str(row["tasks"]), str(row["episodes"]), _rate(row["success"]), difference, low))
     head = ("Factor", "Tasks", "Episodes", "Success [%]", "Difference", f"Tasks below {100 * LOW:.0f} %")
+    columns = len(head) if entry["none"]["value"] else len(head) - 1  # a policy that never succeeds is low on every task
     text = f"At commit `{entry['commit'][:8]}`. Factors in the training data: {entry['trained_on'] or 'not stated'}."
     title = f"{entry['policy']}, episodes per task: {entry['episodes'] // entry['tasks']}"
-    return f"## {title}\n\n{text}\n\n{table(head, rows, 'lrrrrl')}\n"
+    return f"## {title}\n\n{text}\n\n{table(head[:columns], [row[:columns] for row in rows], 'lrrrrl'[:columns])}\n"
 
 
 def _rate(estimate: dict[str, Any]) -> str:

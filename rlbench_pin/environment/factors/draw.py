@@ -296,6 +296,19 @@ def _scaled(place: int) -> DrawFunction:
     return draw
 
 
+def _mass(draw: Draw, sample: Sample) -> Sample:
+    """Scale the mass of each body, or set the masses [kg] that the numbers give by name of the body."""
+    if "factor" in draw.numbers:
+        return _scaled(0)(draw, sample)
+    scales, world = dict(sample.dynamics), draw.runtime.world
+    for name in draw.numbers:
+        model = world.body(name).model
+        mass = sum(world.dynamics_overrides.mass(model, link) for link in model.links.values())
+        _, friction, damping = scales.get(name, (1.0, 1.0, 1.0))
+        scales[name] = (draw.number(name) / mass, friction, damping)
+    return replace(sample, dynamics=scales)
+
+
 def _arm_gains(draw: Draw, sample: Sample) -> Sample:
     return replace(sample, gains=draw.number("factor"))
 
@@ -393,7 +406,7 @@ FUNCTIONS: Mapping[str, DrawFunction] = {
     "object_size": _sized("manipulated"),
     "receiver_size": _sized("receiving"),
     **dict.fromkeys(PLACES, _unchanged),
-    "mass": _scaled(0),
+    "mass": _mass,
     "friction": _scaled(1),
     "damping": _scaled(2),
     "arm_gains": _arm_gains,

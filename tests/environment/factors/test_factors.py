@@ -179,6 +179,22 @@ def test_physics_is_scaled_within_the_range(drawer: TaskEnvironment) -> None:
 
 
 @pytest.mark.simulation
+@pytest.mark.parametrize("name", factor_catalogue()["mass"].by_task)
+def test_masses_of_colosseum_are_in_kg(name: str) -> None:
+    """Within the published range, whatever the size of the object."""
+    ranges = factor_catalogue()["mass"].by_task[name]
+    with environment() as env:
+        task = env.get_task(name)
+        for factors in ("mass:colosseum", "mass:colosseum+object_size:colosseum"):
+            start(task, factors)
+            world = task.task.world
+            for body, (low, high) in ranges.items():
+                model = world.body(body).model
+                mass = sum(world.dynamics_overrides.mass(model, link) for link in model.links.values())
+                assert low <= mass <= high, body
+
+
+@pytest.mark.simulation
 def test_the_arm_starts_elsewhere_at_rest(drawer: TaskEnvironment) -> None:
     """Farther at a higher level, in the same direction; the objects stay."""
     home = start(drawer, "")
