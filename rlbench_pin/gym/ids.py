@@ -14,7 +14,7 @@ from rlbench_pin.values import as_choice, as_text, as_whole
 MODES = ("state", "vision")
 """Observation modes: `state` has numbers only, `vision` adds images."""
 MAX_EPISODE_STEPS = 1000
-"""Number of steps after which an episode is truncated; nearly twice the longest demonstration of the library in ticks."""
+"""Number of steps after which an episode is truncated; the demonstrations of all but a few tasks are shorter."""
 
 ANY_TASK = "rlbench_pin/Task-v0"
 """The id for every task: `gymnasium.make("rlbench_pin/Task-v0", task=...)` takes a name, a task file or a class."""

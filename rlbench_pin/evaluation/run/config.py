@@ -33,7 +33,7 @@ LONGEST_KEY = 64
 LIMITS = ("episodes", "seed", "max_steps", "max_seconds", "variations", "time_limit", "robot", "tell_task")
 """Settings that results files record as `limits`."""
 SECONDS = 120.0
-"""Default maximum of the simulated time of an episode [s]; the longest demonstration of all tasks takes 42 s."""
+"""Default maximum of the simulated time of an episode [s]; the longest demonstrations take about 110 s."""
 
 
 @dataclass(frozen=True, kw_only=True)
