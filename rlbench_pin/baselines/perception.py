@@ -207,7 +207,7 @@ class View:
 
 
 def back_project(depth: FloatArray, intrinsics: FloatArray, extrinsics: FloatArray) -> FloatArray:
-    """Return the world coordinates of every pixel, shape (h * w, 3) [m].
+    """Return the world coordinates of every pixel, shape (h * w, 3) [m]; pixel (u, v) is the ray through (u, v).
 
     Args:
         depth: Depth along the optical axis (h, w) [m].
@@ -215,7 +215,7 @@ def back_project(depth: FloatArray, intrinsics: FloatArray, extrinsics: FloatArr
         extrinsics: Matrix from camera to world coordinates (4, 4).
     """
     height, width = depth.shape
-    v, u = np.mgrid[0:height, 0:width] + 0.5
+    v, u = np.mgrid[0:height, 0:width].astype(float)
     rays = np.stack([u, v, np.ones_like(u)], axis=-1).reshape(-1, 3) @ np.linalg.inv(intrinsics).T
     points: FloatArray = (rays * depth.reshape(-1, 1)) @ extrinsics[:3, :3].T + extrinsics[:3, 3]
     return points

@@ -91,7 +91,7 @@ def _brisk_times(trajectory: Trajectory, dt: float, least_speed: float) -> Float
     far = least_speed * dt
     leaves, stays = np.flatnonzero(moved[0] >= far), np.flatnonzero(moved[1] >= far)
     duration = trajectory.duration
-    if len(leaves) == 0:
+    if not len(leaves) or not len(stays):
         return np.array([duration])
     first, last = max(float(trajectory.times[leaves[0]]), dt), min(float(trajectory.times[stays[-1]]), duration - dt)
     if first >= last:

@@ -28,6 +28,10 @@ class Move:
     """The dataset that it comes from."""
 
 
+_Known = dict[tuple[int, int | str], tuple[EpisodeEntry, Path]]
+"""Variation and seed of an episode -> its entry and its file."""
+
+
 def merge_datasets(roots: Sequence[Path], out: Path, on_episode: Callable[[Move], None] | None = None) -> tuple[Move, ...]:
     """Copy the episodes of several datasets into one. The result may exist; its own episodes keep their numbers.
 
@@ -81,7 +85,7 @@ def plan_merge(roots: Sequence[Path], out: Path) -> tuple[Move, ...]:
 
 def _plan_task(roots: Sequence[Path], out: Path, task: str) -> list[Move]:
     moves: list[Move] = []
-    known: dict[tuple[int, int | None], tuple[EpisodeEntry, Path]] = {}
+    known: _Known = {}
     images: tuple[dict[str, tuple[int, ...]], Path] | None = None
     stored = [root for root in (out, *roots) if has_manifest(root, task)]
     check_alike([root for root in stored if read_manifest(root, task)], task)
@@ -92,11 +96,11 @@ def _plan_task(roots: Sequence[Path], out: Path, task: str) -> list[Move]:
             source = manifest_path(root, task).parent / entry.file
             _check_there(source, root)
             if root is out:
-                known[(entry.variation, entry.random_seed)] = (entry, source)
+                known[_identity(entry)] = (entry, source)
             elif not _is_known(known, entry, source):
                 number = 1 + max((e.episode for e, _ in known.values() if e.variation == entry.variation), default=-1)
                 entry = replace(entry, episode=number, file=episode_file(entry.variation, number))
-                known[(entry.variation, entry.random_seed)] = (entry, source)
+                known[_identity(entry)] = (entry, source)
                 moves.append(Move(task, source, entry, root))
         if entries:
             images = _same_images(images, manifest_path(root, task).parent / entries[0].file)
@@ -110,8 +114,13 @@ def _check_versions(roots: Sequence[Path], task: str) -> None:
         raise DatasetConflict(f"The task '{task}' has different versions: {listed}. Record the older episodes again.")
 
 
-def _is_known(known: dict[tuple[int, int | None], tuple[EpisodeEntry, Path]], entry: EpisodeEntry, source: Path) -> bool:
-    same = known.get((entry.variation, entry.random_seed))
+def _identity(entry: EpisodeEntry) -> tuple[int, int | str]:
+    """Return variation and seed of an episode; an episode without a seed is identified by its SHA-256."""
+    return entry.variation, entry.sha256 if entry.random_seed is None else entry.random_seed
+
+
+def _is_known(known: _Known, entry: EpisodeEntry, source: Path) -> bool:
+    same = known.get(_identity(entry))
     if same is None:
         return False
     if same[0].sha256 == entry.sha256:

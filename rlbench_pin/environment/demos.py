@@ -133,7 +133,7 @@ class DemoPlayer:
         if not task.get_waypoints():
             raise NoWaypointsError(
                 f"Task '{task.get_name()}' has no waypoints, so no demonstration can be planned. "
-                "Add `[[waypoints]]` to its scene file.",
+                "Add `[[waypoint]]` to its scene file.",
                 task,
             )
         self._frame()

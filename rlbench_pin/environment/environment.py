@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from rlbench_pin.datasets.layout import MANIFEST
+from rlbench_pin.datasets.manifest import has_manifest
 from rlbench_pin.environment.actions.modes import ActionMode, attaches_grasped
 from rlbench_pin.environment.factors import FactorSetting, FactorsLike
 from rlbench_pin.environment.observations.config import ObservationConfig
@@ -225,7 +225,7 @@ class Environment:
     def _stored_name(self, task: str) -> str:
         """Return the name under which demonstrations of a task are stored, without running code of a dataset."""
         task = as_record(task, str, "task_name", InvalidArgument)
-        is_stored = self._dataset_root and task.isidentifier() and (Path(self._dataset_root) / task / MANIFEST).is_file()
+        is_stored = self._dataset_root and task.isidentifier() and has_manifest(Path(self._dataset_root), task)
         return task if is_stored else find_task(task).get_name()
 
     # What it offers ---------------------------------------------------------------------------------------------

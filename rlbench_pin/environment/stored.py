@@ -11,6 +11,7 @@ import numpy as np
 
 from rlbench_pin.datasets import Episode, checked_task_name, stored_demos
 from rlbench_pin.datasets.formats.rlbench import folder_demos, folder_descriptions, folder_episodes
+from rlbench_pin.datasets.manifest import has_manifest
 from rlbench_pin.datasets.reader import check_there, counted_files
 from rlbench_pin.environment.observations.config import CameraConfig, ObservationConfig
 from rlbench_pin.environment.observations.observe import spread_mask
@@ -102,7 +103,7 @@ def _checked_root(dataset_root: str, what: str, otherwise: str = "") -> Path:
 
 def _holds_folders(root: Path, task: str) -> bool:
     """Return whether a task is stored in RLBench-style folders."""
-    return not (root / checked_task_name(task) / "manifest.json").exists() and bool(folder_episodes(root, task))
+    return not has_manifest(root, checked_task_name(task)) and bool(folder_episodes(root, task))
 
 
 def wanted_fields(config: ObservationConfig) -> list[str]:

@@ -91,6 +91,7 @@ def write_problem(problem: PlanningProblem, path: Path) -> None:
         StorageError: The disk cannot be written to; no partial file remains.
     """
     world = self_contained(problem.world)
+    allowed = [body.name for body in world.bodies if body.name.partition("/")[0] in problem.allowed]
     content = {
         "format": FORMAT,
         "name": problem.name,
@@ -100,7 +101,7 @@ def write_problem(problem: PlanningProblem, path: Path) -> None:
         "fingers": world.fingers.tolist(),
         "goal": None if problem.goal is None else problem.goal.tolist(),
         "poses": None if problem.poses is None else problem.poses.tolist(),
-        "allowed": list(problem.allowed),
+        "allowed": allowed,
         "attached": list(world.attached),
         "bodies": [
             {

@@ -297,7 +297,7 @@ def verify(task: TaskEnvironment, demo: Demo, actions: Sequence[FloatArray]) -> 
 def _waiting_action(task: TaskEnvironment, last: FloatArray) -> FloatArray:
     """Return the action that waits: the last one where it is absolute, otherwise no motion with the same gripper command."""
     mode = unwrapped(task.action_mode.arm_action_mode)
-    if isinstance(mode, JointTorque) or (isinstance(mode, JointPosition) and mode.absolute_mode):
+    if isinstance(mode, JointTorque | JointPosition) and mode.absolute_mode:
         return last
     if isinstance(mode, PoseMode):
         return last if not mode.is_relative else np.append([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], last[7:])

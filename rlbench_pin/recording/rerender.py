@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import threading
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,14 +15,14 @@ from rlbench_pin.datasets.manifest import is_whole, parse_json, short
 from rlbench_pin.datasets.storage import hold, remove_leftovers, write_whole
 from rlbench_pin.environment.factors import FactorSetting
 from rlbench_pin.environment.recovery import as_disturbances
-from rlbench_pin.errors import DatasetConflict, DatasetError, EpisodeFileError
+from rlbench_pin.errors import DatasetConflict, DatasetError, EpisodeFileError, InvalidArgument
 from rlbench_pin.observation import Disturbance
 from rlbench_pin.processes import Engine
 from rlbench_pin.recording.config import RECORDING, ImageConfig, WorkItem, read_recording
 from rlbench_pin.recording.record import OnProgress, RecordReport, check_work, run_items
 from rlbench_pin.robot.description import DEFAULT_ROBOT, robot_description
 from rlbench_pin.tasks import OwnTasks, Task, keep_tasks, stored_task, task_class, task_digest, task_origin, task_reference
-from rlbench_pin.values import as_path, as_record, as_several
+from rlbench_pin.values import as_number, as_path, as_record, as_several
 
 SEEDS_FORMAT = "rlbench_pin.seeds"
 VERSION = 1
@@ -48,6 +48,10 @@ class EpisodeSeed:
     """Factors of generalisation, such as `light_color:2`; none when empty."""
     disturb: tuple[Disturbance, ...] = ()
     """Disturbances of which one happens; none when empty."""
+    max_velocity: float = 1.0
+    """Limit of the speed along the joint-space path [rad/s]."""
+    max_acceleration: float = 4.0
+    """Limit of the acceleration along the joint-space path [rad/s^2]."""
 
     def __post_init__(self) -> None:
         """Raise InvalidArgument for factors or disturbances that do not exist."""
@@ -60,6 +64,8 @@ class EpisodeSeed:
         for name in ("variation", "episode", "seed", "attempt"):
             if not is_whole(value := getattr(self, name)):
                 raise ValueError(f"{name}={short(value)} of '{self.task}' is not a whole number of at least 0")
+        for name in ("max_velocity", "max_acceleration"):
+            as_number(getattr(self, name), name, InvalidArgument, above=0.0)
         robot_description(self.robot)
 
 
@@ -85,8 +91,9 @@ def write_seeds(path: Path, seeds: Sequence[EpisodeSeed]) -> Path:
 
 
 def _written(seed: EpisodeSeed) -> dict[str, Any]:
-    """Return a seed as a table, without empty factors and disturbances."""
-    return {key: value for key, value in asdict(seed).items() if value not in ("", ())}
+    """Return a seed as a table, without values that equal their defaults."""
+    defaults = {field.name: field.default for field in fields(EpisodeSeed)}
+    return {key: value for key, value in asdict(seed).items() if value != defaults[key]}
 
 
 def read_seeds(path: Path) -> list[EpisodeSeed]:
@@ -199,15 +206,25 @@ def _at_least_one(source: Path, items: list[WorkItem]) -> list[WorkItem]:
 
 def _item(seed: EpisodeSeed, source: str = "", sha256: str = "") -> WorkItem:
     found_by = (seed.task, seed.task, seed.variation, seed.episode, seed.seed, (seed.attempt,))
-    return WorkItem(*found_by, source, sha256, robot=seed.robot, factors=seed.factors, disturb=seed.disturb)
+    return WorkItem(
+        *found_by,
+        source,
+        sha256,
+        seed.max_velocity,
+        seed.max_acceleration,
+        seed.robot,
+        factors=seed.factors,
+        disturb=seed.disturb,
+    )
 
 
 def _common(root: Path) -> dict[str, Any]:
-    """Return the factors and disturbances of the recording in a folder; none if it has no recording file."""
+    """Return the factors, disturbances and limits of the recording in a folder; none if it has no recording file."""
     if not (as_path(root, "root") / RECORDING).exists():
         return {}
     config = read_recording(root)
-    return {"factors": config.factors, "disturb": config.disturb}
+    limits = {"max_velocity": config.max_velocity, "max_acceleration": config.max_acceleration}
+    return {"factors": config.factors, "disturb": config.disturb, **limits}
 
 
 def _entries(root: Path, tasks: Sequence[str]) -> list[tuple[str, EpisodeEntry]]:

@@ -92,8 +92,14 @@ def _body_inertia(body: BodySnapshot) -> pin.Inertia:
     links = {} if body.urdf == NO_FILE else _link_inertias(body.urdf)
     for name, pose in zip(body.link_names, body.link_poses, strict=True):
         if name in links:
-            total += pose_to_se3(pose).act(links[name])
+            total += pose_to_se3(pose).act(_scaled(links[name], body.masses.get(name), body.scale))
     return total
+
+
+def _scaled(inertia: pin.Inertia, mass: float | None, scale: float) -> pin.Inertia:
+    """Return the inertia of a link with another mass [kg], None for its own, and all lengths multiplied by a factor."""
+    mass = inertia.mass if mass is None else mass
+    return pin.Inertia(mass, scale * inertia.lever, (mass / inertia.mass * scale**2) * inertia.inertia)
 
 
 @cache

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
@@ -63,6 +63,8 @@ class BodySnapshot:
     """Shapes of the only link, instead of those of a model file."""
     in_room: bool = False
     """Whether it belongs to the room: it stays solid when touching is allowed, and is left out where the arm cannot reach."""
+    masses: Mapping[str, float] = field(default_factory=dict)
+    """Masses of links that differ from the model file [kg]."""
 
     @property
     def layout(self) -> tuple[object, ...]:

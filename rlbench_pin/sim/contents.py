@@ -239,16 +239,18 @@ class Contents:
 
     def snapshot(self) -> WorldSnapshot:
         """Return names, shapes, poses and joint values at this instant; bodies without collision shapes are left out."""
-        seen = [_captured(body, in_room=True) for body in self.room.values()] + [_captured(body) for body in self.bodies.values()]
+        masses = self.dynamics_overrides.changed_masses
+        seen = [_captured(body, {}, in_room=True) for body in self.room.values()]
+        seen += [_captured(body, masses(body.model)) for body in self.bodies.values()]
         bodies = tuple(body for body in seen if body.link_names)
         return WorldSnapshot(bodies, self.robot.joint_positions, self.robot.fingers, self.gripper.held)
 
 
-def _captured(body: Body, in_room: bool = False) -> BodySnapshot:
+def _captured(body: Body, masses: dict[str, float], in_room: bool = False) -> BodySnapshot:
     model, links = body.model, body.model.collision_links()
     poses = np.array([body.link_pose(link) for link in links]).reshape(-1, 7)
     collides = body.collides and body.obstacle
-    return BodySnapshot(body.name, model.urdf, links, poses, model.scale, collides, body.fixed, in_room=in_room)
+    return BodySnapshot(body.name, model.urdf, links, poses, model.scale, collides, body.fixed, in_room=in_room, masses=masses)
 
 
 def load_robot(client: PhysicsClient, description: RobotDescription) -> LoadedModel:

@@ -49,6 +49,11 @@ class DynamicsOverrides:
         """Mass of a link [kg]; for a fixed body the mass that it would have if it could move."""
         return float(self._changed.get((model.uid, link), {}).get("mass") or self._original(model, link)["mass"])
 
+    def changed_masses(self, model: LoadedModel) -> dict[str, float]:
+        """Return the masses of the links whose mass was changed [kg]."""
+        changed = {name: self._changed.get((model.uid, link), {}).get("mass") for name, link in model.links.items()}
+        return {name: mass for name, mass in changed.items() if mass is not None}
+
     def set_mass(self, model: LoadedModel, link: int, mass: float) -> None:
         """Set the mass of a link [kg]; its inertia scales with it. For a fixed body it takes effect when the body can move.
 

@@ -573,7 +573,8 @@ class LiveRunner(EpisodeRunner):
 
 def _title(item: EpisodeItem) -> str:
     """Return the title of an episode in the page."""
-    return f"{item.name}, seed {item.seed}, variation {item.variation}"
+    factors = f", {item.factors}" if item.factors else ""
+    return f"{item.name}, seed {item.seed}, variation {item.variation}{factors}"
 
 
 def _failure(record: EpisodeRecord) -> Failure:

@@ -101,6 +101,13 @@ def test_standing_still_is_one_command() -> None:
     np.testing.assert_array_equal(commands, [[3.0, 3.0]])
 
 
+def test_a_tiny_motion_that_turns_back_has_an_end() -> None:
+    """Also where every sample is near its end, but not near its start."""
+    q = np.array([[0.0], [0.0051], [0.004], [0.003]])
+    tracker = TrajectoryTracker(Trajectory(0.05 * np.arange(4), q, np.zeros((4, 1)), np.zeros((4, 1))), 0.05, least_speed=0.1)
+    assert list(tracker)[-1] == pytest.approx([0.003])
+
+
 def test_a_tick_has_a_length() -> None:
     """A tick of 0 s would never end."""
     with pytest.raises(ValueError, match="> 0"):

@@ -94,3 +94,15 @@ def test_merging_refuses_what_does_not_go_together(tmp_path: Path) -> None:
         merge_datasets([one], tmp_path / "out")
     with pytest.raises(DatasetError, match="does not exist"):
         merge_datasets([tmp_path / "nowhere"], tmp_path / "out")
+
+
+def test_episodes_without_a_seed_are_known_by_their_bytes(tmp_path: Path) -> None:
+    """Two different ones are both kept; one that is there already is not copied."""
+    for folder, numbers in (("one", (1, 2)), ("two", (2, 3))):
+        for number in numbers:
+            demo = make_demo(frames=2, seed=number)
+            demo.random_seed = None
+            DatasetWriter(tmp_path / folder).add(demo)
+    out = tmp_path / "out"
+    assert len(merge_datasets([tmp_path / "one", tmp_path / "two"], out)) == 3
+    assert len(read_manifest(out, TASK)) == 3

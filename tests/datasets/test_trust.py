@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import subprocess
 import sys
 import time
 from collections.abc import Callable
@@ -319,6 +320,20 @@ def test_an_inspector_goes_on_after_a_crash(unlisted: Path) -> None:
     with Inspector() as inspector:
         for _ in range(2):
             inspector.inspect(unlisted)
+
+
+def test_an_inspecting_process_waits_for_the_next_file(unlisted: Path) -> None:
+    """The time limit of a file ends with its answer."""
+    command = (sys.executable, "-m", "rlbench_pin.datasets.inspection_child")
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as child:
+        assert child.stdin is not None and child.stdout is not None
+        for wait in (1.5, 0.0):
+            child.stdin.write(json.dumps([str(unlisted), 1]) + "\n")
+            child.stdin.flush()
+            assert child.stdout.readline() == "read\n"
+            time.sleep(wait)
+        child.stdin.close()
+        assert child.wait(timeout=10.0) == 0
 
 
 @pytest.mark.simulation

@@ -93,6 +93,20 @@ def play(host: EpisodeHost, row: str, index: int, policy: Callable[[dict[str, An
     return sent
 
 
+def test_factors_of_a_protocol_are_applied(reaching: PolicyMapping) -> None:
+    """Each episode is played without and with them."""
+    factors = "start_configuration:3"
+    host = EpisodeHost(replace(hosting_config("a program", None, ["reach_target"], 1), factors=(factors,)), reaching)
+    (row,) = host.rows
+    tips = {}
+    for number, item in enumerate(host.rows[row]):
+        instruction, seen = host.reset(row, number)
+        tips[item.factors] = np.asarray(host.mapping.encode(seen, instruction)["states"])[:3]
+    host.close()
+    assert list(tips) == ["", factors]
+    assert np.abs(tips[factors] - tips[""]).max() > 0.01
+
+
 # The same in both directions --------------------------------------------------------------------------------------------------
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -61,6 +62,16 @@ def yaml_files(folder: Path) -> tuple[Path, Path]:
     scene.write_text(SCENE)
     request.write_text(REQUEST % joints)
     return scene, request
+
+
+def test_bodies_with_several_links_may_still_be_touched(model: RobotModel, boxes: Boxes, tmp_path: Path) -> None:
+    """Each link becomes a body with a name of its own; all of them stay allowed."""
+    parts = [
+        replace(boxes.box("chest", (0.05, 0.05, 0.05), (0.5, 0.1 * k, 1.0)), name=f"chest/{part}") for k, part in enumerate("ab")
+    ]
+    other = boxes.box("chest2", (0.05, 0.05, 0.05), (0.4, 0.3, 1.0))
+    write_problem(PlanningProblem("x", boxes.snapshot(*parts, other), goal=HOME, allowed=("chest",)), tmp_path / "x.json")
+    assert read_problem(tmp_path / "x.json").allowed == ("chest/a", "chest/b")
 
 
 def test_a_world_survives_its_file(model: RobotModel, boxes: Boxes, tmp_path: Path) -> None:

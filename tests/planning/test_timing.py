@@ -232,6 +232,17 @@ def test_a_held_body_weighs_what_its_file_says(model: RobotModel, boxes: Boxes, 
             np.testing.assert_allclose(model.data.oMi[7].act(load.lever), pose[0, :3] + [0.0, 0.0, 0.1], atol=1e-9)
 
 
+def test_a_held_body_can_weigh_more_and_be_larger(model: RobotModel, boxes: Boxes, tmp_path: Path) -> None:
+    """A changed mass counts, and lengths are scaled."""
+    (tmp_path / "bar.urdf").write_text(BAR)
+    pose = np.array([[*model.tip_pose(HOME)[:3], 0.0, 0.0, 0.0, 1.0]])
+    bar = BodySnapshot("bar", tmp_path / "bar.urdf", ("base",), pose, scale=2.0, masses={"base": 3.0})
+    load = payload_inertia(model, boxes.snapshot(bar, attached=("bar",)))
+    pin.forwardKinematics(model.arm, model.data, HOME)
+    assert load.mass == pytest.approx(3.0)
+    np.testing.assert_allclose(model.data.oMi[7].act(load.lever), pose[0, :3] + [0.0, 0.0, 0.2], atol=1e-9)
+
+
 def test_a_payload_stays_with_its_planner(model: RobotModel) -> None:
     """The arm's own model does not get heavier."""
     before = model.gravity(HOME)

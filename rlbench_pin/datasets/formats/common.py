@@ -106,7 +106,7 @@ def rgb_cameras(episodes: Sequence[StoredEpisode], wanted: Sequence[str] = ()) -
     wanted = as_names(wanted, "cameras")
     shapes: dict[str, tuple[int, int, int]] | None = None
     for stored in episodes:
-        with Episode(stored.path) as episode:
+        with stored.open() as episode:
             fields = frozenset(episode.fields)
             names = [c for c in CAMERAS if f"{c}_rgb" in episode.fields and (not wanted or c in wanted)]
             found = {name: _image_shape(episode, f"{name}_rgb") for name in names}

@@ -276,7 +276,7 @@ def _demo(pickled: Any, frames: list[Observation], variation: int, path: Path) -
         state=_arrays(known.get("state")),
         variation_number=variation,
         instructions=folder_descriptions(path),
-        task_name=path.parents[2].name,
+        task_name=path.absolute().parents[2].name,
     )
 
 
@@ -298,7 +298,7 @@ def folder_descriptions(path: Path) -> tuple[str, ...]:
 
 def _variation_of(path: Path) -> int | None:
     """Return the variation of a folder, given by its name or by the file inside."""
-    match = _VARIATION.fullmatch(path.parents[1].name)
+    match = _VARIATION.fullmatch(path.absolute().parents[1].name)
     if match:
         return int(match[1])
     if not (path / VARIATION_FILE).is_file():

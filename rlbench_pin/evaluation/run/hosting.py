@@ -117,6 +117,7 @@ class EpisodeHost:
         self._episode, self._end = None, None
         try:
             task = self._load(item)
+            task.set_factors(item.factors)
             instructions, self._seen = task.reset(seed=item.seed, variation=item.variation)
         except Exception:
             self.close()  # the next episode begins in a new environment

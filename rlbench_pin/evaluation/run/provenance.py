@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import platform
@@ -14,13 +13,12 @@ from urllib.parse import unquote
 import numpy as np
 
 from rlbench_pin.assets import ASSETS
+from rlbench_pin.datasets.manifest import file_digest
 from rlbench_pin.datasets.storage import write_whole
 from rlbench_pin.evaluation.run.config import EvaluationConfig
 from rlbench_pin.evaluation.run.episode import EpisodeOutcome
 
 _ROOT = ASSETS.parents[1]
-_BLOCK = 1 << 20
-"""Bytes that are read at once."""
 _FORMAT = 1
 
 
@@ -58,8 +56,8 @@ def _processor() -> str:
 def policy_digests(reference: str) -> dict[str, str]:
     """Return name -> SHA-256 of the files that a reference names: `file.py`, the file of `sb3:`, the files of a folder.
 
-    A folder is from `lerobot:FOLDER` or an argument, as in `cloning?folder=models`. Imported modules, libraries and served
-    policies are not included. The commit identifies built-in policies.
+    A folder is from `lerobot:`, `ppo:` or `sac:FOLDER`, or an argument, as in `cloning?folder=models`. Imported modules,
+    libraries and served policies are not included. The commit identifies built-in policies.
 
     Args:
         reference: Reference of the policy, see `find_policy`.
@@ -69,14 +67,15 @@ def policy_digests(reference: str) -> dict[str, str]:
     name, _, query = reference.partition("?")
     values = [unquote(pair.partition("=")[2]) for pair in query.split("&") if pair]
     if reference.startswith(("openpi:", "vla-eval:")):  # the mapping may be a file; the commit identifies a preset
-        return {str(file): _digest(file) for text in values if text.endswith(".toml") for file in _files(text)}
+        return {str(file): file_digest(file) for text in values if text.endswith(".toml") for file in _files(text)}
     kind, _, rest = name.partition(":")
-    named = [rest, f"{rest}.zip"][: 2 if kind == "sb3" else 1] if kind in ("sb3", "lerobot") else []
+    named = [rest] if kind in ("sb3", "lerobot", "ppo", "sac") else []
+    named += [f"{rest}.zip"] if kind == "sb3" else []
     named += [name.rpartition(":")[0]] if name.rpartition(":")[0].endswith(".py") else []
     found: dict[str, str] = {}
     for text in (*named, *values):
         for file in _files(text):
-            found[str(file)] = _digest(file)
+            found[str(file)] = file_digest(file)
     return found
 
 
@@ -89,14 +88,6 @@ def _files(text: str) -> list[Path]:
         return sorted(file for file in path.rglob("*") if file.is_file()) if text and path.is_dir() else []
     except (OSError, ValueError):  # a text that no path can be
         return []
-
-
-def _digest(file: Path) -> str:
-    found = hashlib.sha256()
-    with file.open("rb") as opened:
-        while block := opened.read(_BLOCK):
-            found.update(block)
-    return found.hexdigest()
 
 
 def times_path(results: Path) -> Path:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from rlbench_pin.errors import RobotModelError
 from rlbench_pin.sim.body import LoadedModel
 
 FIRST_OBJECT = 61
@@ -44,7 +45,9 @@ class MaskTable:
     def begin_objects(self) -> None:
         """Start the numbering of task objects."""
         if self._next > FIRST_OBJECT:
-            raise ValueError(f"Robot and room have {self._next - 1} links, at most {FIRST_OBJECT - 1} are possible. Use fewer.")
+            raise RobotModelError(
+                f"Robot and room have {self._next - 1} links, at most {FIRST_OBJECT - 1} are possible. Choose another arm."
+            )
         self._next = FIRST_OBJECT
 
     def add(self, name: str, model: LoadedModel) -> None:

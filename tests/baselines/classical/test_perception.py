@@ -38,7 +38,7 @@ def _box(middle: tuple[float, float, float], side: float, rng: np.random.Generat
 
 
 def test_a_pixel_goes_back_to_the_point_it_came_from() -> None:
-    """Points that a camera projects to the middles of pixels come out of its depth image again."""
+    """Points that a camera projects to whole pixels come out of its depth image again."""
     intrinsics = np.array([[-60.0, 0.0, 16.0], [0.0, -60.0, 12.0], [0.0, 0.0, 1.0]])
     extrinsics = np.array(pin.SE3(pin.rpy.rpyToMatrix(2.8, 0.3, -0.5), np.array([0.4, -0.2, 1.5])).homogeneous)
     depth = np.random.default_rng(0).uniform(0.5, 2.0, (24, 32))
@@ -46,7 +46,7 @@ def test_a_pixel_goes_back_to_the_point_it_came_from() -> None:
     local = (points - extrinsics[:3, 3]) @ extrinsics[:3, :3]
     pixels = local @ intrinsics.T
     np.testing.assert_allclose(local[:, 2], depth.ravel())
-    v, u = np.mgrid[0:24, 0:32] + 0.5
+    v, u = np.mgrid[0:24, 0:32]
     np.testing.assert_allclose(pixels[:, :2] / pixels[:, 2:], np.stack([u.ravel(), v.ravel()], axis=1), atol=1e-9)
 
 

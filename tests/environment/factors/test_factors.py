@@ -192,6 +192,7 @@ def test_masses_of_colosseum_are_in_kg(name: str) -> None:
                 model = world.body(body).model
                 mass = sum(world.dynamics_overrides.mass(model, link) for link in model.links.values())
                 assert low <= mass <= high, body
+                assert sum(world.snapshot().body(body).masses.values()) == pytest.approx(mass)  # the planner knows
 
 
 @pytest.mark.simulation

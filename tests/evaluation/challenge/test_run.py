@@ -90,7 +90,7 @@ def test_the_same_run_elsewhere_writes_the_same_bytes(made: Path, tmp_path: Path
     run_challenge(CONFIG, tmp_path, engine=ProcessEngine(2))
     for name in ("shots_1.json", "shots_2.json", "summary.json"):
         assert (tmp_path / name).read_bytes() == (made / name).read_bytes()
-    with pytest.raises(ChallengeConflict, match="seed = 0, this is seed = 1"):
+    with pytest.raises(ChallengeConflict, match="seed = 0, but this run has seed = 1"):
         run_challenge(replace(CONFIG, seed=1), tmp_path, engine=SerialEngine(), resume=True)
 
 

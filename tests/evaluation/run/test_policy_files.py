@@ -34,7 +34,8 @@ def test_files_that_a_reference_names(tmp_path: Path) -> None:
         place.write_bytes(content)
     assert policy_digests(f"{file}:Still?gain=4") == {str(file): sha(b"1")}
     assert policy_digests(f"sb3:{tmp_path / 'm'}?arm=X") == {str(zipped): sha(b"2")}
-    assert policy_digests(f"lerobot:{tmp_path / 'models'}") == {str(inner): sha(b"3")}
+    for kind in ("lerobot", "ppo", "sac"):
+        assert policy_digests(f"{kind}:{tmp_path / 'models'}") == {str(inner): sha(b"3")}
     own = tmp_path / "own.toml"
     own.write_bytes(b"4")
     assert policy_digests(f"openpi://localhost:1?mapping={own}&token={tmp_path}") == {str(own): sha(b"4")}
