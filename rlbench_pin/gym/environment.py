@@ -211,8 +211,8 @@ class GymnasiumEnv(gymnasium.Env[GymObservation, np.ndarray], EzPickle):
     """One task with the gymnasium interface. Each instance has its own world.
 
     Observations are a dict of float32 boxes, and of four images with `observation_mode="vision"`. Quaternions in actions are
-    normalised. `info` contains `success`, `is_success` (the same), `text_descriptions`, `variation`, `factors`, `error`
-    if the action was invalid, and `refused_opening` if `SafeArm` did not open the fingers.
+    normalised. `info` contains `success`, `is_success` (the same), `stable_success`, `text_descriptions`, `variation`,
+    `factors`, `error` if the action was invalid, and `refused_opening` if `SafeArm` did not open the fingers.
 
     A seed passed to `reset` is the seed of that episode, as in `TaskEnvironment.reset(seed=...)`. Without a seed,
     `np_random` draws one.

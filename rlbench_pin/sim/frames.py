@@ -351,7 +351,7 @@ class PlaceTree:
         return above is not None
 
     def _ancestors(self, name: str) -> tuple[str, ...]:
-        """Yield the names of the ancestors of `name`, the parent first."""
+        """Return the names of the ancestors of `name`, the parent first."""
         ancestors: list[str] = []
         while (parent := self._parent(name)) is not None:
             ancestors.append(parent)

@@ -204,11 +204,11 @@ def _draw_pose(
 ) -> FloatArray | None:
     """Draw a world pose at which the rotated bounding box is in the region; None if it does not fit."""
     T_world_region = pose_to_se3(region.pose)
-    T_region_thing = T_world_region.actInv(pose_to_se3(start))
-    place = np.array(T_region_thing.translation)
-    T_region_thing = pose_to_se3(pose_at((0.0, 0.0, 0.0), *rotation)) * T_region_thing
+    T_region_object = T_world_region.actInv(pose_to_se3(start))
+    place = np.array(T_region_object.translation)
+    T_region_object = pose_to_se3(pose_at((0.0, 0.0, 0.0), *rotation)) * T_region_object
     low, high = bounds
-    turn = T_region_thing.rotation
+    turn = T_region_object.rotation
     middle, reach = turn @ (0.5 * (low + high)), np.abs(turn) @ (0.5 * (high - low))
     half = np.asarray(region.size, dtype=float) / 2.0
     first, last = reach - half - middle, half - reach - middle
@@ -216,8 +216,8 @@ def _draw_pose(
     if (first[:axes] > last[:axes]).any():
         return None
     place[:axes] = rng.uniform(first[:axes], last[:axes])
-    T_region_thing.translation = place
-    return se3_to_pose(T_world_region * T_region_thing)
+    T_region_object.translation = place
+    return se3_to_pose(T_world_region * T_region_object)
 
 
 MAX_TURNS = 100

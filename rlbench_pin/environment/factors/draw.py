@@ -25,7 +25,8 @@ from rlbench_pin.tasks.task import Wording
 
 REPEATS = (4.0, 8.0)
 """Repetitions of patterns on objects per metre."""
-LARGEST_SEED = 2**31
+DRAWN_SEEDS = 2**31
+"""Number of seeds to draw from."""
 OTHER = "instruction_other"
 """The factor whose instructions are drawn by `other_instructions`."""
 FIRST = ("arm_base", "object_model", "object_size", "receiver_size")
@@ -64,7 +65,7 @@ class Draw:
 
     def seed(self) -> int:
         """Draw a seed."""
-        return int(self.rng.integers(LARGEST_SEED))
+        return int(self.rng.integers(DRAWN_SEEDS))
 
     def lighting(self, sample: RandomizationSample) -> Lighting:
         """Return the lights of the sample so far."""

@@ -39,7 +39,7 @@ SPLITS = ("train", "validation", "test")
 """Splits of a protocol: training demonstrations, validation demonstrations, and the episodes of the evaluation."""
 TASK, VARIATION = "task", "variation"
 PROTOCOLS_COMMAND = "rlbench-pin list --protocols"
-LARGEST_SEED = 2**48
+LARGEST_SPLIT_SEED = 2**48
 """Largest seed of a split."""
 MOST_EPISODES = 100_000
 """Maximum number of episodes of a split, for one task or variation and one seed."""
@@ -150,7 +150,7 @@ class Split:
 
     def __post_init__(self) -> None:
         as_whole(self.episodes, "episodes of a split", least=1, most=MOST_EPISODES)
-        seeds = tuple(as_whole(s, "A seed of a split", least=0, most=LARGEST_SEED) for s in as_several(self.seeds, "seeds"))
+        seeds = tuple(as_whole(s, "A seed of a split", least=0, most=LARGEST_SPLIT_SEED) for s in as_several(self.seeds, "seeds"))
         if not seeds or len(set(seeds)) < len(seeds):
             raise InvalidValue("seeds of a split", seeds, "have to be different numbers, at least one")
         object.__setattr__(self, "seeds", seeds)
