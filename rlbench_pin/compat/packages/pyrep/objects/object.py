@@ -557,7 +557,7 @@ def euler_to_matrix(angles: Numbers) -> FloatArray:
 def euler_to_quaternion(angles: Numbers) -> FloatArray:
     """Return the quaternion (4,) of the rotation Rx(a) Ry(b) Rz(c) of angles (3,) [rad]."""
     matrix = np.eye(4)
-    matrix[:3, :3] = euler_to_matrix(angles)
+    matrix[:3, :3] = euler_to_matrix(np.asarray(angles, dtype=float))
     return matrix_to_pose(matrix)[3:]
 
 
