@@ -10,17 +10,15 @@ import sys
 from pathlib import Path
 from typing import get_args
 
-import numpy as np
-
 sys.path.insert(0, str(Path(__file__).parent))
 
+from docs_lib.tasks import begin
 from update_readme import checks_only, write_pages
 
 from rlbench_pin.checking.page import markdown_table
-from rlbench_pin.errors import BoundaryError
 from rlbench_pin.robot.description import DEFAULT_ROBOT, robot_description
 from rlbench_pin.sim import World
-from rlbench_pin.tasks import Task, Wording, library_names, task_class, task_scene
+from rlbench_pin.tasks import Wording, library_names, task_class, task_scene
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "results" / "instructions.md"
 HEAD = """# Instructions
@@ -29,8 +27,6 @@ The sentences of every task, below what the task counts as success: all kinds fo
 variation. Resets and recordings have the training sentences; the other kinds come with factors of language.
 `python scripts/write_instructions.py` writes this page from the scene files.
 """
-DRAWS = 20
-"""Draws of an episode until its objects find a place."""
 
 
 def sentences(name: str) -> list[dict[str, tuple[str, ...]]]:
@@ -42,19 +38,9 @@ def sentences(name: str) -> list[dict[str, tuple[str, ...]]]:
         start, found = world.save(), []
         for variation in range(task.variation_count()):
             world.restore(start)
-            _begin(task, variation)
+            begin(task, variation)
             found.append({kind: task.get_wording(kind) for kind in get_args(Wording)})
     return found
-
-
-def _begin(task: Task, variation: int) -> None:
-    for seed in range(DRAWS):
-        try:
-            task.begin_episode(variation, np.random.default_rng(seed))
-            return
-        except BoundaryError:
-            continue
-    raise SystemExit(f"{task.get_name()}, variation {variation}: {DRAWS} successive draws found no placement.")
 
 
 def page() -> str:

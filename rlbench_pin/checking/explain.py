@@ -7,13 +7,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
-from scipy.spatial.transform import Rotation
 
 from rlbench_pin.environment.presets import low_dim_config, make_environment
 from rlbench_pin.environment.runtime import Listener
 from rlbench_pin.errors import PlanningError, storing
 from rlbench_pin.planning.plan import Plan, PlanRequest
-from rlbench_pin.sim import CameraView, World
+from rlbench_pin.sim import CameraView, World, look_at
 from rlbench_pin.tasks import find_task
 from rlbench_pin.values import as_path
 
@@ -81,10 +80,5 @@ def _text(value: object) -> str:
 
 def _look(world: World) -> NDArray[np.uint8]:
     """Return an image (h, w, 3) of the table from the robot's left."""
-    eye, target = np.array([1.3, 1.0, 1.75]), np.array([0.1, 0.0, 1.08])
-    forward = (target - eye) / np.linalg.norm(target - eye)
-    left = np.cross([0.0, 0.0, 1.0], forward)
-    left /= np.linalg.norm(left)
-    turn = Rotation.from_matrix(np.column_stack([left, np.cross(forward, left), forward]))
-    view = CameraView(np.concatenate([eye, turn.as_quat()]), fov=0.9, size=(640, 480), near=0.05, far=5.0)
+    view = CameraView(look_at((1.3, 1.0, 1.75), (0.1, 0.0, 1.08)), fov=0.9, size=(640, 480), near=0.05, far=5.0)
     return world.renderer.image(view)

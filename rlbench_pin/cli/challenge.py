@@ -96,7 +96,6 @@ class Run:
             )
         check_at_least(self, workers=0, episodes=1, seed=0, shots=1)
         config = self.config()
-        config.tasks()
         check_folder(self.out)
         engine = make_engine(self.engine, self.workers)
         with stopping_gently() as stop, closing(ChallengeBar(self.learner)) as bar:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pyrep.objects import Object
+from pyrep.objects.object import euler_to_quaternion
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.planning import Algorithm, MotionPlanner, Plan, retime, solve_ik
@@ -40,13 +41,6 @@ class Pace:
     """Maximum jerk [rad/s^3]."""
 
 
-def euler_quaternion(euler: Sequence[float] | FloatArray) -> FloatArray:
-    """Return the quaternion (4,) of intrinsic rotations by angles (3,) [rad] about x, y, z, in this order."""
-    halves = 0.5 * np.asarray(euler, dtype=float)
-    about = [np.concatenate([np.zeros(3), np.sin(h) * np.eye(3)[i], [np.cos(h)]]) for i, h in enumerate(halves)]
-    return compose(*about)[3:]
-
-
 def world_pose(
     position: Sequence[float] | FloatArray,
     euler: Sequence[float] | FloatArray | None,
@@ -66,7 +60,7 @@ def world_pose(
     """
     if (euler is None) == (quaternion is None):
         raise ValueError("Pass either `euler` (3 angles) or `quaternion` (x, y, z, w), but not both.")
-    rotation = euler_quaternion(euler) if euler is not None else np.asarray(quaternion, dtype=float)
+    rotation = euler_to_quaternion(euler) if euler is not None else np.asarray(quaternion, dtype=float)
     pose = np.concatenate([np.asarray(position, dtype=float).reshape(-1), rotation.reshape(-1)])
     if pose.shape != (7,) or not np.isfinite(pose).all() or not np.any(rotation):
         raise ValueError(f"A pose has to be 3 finite numbers for the position and 3 or 4 for the rotation, not {pose.tolist()}.")

@@ -73,7 +73,6 @@ class Simulator:
         self,
         task: type[Task],
         config: ObservationConfig,
-        attach_grasped_objects: bool = True,
         kind: type[RuntimeT] = Runtime,  # type: ignore[assignment]
     ) -> RuntimeT:
         """Build the world of a task, replace the current world by it, and return the runtime, an object of class `kind`."""
@@ -82,7 +81,6 @@ class Simulator:
             self.model,
             config,
             planning=self.planning,
-            attach_grasped_objects=attach_grasped_objects,
             camera_places=self._camera_places,
             kind=kind,
         )

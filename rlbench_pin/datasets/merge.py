@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rlbench_pin.datasets.layout import check_inside, episode_file, manifest_path, stored_tasks
+from rlbench_pin.datasets.layout import episode_file, manifest_path, stored_tasks
 from rlbench_pin.datasets.manifest import EpisodeEntry, digest, fold_journal, has_manifest, journal_path, read_manifest
-from rlbench_pin.datasets.reader import stored_images
+from rlbench_pin.datasets.reader import check_there, stored_images
 from rlbench_pin.datasets.storage import hold, remove_leftovers
 from rlbench_pin.datasets.task_copy import check_alike, copy_kept
 from rlbench_pin.datasets.writer import DatasetWriter
@@ -94,7 +94,7 @@ def _plan_task(roots: Sequence[Path], out: Path, task: str) -> list[Move]:
         entries = read_manifest(root, task)
         for entry in entries:
             source = manifest_path(root, task).parent / entry.file
-            _check_there(source, root)
+            check_there(source)
             if root is out:
                 known[_identity(entry)] = (entry, source)
             elif not _is_known(known, entry, source):
@@ -139,12 +139,6 @@ def _same_images(before: tuple[dict[str, tuple[int, ...]], Path] | None, path: P
             "Rerender one dataset with `rlbench-pin dataset rerender` first."
         )
     return shapes, path
-
-
-def _check_there(source: Path, root: Path) -> None:
-    if not source.is_file():
-        raise EpisodeFileError(source, f"'{source}' is listed in its manifest but does not exist. Record it again first.")
-    check_inside(root, source)
 
 
 def _checked_bytes(move: Move) -> bytes:

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import fcntl
 import io
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
 from rlbench_pin.errors import DatasetConflict, InvalidValue, storing
+from rlbench_pin.processes import JournalInUse, exclusive
 from rlbench_pin.values import as_path, as_record
 
 
@@ -23,13 +23,10 @@ def hold(root: Path) -> Iterator[None]:
         DatasetConflict: Another process has locked it.
         StorageError: The disk cannot be written to.
     """
-    with storing(root):
-        root.mkdir(parents=True, exist_ok=True)
-        lock = open(root / ".recording.lock", "w", encoding="utf-8")  # noqa: SIM115
-    with lock:
+    with ExitStack() as held:
         try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError as error:
+            held.enter_context(exclusive(root / ".recording.lock"))
+        except JournalInUse as error:
             raise DatasetConflict(
                 f"Another recording or merge into '{root}' is running. Wait for it, or choose another folder."
             ) from error

@@ -16,7 +16,7 @@ from rlbench_pin.errors import DatasetError, storing
 from rlbench_pin.values import as_image_size, as_path, as_whole
 
 _CODECS: tuple[tuple[str, dict[str, str]], ...] = (
-    ("libx264", {"crf": "20", "preset": "medium"}),
+    ("libx264", {"preset": "medium"}),
     ("mpeg4", {"qscale": "3"}),
 )
 
@@ -50,7 +50,7 @@ class VideoWriter:
         # `file:` because FFmpeg takes what stands before a colon in a path for a protocol.
         self._container = av.open(f"file:{self._temporary}", mode="w", options={"movflags": "faststart"})
         codec, options = _available_codec()
-        options = {name: str(quality) if name == "crf" else value for name, value in options.items()}
+        options = options | ({"crf": str(quality)} if codec == "libx264" else {})
         options |= {} if key_frames is None else {"g": str(key_frames)}
         self.bytes_written = 0
         """Size of the encoded images so far."""

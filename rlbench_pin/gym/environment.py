@@ -24,7 +24,7 @@ from rlbench_pin.environment.environment import Environment
 from rlbench_pin.environment.episode import checked_seed
 from rlbench_pin.environment.factors import FactorsLike
 from rlbench_pin.environment.observations.config import LOW_DIM_FIELDS, Instant
-from rlbench_pin.environment.observations.observe import boxed, boxed_settings
+from rlbench_pin.environment.observations.observe import boxed_settings, fitted
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import (
@@ -82,11 +82,7 @@ def as_gym_observation(observation: Observation, space: spaces.Dict) -> GymObser
     Raises:
         TaskError: The task state is longer than the space.
     """
-    return {name: _fitted(name, getattr(observation, name), box) for name, box in space.spaces.items()}  # type: ignore[arg-type]
-
-
-def _fitted(name: str, value: object, box: spaces.Box) -> np.ndarray:
-    return np.asarray(value) if box.dtype == np.uint8 else boxed(name, value, box.low, box.high)
+    return {name: fitted(name, getattr(observation, name), box) for name, box in space.spaces.items()}  # type: ignore[arg-type]
 
 
 def action_space(spec: ActionSpec) -> spaces.Box:

@@ -490,6 +490,7 @@ class Rules:
             self.measured += certificate.checks
         return hit
 
-    def blocked_edges(self, path: FloatArray, step: float) -> list[int]:
-        """Return the edges of a polyline (m, n) that are not free, with checks every `step` [rad]."""
+    def blocked_edges(self, path: FloatArray) -> list[int]:
+        """Return the edges of a polyline (m, n) that are not free, with checks every `config.check_step`."""
+        step = self.config.check_step
         return [i for i, (a, b) in enumerate(pairwise(path)) if not edge_is_free(a, b, self.is_free, step)]

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Generic, Literal, TypeVar, get_args
 
-from rlbench_pin.errors import InvalidValue, PlanningError
+from rlbench_pin.errors import PlanningError
 from rlbench_pin.planning.kinematics import PoseRegion
 from rlbench_pin.robot.trajectory import Trajectory
 from rlbench_pin.scene.snapshot import WorldSnapshot
@@ -21,6 +21,7 @@ from rlbench_pin.values import (
     as_number,
     check_settings,
     counted,
+    one_of,
     ruled,
 )
 
@@ -38,6 +39,7 @@ _RULES = ruled(
     (counted(0), "simplify_checks"),
     (counted(0, 1000), "elbows"),
     (counted(1, 10_000), "region_samples"),
+    (one_of(*ALGORITHMS), "algorithm"),
     (FLAG, "torque_limits certify measure_clearance"),
 )
 
@@ -95,8 +97,6 @@ class PlannerConfig:
         Raises:
             InvalidValue: A number is NaN, of a wrong kind, or outside its range (also a ValueError).
         """
-        if not isinstance(self.algorithm, str) or self.algorithm not in ALGORITHMS:
-            raise InvalidValue("PlannerConfig.algorithm", self.algorithm, f"has to be one of {', '.join(ALGORITHMS)}")
         check_settings(self, _RULES)
 
 

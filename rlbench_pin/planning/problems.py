@@ -186,7 +186,8 @@ def read_motion_bench(scene: Path, request: Path, robot: str = DEFAULT_ROBOT) ->
         raise ProblemFileError(request, f"{type(error).__name__}: {error}") from error
     size = len(description.arm_joints)
     name = f"{scene.parent.name}_{request.stem}"
-    return PlanningProblem(name, WorldSnapshot(tuple(bodies), start[:size], start[size:]), goal, robot=robot, base_pose=_NOWHERE)
+    obstacles = WorldSnapshot(tuple(bodies), start[:size], start[size:])
+    return PlanningProblem(name, obstacles, goal, robot=robot, base_pose=tuple(IDENTITY.tolist()))
 
 
 def _load(path: Path) -> Mapping[str, object]:
@@ -231,7 +232,7 @@ def _shape(path: Path, primitive: Mapping[str, object], pose: FloatArray) -> Sha
 
 
 def _pose(content: Mapping[str, object]) -> FloatArray:
-    position, orientation = content.get("position", _NOWHERE[:3]), content.get("orientation", _NOWHERE[3:])
+    position, orientation = content.get("position", IDENTITY[:3]), content.get("orientation", IDENTITY[3:])
     if isinstance(position, Mapping):
         position = [position[key] for key in "xyz"]
     if isinstance(orientation, Mapping):

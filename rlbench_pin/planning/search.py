@@ -387,9 +387,8 @@ def path_around(
 
 def repair(path: FloatArray, rules: Rules, limits: JointLimits, rng: np.random.Generator) -> FloatArray | None:
     """Replace edges that fail the fine check by finely checked detours; return None if an edge has no detour."""
-    config = rules.config
     for _ in range(_REPAIRS):
-        blocked = rules.blocked_edges(path, config.check_step)
+        blocked = rules.blocked_edges(path)
         if not blocked:
             return path
         for i in reversed(blocked):

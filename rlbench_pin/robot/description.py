@@ -151,7 +151,6 @@ def _with_our_gripper(name: str, arm_joints: tuple[str, ...], **numbers: Any) ->
         tip_frame=f"{name}_tip",
         hand_link=f"{name}_hand",
         finger_links=(f"{name}_leftfinger", f"{name}_rightfinger"),
-        camera_pose=HAND_CAMERA,
         **numbers,
     )
 
@@ -173,7 +172,6 @@ def _ur5e() -> RobotDescription:
         tip_frame="ur5e_tip",
         hand_link="ur5e_hand",
         finger_links=("ur5e_left_inner_finger", "ur5e_right_inner_finger"),
-        camera_pose=HAND_CAMERA,
         home=(-0.274, -1.565, 1.245, -1.251, -1.571, -0.274),
         gripper_open=0.042,
         gripper_force=60.0,

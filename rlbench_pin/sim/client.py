@@ -241,7 +241,7 @@ class PhysicsClient:
         self.journal = Journal()
         self.placements: dict[tuple[int, int], pin.SE3] = {}
         if hardware:
-            self._plugin = self._load_egl()
+            self._load_egl()
         self._printed, self._passes, self.changes = False, PASSES, 0
         self.change(bullet.setTimeStep, timestep)
         self.change(bullet.setGravity, *_GRAVITY)
@@ -301,17 +301,16 @@ class PhysicsClient:
             bullet.setPhysicsEngineParameter(numSolverIterations=passes, physicsClientId=self.id)
             self._passes = passes
 
-    def _load_egl(self) -> int:
+    def _load_egl(self) -> None:
         try:
             file = plugin_file()
             with captured_output() as captured:
-                plugin = int(bullet.loadPlugin(file, "_eglRendererPlugin", physicsClientId=self.id))
-            if plugin < 0:
+                number = bullet.loadPlugin(file, "_eglRendererPlugin", physicsClientId=self.id)
+            if number < 0:
                 raise EglMissing(_tidy(captured.text) or "the plugin found no device")
         except EglMissing:
             self.close()
             raise
-        return plugin
 
     def __reduce__(self) -> NoReturn:
         """Refuse to be pickled or copied, because the server belongs to this process."""

@@ -54,11 +54,6 @@ class Resting:
         self._thrown: dict[int, tuple[tuple[float, ...], tuple[float, ...]]] = {}
         self._changes, self._drowsy = -1, False
 
-    @property
-    def asleep(self) -> tuple[str, ...]:
-        """Names of the bodies that sleep."""
-        return tuple(name for name, ticks in self.quiet if ticks == QUIET_TICKS)
-
     # Ticks -----------------------------------------------------------------------------------------------------------
 
     def step(self) -> None:

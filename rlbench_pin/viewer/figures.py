@@ -12,7 +12,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 from PIL import Image
-from viser import FrameHandle, MeshHandle, SceneApi
+from viser import FrameHandle, MeshHandle, SceneApi, SceneNodeHandle
 
 from rlbench_pin.assets import asset_path
 from rlbench_pin.errors import RlbenchPinError
@@ -212,7 +212,7 @@ class ModelFigure:
         """Move links to world poses (7,) by name; links that are not drawn are ignored."""
         for link, pose in poses.items():
             if (frame := self._frames.get(link)) is not None:
-                _move(frame, pose)
+                move_node(frame, pose)
 
     def paint(self, link: str, rgb: Rgb | None) -> None:
         """Show a link in one colour; None restores its own colours."""
@@ -384,7 +384,7 @@ class Figures:
             )
             if (on_pick := self._on_pick) is not None:
                 mesh.on_click(lambda _: on_pick(name))
-        _move(mesh, tip)
+        move_node(mesh, tip)
         if tuple(mesh.color) != rgb:
             mesh.color = rgb
 
@@ -421,7 +421,7 @@ def _gripper_surface(robot: RobotDescription) -> DrawnSurface:
     )
 
 
-def _move(node: FrameHandle | MeshHandle, pose: FloatArray) -> None:
+def move_node(node: SceneNodeHandle, pose: FloatArray) -> None:
     """Move a node of the page to a pose (7,)."""
     node.position = (pose[0], pose[1], pose[2])
     node.wxyz = (pose[6], pose[3], pose[4], pose[5])

@@ -8,10 +8,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rlbench_pin.errors import RlbenchPinError
+from rlbench_pin.robot.geometry import to_placement
 from rlbench_pin.scene import BodySpec, SceneSpec, resolve_asset
 from rlbench_pin.scene.spec import ROOT, WORLD, PosedSpec
-from rlbench_pin.spatial import IDENTITY, FloatArray, compose, pose_at, pose_to_se3, se3_to_pose
-from rlbench_pin.urdf import Urdf, UrdfJoint, UrdfOrigin, read_urdf
+from rlbench_pin.spatial import IDENTITY, FloatArray, compose, pose_to_se3, se3_to_pose
+from rlbench_pin.urdf import Urdf, UrdfJoint, read_urdf
 
 
 def link_poses(urdf: Urdf, joints: Mapping[str, float], scale: float = 1.0) -> dict[str, FloatArray]:
@@ -26,15 +27,10 @@ def link_poses(urdf: Urdf, joints: Mapping[str, float], scale: float = 1.0) -> d
     waiting = list(urdf.joints)
     while ready := [joint for joint in waiting if joint.parent in poses]:
         for joint in ready:
-            origin = origin_pose(joint.origin, scale)
+            origin = se3_to_pose(to_placement(joint.origin, scale))
             poses[joint.child] = compose(poses[joint.parent], origin, _moved(joint, joints.get(joint.name, 0.0)))
         waiting = [joint for joint in waiting if joint not in ready]
     return poses
-
-
-def origin_pose(origin: UrdfOrigin | None, scale: float = 1.0) -> FloatArray:
-    """Return an origin of a URDF file as a pose (7,), its lengths multiplied by `scale`."""
-    return IDENTITY.copy() if origin is None else pose_at([scale * x for x in origin.xyz], *origin.rpy)
 
 
 def _moved(joint: UrdfJoint, position: float) -> FloatArray:

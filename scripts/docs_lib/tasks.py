@@ -166,15 +166,15 @@ def condition_rows(name: str) -> list[tuple[str, str, str]]:
         return [row for condition in task.get_success_conditions() for row in rows_of(condition, "")]
 
 
-def begin(task: Task) -> None:
-    """Begin an episode of variation 0 with the first seed for which its objects find a place."""
+def begin(task: Task, variation: int = 0) -> None:
+    """Begin an episode with the first seed for which its objects find a place."""
     for seed in range(DRAWS):
         try:
-            task.begin_episode(0, np.random.default_rng(seed))
+            task.begin_episode(variation, np.random.default_rng(seed))
             return
         except BoundaryError:
             continue
-    raise SystemExit(f"{task.get_name()}: {DRAWS} successive draws found no placement.")
+    raise SystemExit(f"{task.get_name()}, variation {variation}: {DRAWS} successive draws found no placement.")
 
 
 def rows_of(condition: Condition, before: str) -> Iterable[tuple[str, str, str]]:

@@ -7,6 +7,7 @@ import numpy as np
 from rlbench_pin.robot.description import robot_description
 from rlbench_pin.scene.spec import BodySpec, FrameSpec, JointSpec, RegionSpec, SceneSpec, SensorSpec, SpringSpec
 from rlbench_pin.sim import World
+from rlbench_pin.sim.resting import QUIET_TICKS
 from rlbench_pin.spatial import above_table
 
 PANDA = robot_description("panda")
@@ -110,7 +111,7 @@ def tower_scene(height: int = 3) -> SceneSpec:
 
 def asleep(world: World) -> set[str]:
     """Names of what sleeps."""
-    return set(world.resting.asleep)
+    return {name for name, ticks in world.resting.quiet if ticks == QUIET_TICKS}
 
 
 def fall_asleep(world: World, ticks: int = 40) -> None:

@@ -268,11 +268,11 @@ def test_portable_states_and_arrays_with_sleepers_go_on_exactly_in_another_world
 CONTINUE = """
 import sys, hashlib, numpy as np
 sys.path.insert(0, {tests!r})
-from tests.sim.support import build, tower_scene
+from tests.sim.support import asleep, build, tower_scene
 from tests.sim.test_resting import go_on
 world = build(tower_scene())
 world.set_arrays(dict(np.load({file!r})))
-print(sorted(world.resting.asleep), hashlib.sha256(go_on(world)).hexdigest())
+print(sorted(asleep(world)), hashlib.sha256(go_on(world)).hexdigest())
 """
 
 

@@ -77,14 +77,6 @@ def pose_from(position: FloatArray, axes: FloatArray) -> FloatArray:
     return matrix_to_pose(matrix)
 
 
-def turn(vector: FloatArray) -> FloatArray:
-    """Return the rotation matrix (3, 3) of a rotation vector (3,) [rad] (Rodrigues)."""
-    angle = float(np.linalg.norm(vector))
-    x, y, z = vector / max(angle, 1e-12)
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross
-
-
 LOW, HIGH = np.array([-0.3, -0.5, TABLE_HEIGHT - 0.01]), np.array([0.7, 0.5, TABLE_HEIGHT + 1.0])
 """Corners of the box of used points, in world coordinates [m]."""
 CELL = 0.005

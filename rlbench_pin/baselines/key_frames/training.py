@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 import torch
 from torch import Tensor, nn
 
@@ -34,7 +35,6 @@ from rlbench_pin.baselines.key_frames.examples import (
     close_up,
     network_input,
     read_key_frames,
-    turn,
     whole,
 )
 from rlbench_pin.errors import DatasetError
@@ -248,13 +248,13 @@ class KeyFrameLearner:
 def _moved(rng: np.random.Generator) -> Frame:
     """Return the frame of the overview with a random shift and rotation, for augmentation."""
     shift = np.append(rng.uniform(-SHIFT, SHIFT, size=2), 0.0)
-    return Frame(OVERVIEW.origin + shift, turn(np.array([0.0, 0.0, rng.uniform(-TURN, TURN)])))
+    return Frame(OVERVIEW.origin + shift, pin.exp3(np.array([0.0, 0.0, rng.uniform(-TURN, TURN)])))
 
 
 def _near(pose: FloatArray, rng: np.random.Generator) -> Frame:
     """Return the frame of a tip pose with random errors, about as large as those of the first network."""
     frame = Frame.of_tip(pose)
-    return Frame(frame.origin + rng.normal(scale=MISSED, size=3), frame.rotation @ turn(rng.normal(scale=TILTED, size=3)))
+    return Frame(frame.origin + rng.normal(scale=MISSED, size=3), frame.rotation @ pin.exp3(rng.normal(scale=TILTED, size=3)))
 
 
 def train_key_frames(

@@ -106,8 +106,9 @@ class ReinforcementConfig:
             "seed",
             "workers",
             "episode_steps",
+            "checkpoint_steps",
         )
-        return {**{name: getattr(self, name) for name in names}, "leg_steps": self.checkpoint_steps}
+        return {name: getattr(self, name) for name in names}
 
 
 REACH = 0.05

@@ -102,11 +102,6 @@ class Conversion:
         """Name of the file."""
         return self._job.name
 
-    @property
-    def process_id(self) -> int:
-        """Process id of the subprocess."""
-        return self._child.pid
-
     def stop(self) -> None:
         """End the conversion."""
         self._end("it was stopped")

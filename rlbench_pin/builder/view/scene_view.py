@@ -23,7 +23,7 @@ from rlbench_pin.robot import DEFAULT_ROBOT, RobotModel, robot_description
 from rlbench_pin.scene import BodySpec, FrameSpec, RegionSpec, SceneSpec, SensorSpec
 from rlbench_pin.scene.spec import ROOT
 from rlbench_pin.spatial import TABLE_HEIGHT, FloatArray, compose
-from rlbench_pin.viewer.figures import Figures
+from rlbench_pin.viewer.figures import Figures, move_node
 from rlbench_pin.viewer.places import Places, places_at_rest
 from rlbench_pin.viewer.player import NEAREST
 from rlbench_pin.viewer.recording import Frame
@@ -149,7 +149,7 @@ class SceneView:
     def _show_gizmo(self, pose: FloatArray | None) -> None:
         self._gizmo.visible = pose is not None
         if pose is not None:
-            _place(self._gizmo, pose)
+            move_node(self._gizmo, pose)
 
     def _show_grippers(self) -> None:
         shown = {
@@ -178,7 +178,7 @@ class SceneView:
         poses = [compose(pose, np.array(point)) for point in waypoint.points]
         for number, curve_pose in enumerate(poses):
             handle = self._scene.add_frame(f"/curve/{number}", axes_length=0.025, axes_radius=0.0015, origin_color=_SELECTED)
-            _place(handle, curve_pose)
+            move_node(handle, curve_pose)
             self._curve_handles.append(handle)
         if len(poses) > 1:
             points = np.array([p[:3] for p in poses])
@@ -201,11 +201,6 @@ def _segments(points: FloatArray) -> np.ndarray:
     """Return the segments (n - 1, 2, 3) between points (n, 3)."""
     points = np.asarray(points, dtype=np.float32)
     return np.stack([points[:-1], points[1:]], axis=1)
-
-
-def _place(node: _Node | TransformControlsHandle, pose: FloatArray) -> None:
-    node.position = np.array(pose[:3])
-    node.wxyz = np.array([pose[6], pose[3], pose[4], pose[5]])
 
 
 def _gizmo(scene: SceneApi, on_drag: OnDrag) -> TransformControlsHandle:
@@ -247,7 +242,7 @@ class Volumes:
         """Put them at their world poses."""
         for name, (_, node) in self._nodes.items():
             if (pose := places.of(name)) is not None:
-                _place(node, pose)
+                move_node(node, pose)
 
     def _draw(self, element: _Unseen, is_selected: bool) -> _Node:
         path = f"/shapes/{element.name}"

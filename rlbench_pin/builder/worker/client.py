@@ -74,11 +74,6 @@ class WorkerClient:
         self._world.start()
 
     @property
-    def process_id(self) -> int | None:
-        """Process id of the world; None before it has answered."""
-        return self._world.pid
-
-    @property
     def folder(self) -> Path:
         """The private folder, which is removed at the end."""
         return self._folder.path

@@ -26,16 +26,16 @@ from rlbench_pin.environment.reset import lay_out
 from rlbench_pin.environment.runtime import Listener, Runtime
 from rlbench_pin.errors import BoundaryError, PlanningError, ResetError, RlbenchPinError
 from rlbench_pin.planning.plan import Plan, PlanRequest
+from rlbench_pin.robot.geometry import to_placement
 from rlbench_pin.robot.model import RobotModel
 from rlbench_pin.scene.reader import read_scene
 from rlbench_pin.scene.spec import ROOT, PlacementSpec, SceneSpec
 from rlbench_pin.sim import Body, World
-from rlbench_pin.spatial import IDENTITY, FloatArray, compose, relative
+from rlbench_pin.spatial import IDENTITY, FloatArray, compose, relative, se3_to_pose
 from rlbench_pin.tasks import Task, camel_case
 from rlbench_pin.tasks.registry import load_task_file
 from rlbench_pin.urdf import UrdfJoint, read_urdf
 from rlbench_pin.values import as_vector
-from rlbench_pin.viewer.places import origin_pose
 from rlbench_pin.viewer.recording import (
     Failure,
     Frame,
@@ -384,7 +384,7 @@ def joint_positions(body: Body, poses: Mapping[str, FloatArray]) -> dict[str, fl
 
 
 def _position(joint: UrdfJoint, parent: FloatArray, child: FloatArray, scale: float) -> float:
-    moved = relative(child, compose(parent, origin_pose(joint.origin, scale)))
+    moved = relative(child, compose(parent, se3_to_pose(to_placement(joint.origin, scale))))
     axis = np.array(joint.axis) / max(float(np.linalg.norm(joint.axis)), 1e-12)
     if joint.kind == "prismatic":
         return float(axis @ moved[:3])

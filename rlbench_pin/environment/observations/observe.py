@@ -272,6 +272,11 @@ def boxed(name: str, value: object, low: np.ndarray, high: np.ndarray) -> np.nda
     return np.clip(array, low, high).astype(np.float32)
 
 
+def fitted(name: str, value: object, box: Any) -> np.ndarray:
+    """Return an observation field as an element of a gymnasium box: images as they are, other fields as `boxed` returns them."""
+    return np.asarray(value) if box.dtype == np.uint8 else boxed(name, value, box.low, box.high)
+
+
 class ModelObserver:
     """Computes the quantities of `ModelObservationConfig` for one world; keeps its distance model between observations.
 

@@ -119,7 +119,6 @@ class _Run:
     def done(self, resume: bool) -> LearningCurve:
         """Do all remaining work, and return the learning curve."""
         config = self.config
-        config.tasks()
         with ExitStack() as held:
             refuse_links(self.folder)
             try:

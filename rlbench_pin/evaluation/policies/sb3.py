@@ -16,7 +16,7 @@ import numpy as np
 
 from rlbench_pin.environment.actions import ActionMode
 from rlbench_pin.environment.observations import ObservationConfig
-from rlbench_pin.environment.observations.observe import boxed, boxed_settings
+from rlbench_pin.environment.observations.observe import boxed, boxed_settings, fitted
 from rlbench_pin.evaluation.policies.policy import PolicyContext
 from rlbench_pin.evaluation.policies.policy_server import NoPolicy
 from rlbench_pin.evaluation.policies.settings import make_action_mode
@@ -134,7 +134,7 @@ class Sb3Policy:
 
     def _seen(self, observation: Observation) -> Any:
         if self._boxes is not None:
-            return {name: _fitted(name, getattr(observation, name), box) for name, box in self._boxes.items()}
+            return {name: fitted(name, getattr(observation, name), box) for name, box in self._boxes.items()}
         numbers = np.concatenate([np.atleast_1d(np.asarray(getattr(observation, name), dtype=float)) for name in sorted(LOW_DIM)])
         space = self._model.observation_space
         return boxed("the observation", numbers, space.low, space.high)
@@ -148,10 +148,6 @@ def _image_size(shape: tuple[int, ...]) -> tuple[int, int]:
     """Return width and height of images (h, w, 3), or (3, h, w) as Stable-Baselines3 turns them."""
     height, width = shape[1:] if shape[0] == 3 and shape[-1] != 3 else shape[:2]
     return int(width), int(height)
-
-
-def _fitted(name: str, value: object, box: Any) -> np.ndarray:
-    return np.asarray(value) if box.dtype == np.uint8 else boxed(name, value, box.low, box.high)
 
 
 def _bounds(space: Any) -> tuple[np.ndarray, np.ndarray]:

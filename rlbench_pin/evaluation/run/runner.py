@@ -44,7 +44,7 @@ class EpisodeRunner:
         self.config = as_record(config, EvaluationConfig, "config")
         self._client = client
         if client is None and config.policy != EXPERT:
-            self._client = open_client(config)
+            self._client = open_policy(config.policy, time_limit=config.time_limit, start_limit=config.start_limit)
         self._environment: Environment | None = None
         self._task: TaskEnvironment | None = None
         self._loaded = ""
@@ -121,15 +121,6 @@ class EpisodeRunner:
         if self._environment is not None:
             self._environment.shutdown()
         self._environment, self._task, self._loaded = None, None, ""
-
-
-def open_client(config: EvaluationConfig) -> PolicyClient:
-    """Return a client of the policy of an evaluation. The policy starts at the first access to its settings.
-
-    Raises:
-        PolicyReferenceError: The reference names no policy.
-    """
-    return open_policy(config.policy, time_limit=config.time_limit, start_limit=config.start_limit)
 
 
 def not_played(item: EpisodeItem, fault: str, detail: str) -> EpisodeRecord:

@@ -57,7 +57,7 @@ def test_what_takes_too_long_is_ended() -> None:
 
 def test_what_kills_the_process_is_told() -> None:
     """As a parser may do on hostile bytes."""
-    killed, _ = _make("deadly.obj", obj(angle()), act=lambda made: os.kill(made.process_id, 11))
+    killed, _ = _make("deadly.obj", obj(angle()), act=lambda made: os.kill(made._child.pid, 11))
     assert isinstance(killed, RlbenchPinError)
     assert "SIGSEGV" in str(killed)
 
@@ -77,7 +77,7 @@ from rlbench_pin.builder.custom_assets.mesh_asset import obj_text
 rng = np.random.default_rng(0)
 soup = trimesh.Trimesh(rng.random((3000, 3)) * 0.2, rng.integers(0, 3000, (2000, 3)), process=False)
 order = Job("soup.obj", "/nowhere", 1.0, 1.0, (1.0, 0.0, 0.0))
-made = Conversion(order, obj_text(soup).encode(), lambda note: print(made.process_id, note, flush=True), print)
+made = Conversion(order, obj_text(soup).encode(), lambda note: print(made._child.pid, note, flush=True), print)
 time.sleep(600)
 """
 

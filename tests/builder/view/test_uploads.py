@@ -115,7 +115,7 @@ def test_closing_ends_what_is_made(copied: Copied) -> None:
     assert made is not None
     window.close()
     server.stop()
-    wait_for_end(made.process_id)
+    wait_for_end(made._child.pid)
 
 
 _BESIDE = ("billion laughs", "external entity", "deep", "other encoding", "two roots", "circle", "infinite", "no size", "missing")

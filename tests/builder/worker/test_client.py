@@ -133,7 +133,7 @@ def test_who_asks_meanwhile_is_refused(client: WorkerClient, saucepan: TaskText)
 def test_a_callback_that_raises_ends_it(client: WorkerClient, saucepan: TaskText) -> None:
     """Its error is passed on, the process lives, and the next operation finds an open task."""
     client.open(saucepan, run_task=True)
-    process = client.process_id
+    process = client._world.pid
 
     def stop(frame: Frame) -> None:
         raise LookupError("enough")
@@ -141,7 +141,7 @@ def test_a_callback_that_raises_ends_it(client: WorkerClient, saucepan: TaskText
     with pytest.raises(LookupError, match="enough"):
         client.demonstrate(0, on_frame=stop)
     assert client.reset(0).failure is None
-    assert client.process_id == process
+    assert client._world.pid == process
 
 
 def _interrupted(client: WorkerClient, by: Callable[[], object]) -> BaseException | None:
@@ -171,25 +171,25 @@ def _interrupted(client: WorkerClient, by: Callable[[], object]) -> BaseExceptio
 def test_it_is_stopped_from_another_thread(client: WorkerClient, saucepan: TaskText) -> None:
     """What runs ends soon, and the process lives on."""
     client.open(saucepan, run_task=True)
-    before = client.process_id
+    before = client._world.pid
     assert isinstance(_interrupted(client, client.cancel), WorkerStopped)
     assert not client.cancel()
     assert client.reset(4).failure is None
-    assert client.process_id == before
+    assert client._world.pid == before
 
 
 def test_it_is_killed_while_it_demonstrates(client: WorkerClient, saucepan: TaskText) -> None:
     """The error says how it ended; the next operation has a new process with the task and the episode as they were."""
     client.open(saucepan, run_task=True)
     start = client.reset(4).frames[0]
-    before = client.process_id
+    before = client._world.pid
     assert before is not None
     fault = _interrupted(client, lambda: os.kill(before, signal.SIGKILL))
     assert isinstance(fault, WorkerFault)
     assert fault.kind == "crashed"
     assert "SIGKILL" in str(fault)
     verdicts = client.reach()
-    assert client.process_id != before
+    assert client._world.pid != before
     lid = start.poses["lid/knob"]
     assert np.abs(verdicts[1].pose[:3] - lid[:3]).max() < 1e-3
     assert np.array_equal(client.reset(4).frames[0].poses["lid/knob"], lid)
@@ -232,7 +232,7 @@ def test_nothing_stays_behind(saucepan: TaskText) -> None:
         with pytest.raises(NothingOpen):
             client.reach()
         client.open(saucepan, run_task=False)
-        pid, folder = client.process_id, client.folder
+        pid, folder = client._world.pid, client.folder
         assert pid is not None
         assert _is_there(pid)
     assert not folder.exists()
@@ -250,7 +250,7 @@ from rlbench_pin.builder.worker import WorkerClient
 client = WorkerClient()
 folder = Path(sys.argv[1])
 client.open(TaskText("loops", folder, "format = 2\\n", ""), run_task=False)
-print(client.process_id, client.folder, flush=True)
+print(client._world.pid, client.folder, flush=True)
 python = f'''
 import os, subprocess, time
 sleeper = subprocess.Popen(["sleep", "600"], start_new_session=True)

@@ -9,11 +9,11 @@ from typing import ClassVar
 import numpy as np
 
 from pyrep.errors import PyRepError
-from pyrep.objects.object import Object, euler_to_matrix, matrix_to_euler
+from pyrep.objects.object import Object, euler_to_quaternion, matrix_to_euler
 from rlbench_pin.compat.objects import Element, ObjectType, Placed
 from rlbench_pin.compat.simulator import Simulator
 from rlbench_pin.errors import RlbenchPinError
-from rlbench_pin.spatial import IDENTITY, FloatArray, compose, matrix_to_pose, pose_to_matrix, relative
+from rlbench_pin.spatial import IDENTITY, FloatArray, compose, pose_to_matrix, relative
 from rlbench_pin.tasks.waypoints import waypoints_of
 
 
@@ -103,10 +103,7 @@ class CartesianPath(Object):
 
 def _pose_of(numbers: Sequence[float]) -> FloatArray:
     """Return the pose (7,) of x, y, z [m] and Euler angles a, b, c [rad]."""
-    matrix = np.eye(4)
-    matrix[:3, 3] = numbers[:3]
-    matrix[:3, :3] = euler_to_matrix(np.asarray(numbers[3:6], dtype=float))
-    return matrix_to_pose(matrix)
+    return np.concatenate([numbers[:3], euler_to_quaternion(numbers[3:6])])
 
 
 def _pose_at(poses: FloatArray, share: float) -> FloatArray:

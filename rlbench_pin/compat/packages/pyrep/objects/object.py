@@ -221,9 +221,7 @@ class Object:
 
     def set_orientation(self, orientation: Numbers, relative_to: Object | None = None, reset_dynamics: bool = True) -> None:
         """Rotate to Euler angles (3,) [rad] with R = Rx(a) Ry(b) Rz(c); the position does not change."""
-        matrix = np.eye(4)
-        matrix[:3, :3] = euler_to_matrix(_numbers(orientation, 3, "orientation"))
-        self.set_quaternion(matrix_to_pose(matrix)[3:], relative_to, reset_dynamics)
+        self.set_quaternion(euler_to_quaternion(_numbers(orientation, 3, "orientation")), relative_to, reset_dynamics)
 
     def get_matrix(self, relative_to: Object | None = None) -> FloatArray:
         """Return the homogeneous matrix (4, 4) from the frame of the object to the world or to `relative_to`."""
@@ -554,6 +552,13 @@ def euler_to_matrix(angles: Numbers) -> FloatArray:
     z = np.array([[cc, -sc, 0.0], [sc, cc, 0.0], [0.0, 0.0, 1.0]])
     product: FloatArray = x @ y @ z
     return product
+
+
+def euler_to_quaternion(angles: Numbers) -> FloatArray:
+    """Return the quaternion (4,) of the rotation Rx(a) Ry(b) Rz(c) of angles (3,) [rad]."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = euler_to_matrix(np.asarray(angles, dtype=float))
+    return matrix_to_pose(matrix)[3:]
 
 
 def matrix_to_euler(rotation: FloatArray) -> FloatArray:
