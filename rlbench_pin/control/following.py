@@ -158,6 +158,8 @@ class TrackingReport:
     """Number of control ticks so far."""
     largest: float
     """Largest error of any joint [rad]."""
+    rms: float
+    """Root mean square error over ticks and joints [rad]."""
     last: float
     """Largest error of any joint at the last command [rad]."""
 
@@ -175,7 +177,7 @@ class TrajectoryFollower:
                 "has to be a back-end with a method `command`",
                 "For example `VelocityFollowing(model.limits)`.",
             )
-        self._ticks, self._largest, self._last = 0, 0.0, 0.0
+        self._ticks, self._squares, self._largest, self._last = 0, 0.0, 0.0, 0.0
 
     @property
     def time(self) -> float:
@@ -201,6 +203,7 @@ class TrajectoryFollower:
         error = self.trajectory.sample(self.time)[0] - q
         self._last = float(np.abs(error).max())
         self._largest = max(self._largest, self._last)
+        self._squares += float(error @ error) / len(error)
         command = self.backend.command(self.trajectory, self.time, q, v)
         self._ticks += 1
         return command
@@ -208,4 +211,4 @@ class TrajectoryFollower:
     @property
     def report(self) -> TrackingReport:
         """The tracking error so far."""
-        return TrackingReport(self._ticks, self._largest, self._last)
+        return TrackingReport(self._ticks, self._largest, float(np.sqrt(self._squares / max(1, self._ticks))), self._last)

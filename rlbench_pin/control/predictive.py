@@ -96,11 +96,15 @@ class PredictiveProgram:
             if size.pairs:
                 self.set_distances(k, np.zeros((0, size.joints)), np.zeros(0))
 
-    def split(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return velocities (N, n) and deviations (N, n)."""
+    def split(self, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return velocities (N, n), deviations (N, n) and slacks (N,) or (0,)."""
         size = self.size
         shape = (size.ticks, size.joints)
-        return x[: size.motion].reshape(shape), x[size.motion : 2 * size.motion].reshape(shape)
+        return (
+            x[: size.motion].reshape(shape),
+            x[size.motion : 2 * size.motion].reshape(shape),
+            x[2 * size.motion :] / DISTANCE_UNIT,
+        )
 
     # Numbers ------------------------------------------------------------------------------------------------------
 
@@ -245,6 +249,8 @@ class PredictiveCommand:
     """Joint velocity of the next tick (n,), [rad/s]."""
     plan: FloatArray
     """Configurations planned for the next ticks (N, n), [rad]."""
+    shortfall: float
+    """Largest slack [m]: the largest violation of a minimum distance by the plan."""
     stopped: bool
     """Whether the command is braking, because the QP was not solved."""
 
@@ -320,18 +326,18 @@ class CartesianMPC:
             if self.distances is not None:
                 program.set_distances(k, *self._clearances(nominal[k]))
         if not np.isfinite(program.cost.data).all() or not np.isfinite(program.linear).all():
-            return PredictiveCommand(self.bounds.braking(v), nominal, True)
+            return PredictiveCommand(self.bounds.braking(v), nominal, 0.0, True)
         self._osqp.update(q=program.linear, l=program.low, u=program.high, Px=program.cost.data, Ax=program.rows.data)
         result = self._osqp.solve(raise_error=False)
         self.iterations = int(result.info.iter)
         if result.info.status_val != osqp.SolverStatus.OSQP_SOLVED:
             self.reset()
-            return PredictiveCommand(self.bounds.braking(v), nominal, True)
-        velocities, deviations = program.split(np.asarray(result.x))
+            return PredictiveCommand(self.bounds.braking(v), nominal, 0.0, True)
+        velocities, deviations, slacks = program.split(np.asarray(result.x))
         self._plan = velocities
         slowest, fastest = self.bounds.interval(q, v)
         velocity = np.minimum(np.maximum(velocities[0], slowest), fastest)
-        return PredictiveCommand(velocity, nominal + deviations, False)
+        return PredictiveCommand(velocity, nominal + deviations, float(slacks.max(initial=0.0)), False)
 
     def _goals(self, reference: ArrayLike) -> list[pin.SE3]:
         poses = as_array(reference, "reference", InvalidTarget)

@@ -46,6 +46,11 @@ class LazyAsyncVectorEnv(VectorEnv[Any, Any, Any]):
             self._running = AsyncVectorEnv(self._makers, context="spawn", autoreset_mode=self._autoreset_mode)
         return self._running
 
+    @property
+    def is_running(self) -> bool:
+        """Whether the processes are running."""
+        return self._running is not None
+
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Start an episode in each environment.
 

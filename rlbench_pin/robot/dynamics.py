@@ -20,29 +20,30 @@ from rlbench_pin.values import as_record, as_vector
 
 @dataclass(frozen=True, eq=False)
 class DynamicsDerivatives:
-    """Partial derivatives of a torque or an acceleration (n,), each of shape (n, n).
-
-    The derivative of the torque by the acceleration is `RobotModel.mass_matrix`, of the acceleration by the torque its inverse.
-    """
+    """Partial derivatives of a torque or an acceleration (n,), each of shape (n, n)."""
 
     by_q: FloatArray
     """Derivative by the configuration, shape (n, n)."""
     by_v: FloatArray
     """Derivative by the joint velocity, shape (n, n)."""
+    by_input: FloatArray
+    """Derivative by the acceleration for inverse dynamics (the inertia), by the torque for forward dynamics (its inverse)."""
 
 
 def inverse_dynamics_derivatives(model: RobotModel, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> DynamicsDerivatives:
     """Return the derivatives of `model.inverse_dynamics(q, v, a)`; arguments of shape (n,), [rad], [rad/s], [rad/s^2]."""
     q, v, a = _checked(model, q, v, a, "joint acceleration")
-    by_q, by_v, _ = pin.computeRNEADerivatives(model.arm, model.data, q, v, a)
-    return DynamicsDerivatives(np.array(by_q), np.array(by_v))
+    by_q, by_v, by_a = pin.computeRNEADerivatives(model.arm, model.data, q, v, a)
+    upper = np.triu(by_a)
+    return DynamicsDerivatives(np.array(by_q), np.array(by_v), upper + np.triu(upper, 1).T)
 
 
 def forward_dynamics_derivatives(model: RobotModel, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> DynamicsDerivatives:
     """Return the derivatives of `model.forward_dynamics(q, v, tau)`; arguments of shape (n,), [rad], [rad/s], [N m]."""
     q, v, tau = _checked(model, q, v, tau, "joint torque")
-    by_q, by_v, _ = pin.computeABADerivatives(model.arm, model.data, q, v, tau)
-    return DynamicsDerivatives(np.array(by_q), np.array(by_v))
+    by_q, by_v, by_tau = pin.computeABADerivatives(model.arm, model.data, q, v, tau)
+    upper = np.triu(by_tau)
+    return DynamicsDerivatives(np.array(by_q), np.array(by_v), upper + np.triu(upper, 1).T)
 
 
 def jacobian_derivative(model: RobotModel, q: ArrayLike, frame: FrameChoice = "world") -> FloatArray:

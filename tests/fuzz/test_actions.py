@@ -153,7 +153,7 @@ def try_vector(tally: Tally, rng: np.random.Generator, share: float) -> None:
         if rng.random() < share and "whole" in value.refused_by:
             call = (lambda v: lambda: vector.reset(seed=v.make()))(value)
             tally.run(Case("LazyAsyncVectorEnv.reset", value.words, call, must_refuse=True))
-    assert vector._running is None
+    assert not vector.is_running
 
 
 def try_all(tally: Tally, seed: int, share: float, good: int, modes: Sequence = MODES) -> None:

@@ -156,13 +156,13 @@ def test_hub_file_makes_four_processes_that_agree_with_one(monkeypatch: pytest.M
         env = hub_make_env()(n_envs=4, use_async_envs=asynchronous, cfg=SimpleNamespace(episode_length=6))
         vector = next(iter(env["rlbench_pin"].values()))
         assert isinstance(vector, LazyAsyncVectorEnv if asynchronous else gymnasium.vector.SyncVectorEnv)
-        assert not asynchronous or vector._running is None
+        assert not asynchronous or not vector.is_running
         results.append(rollout(vector, still, [1, 2, 3, 4]))
         pictures = vector.call("render")
         assert len(pictures) == 4 and pictures[0].shape == (360, 640, 3)
         vector.close()
         vector.close()
-        assert not asynchronous or vector._running is None
+        assert not asynchronous or not vector.is_running
     assert data_equivalence(results[0], results[1])
     assert results[0]["steps"] == 6 and len(set(results[0]["sentences"][0])) > 1
 

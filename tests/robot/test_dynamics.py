@@ -37,20 +37,22 @@ def state(model: RobotModel, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndar
 
 @pytest.mark.parametrize("seed", range(5))
 def test_inverse_dynamics(model: RobotModel, seed: int) -> None:
-    """Torques by configuration and velocity."""
+    """Torques by configuration, velocity and acceleration."""
     q, v, a = state(model, seed)
     derivatives = inverse_dynamics_derivatives(model, q, v, a)
     close(derivatives.by_q, differences(lambda x: model.inverse_dynamics(x, v, a), q))
     close(derivatives.by_v, differences(lambda x: model.inverse_dynamics(q, x, a), v))
+    close(derivatives.by_input, model.mass_matrix(q))
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_forward_dynamics(model: RobotModel, seed: int) -> None:
-    """Accelerations by configuration and velocity."""
+    """Accelerations by configuration, velocity and torque."""
     q, v, tau = state(model, seed)
     derivatives = forward_dynamics_derivatives(model, q, v, tau)
     close(derivatives.by_q, differences(lambda x: model.forward_dynamics(x, v, tau), q))
     close(derivatives.by_v, differences(lambda x: model.forward_dynamics(q, x, tau), v))
+    close(derivatives.by_input, np.linalg.inv(model.mass_matrix(q)))
 
 
 @pytest.mark.parametrize("seed", range(5))
