@@ -126,8 +126,8 @@ def trained(kind: str, wrap: Any, file: Path, vision: bool = False, **settings: 
 
     from rlbench_pin.gym import GymnasiumEnv
 
-    mode = "vision" if vision else "state"
-    env = wrap(GymnasiumEnv("reach_target", mode, image_size=(48, 36), cameras=("front",)))
+    images: dict[str, Any] = {"observation_mode": "vision", "image_size": (48, 36), "cameras": ("front",)} if vision else {}
+    env = wrap(GymnasiumEnv("reach_target", **images))
     words = "MultiInputPolicy" if hasattr(env.observation_space, "spaces") else "MlpPolicy"
     model = getattr(stable_baselines3, kind)(words, env, seed=0, device="cpu", policy_kwargs={"net_arch": [8]}, **settings)
     model.save(file)
