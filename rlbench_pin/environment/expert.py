@@ -20,7 +20,7 @@ from rlbench_pin.environment.actions.modes import (
     RelativeFrame,
     checked_mode,
 )
-from rlbench_pin.environment.actions.pose import EndEffectorPoseViaIK, EndEffectorPoseViaPlanning, PoseMode
+from rlbench_pin.environment.actions.pose import EndEffectorPoseViaIK, EndEffectorPoseViaPlanning
 from rlbench_pin.environment.actions.safe_arm import SafeArm
 from rlbench_pin.environment.demos import DemoPlayer, try_play
 from rlbench_pin.environment.episode import EpisodeOrigin
@@ -28,7 +28,7 @@ from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import DemoError, InvalidArgument
 from rlbench_pin.observation import Observation
-from rlbench_pin.spatial import FloatArray, compose, inverse, relative
+from rlbench_pin.spatial import FloatArray
 from rlbench_pin.tasks import Waypoint
 from rlbench_pin.values import as_record
 
@@ -228,7 +228,9 @@ def _action(mode: ActionMode, runtime: Runtime, frames: Sequence[Observation]) -
     if isinstance(arm, EndEffectorPoseViaPlanning):
         *pose, gripper, ignore = key_frame_actions(frames)[0].tolist()
         more = [ignore] if mode.optional_values else []
-        return np.array([*_pose_values(arm, runtime, np.array(pose)), *_gripper_values(mode, runtime, gripper), *more])
+        return np.array(
+            [*arm.action_to(np.array(pose), runtime.robot.tip_pose()), *_gripper_values(mode, runtime, gripper), *more]
+        )
     command = np.asarray(frames[1].misc["joint_position_action"])
     return np.append(_arm_values(arm, runtime, command[:-1]), _gripper_values(mode, runtime, float(command[-1])))
 
@@ -245,19 +247,8 @@ def _arm_values(mode: ArmActionMode, runtime: Runtime, target: FloatArray) -> Fl
         jacobian = runtime.model.jacobian(q, "tip" if mode.frame is RelativeFrame.EE else "world")
         return jacobian @ (velocity if mode.absolute_mode else velocity - v)
     if isinstance(mode, EndEffectorPoseViaIK):
-        return _pose_values(mode, runtime, runtime.model.tip_pose(target))
+        return mode.action_to(runtime.model.tip_pose(target), runtime.robot.tip_pose())
     raise InvalidArgument("action_mode", mode, "has an arm mode that cannot express the action of the expert")
-
-
-def _pose_values(mode: PoseMode, runtime: Runtime, pose: FloatArray) -> FloatArray:
-    """Convert a tip pose (7,) to the values of a pose mode."""
-    if not mode.is_relative:
-        return pose
-    here = runtime.robot.tip_pose()
-    if mode.frame is RelativeFrame.EE:
-        return relative(pose, here)
-    turn = compose([0.0, 0.0, 0.0, *pose[3:]], inverse([0.0, 0.0, 0.0, *here[3:]]))
-    return np.concatenate([pose[:3] - here[:3], turn[3:]])
 
 
 def _gripper_values(mode: ActionMode, runtime: Runtime, amount: float) -> FloatArray:

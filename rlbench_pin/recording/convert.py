@@ -35,13 +35,14 @@ from rlbench_pin.environment.actions.modes import (
 from rlbench_pin.environment.actions.pose import ERJointViaIK, PoseMode
 from rlbench_pin.environment.actions.safe_arm import unwrapped
 from rlbench_pin.environment.demos import EXTRA_TICKS
+from rlbench_pin.environment.replay import reaches_goal
 from rlbench_pin.environment.runtime import Runtime
 from rlbench_pin.environment.task_environment import TaskEnvironment
 from rlbench_pin.errors import DemoError, InvalidActionError, PlanningError
 from rlbench_pin.observation import Demo
 from rlbench_pin.planning.kinematics import descend, solve_ik
 from rlbench_pin.robot.model import RobotModel
-from rlbench_pin.spatial import FloatArray, compose, inverse, relative
+from rlbench_pin.spatial import FloatArray
 from rlbench_pin.values import as_number, as_record
 
 POSITION_SHARE = 0.5
@@ -216,7 +217,7 @@ def _arm_action(mode: object, m: _Moment, model: RobotModel, dt: float) -> Float
     if isinstance(mode, JointVelocity | EndEffectorVelocity):
         return _velocity_action(mode, m, _velocity(mode, m, model, dt), model)
     if isinstance(mode, PoseMode) and not isinstance(mode, ERJointViaIK):
-        return _pose_action(mode, m, model)
+        return mode.action_to(model.tip_pose(m.target), model.tip_pose(m.q))
     raise InvalidActionError(
         f"A demonstration cannot be converted to actions of {type(mode).__name__}. Use JointPosition, JointVelocity, "
         "EndEffectorVelocity or EndEffectorPoseViaIK; `convert_by_playing` also converts to JointTorque."
@@ -247,17 +248,6 @@ def _axes(mode: EndEffectorVelocity) -> Literal["tip", "world"]:
     return "tip" if mode.frame is RelativeFrame.EE else "world"
 
 
-def _pose_action(mode: PoseMode, m: _Moment, model: RobotModel) -> FloatArray:
-    """Return the pose of the target, or its difference to that of the tip, shape (7,)."""
-    goal, here = model.tip_pose(m.target), model.tip_pose(m.q)
-    if mode.frame is RelativeFrame.EE:
-        return relative(goal, here)
-    if mode.absolute_mode:
-        return goal
-    rotation = compose(np.append(np.zeros(3), goal[3:]), inverse(np.append(np.zeros(3), here[3:])))
-    return np.append(goal[:3] - here[:3], rotation[3:])
-
-
 def _finger_conversion(action_mode: ActionMode, model: RobotModel) -> Callable[[_Moment], float]:
     """Return the function from a moment to the last number of an action, for the gripper.
 
@@ -284,14 +274,10 @@ def verify(task: TaskEnvironment, demo: Demo, actions: Sequence[FloatArray]) -> 
     """
     as_record(task, TaskEnvironment, "task")
     task.reset_to_demo(demo)
-    for action in (*actions, *[_waiting_action(task, actions[-1])] * EXTRA_TICKS):
-        try:
-            _, reward, terminate = task.step(action)
-        except InvalidActionError:
-            return False
-        if terminate or reward > 0.0:
-            return reward > 0.0
-    return False
+    try:
+        return reaches_goal(task, [*actions, *[_waiting_action(task, actions[-1])] * EXTRA_TICKS])
+    except InvalidActionError:
+        return False
 
 
 def _waiting_action(task: TaskEnvironment, last: FloatArray) -> FloatArray:

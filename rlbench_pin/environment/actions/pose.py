@@ -23,7 +23,7 @@ from rlbench_pin.environment.runtime import TIP_WORKSPACE, Runtime, follow
 from rlbench_pin.errors import InvalidActionError, PlanningError, shown
 from rlbench_pin.planning.kinematics import solve_ik, solve_pinned_ik
 from rlbench_pin.planning.plan import Plan
-from rlbench_pin.spatial import FloatArray
+from rlbench_pin.spatial import FloatArray, compose, inverse, relative
 from rlbench_pin.values import as_flag, as_number, as_whole, items_of
 
 IK_DONE = 0.01
@@ -61,6 +61,15 @@ class PoseMode(ArmActionMode):
         frame = "end effector" if self.frame is RelativeFrame.EE else "world"
         ones = np.ones(4)
         return ActionSpec(POSE_NAMES, POSE_UNITS, np.concatenate([low, -ones]), np.concatenate([high, ones]), frame, None)
+
+    def action_to(self, goal: FloatArray, here: FloatArray) -> FloatArray:
+        """Return the action (7,) whose target is a world pose `goal` (7,) when the tip pose is `here` (7,)."""
+        if not self.is_relative:
+            return goal
+        if self.frame is RelativeFrame.EE:
+            return relative(goal, here)
+        turn = compose([0.0, 0.0, 0.0, *goal[3:]], inverse([0.0, 0.0, 0.0, *here[3:]]))
+        return np.concatenate([goal[:3] - here[:3], turn[3:]])
 
     def target(self, runtime: Runtime, pose: FloatArray) -> FloatArray:
         """Return the target world pose (7,) of an action, or raise InvalidActionError."""

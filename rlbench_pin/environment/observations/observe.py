@@ -239,7 +239,7 @@ def boxed_settings(cameras: Sequence[str], image_size: tuple[int, int]) -> Obser
     Raises:
         UnknownName: There is no such camera.
     """
-    config = ObservationConfig()
+    config = ObservationConfig(joint_poses=False)
     config.set_all(False)
     for name in LOW_DIM:
         setattr(config, name, True)
