@@ -91,7 +91,7 @@ def write_problem(problem: PlanningProblem, path: Path) -> None:
         StorageError: The disk cannot be written to; no partial file remains.
     """
     world = self_contained(problem.world)
-    allowed = [body.name for body in world.bodies if body.name.partition("/")[0] in problem.allowed]
+    allowed = [b.name for b in world.bodies if {b.name, b.name.partition("/")[0]} & {*problem.allowed}]
     content = {
         "format": FORMAT,
         "name": problem.name,

@@ -286,13 +286,8 @@ def _scaled(place: int) -> DrawFunction:
     """Scale mass (0), friction (1) or damping (2) of each body, and the friction of the table."""
 
     def draw(draw: Draw, sample: Sample) -> Sample:
-        scales = dict(sample.dynamics)
-        for name in (*draw.runtime.world.bodies, "table"):
-            numbers = list(scales.get(name, (1.0, 1.0, 1.0)))
-            numbers[place] = draw.number("factor")
-            mass, friction, damping = numbers
-            scales[name] = (mass, friction, damping)
-        return replace(sample, dynamics=scales)
+        names = (*draw.runtime.world.bodies, "table")
+        return _with_dynamics(sample, place, {name: draw.number("factor") for name in names})
 
     return draw
 
@@ -301,12 +296,22 @@ def _mass(draw: Draw, sample: Sample) -> Sample:
     """Scale the mass of each body, or set the masses [kg] that the numbers give by name of the body."""
     if "factor" in draw.numbers:
         return _scaled(0)(draw, sample)
-    scales, world = dict(sample.dynamics), draw.runtime.world
+    world, factors = draw.runtime.world, {}
     for name in draw.numbers:
         model = world.body(name).model
         mass = sum(world.dynamics_overrides.mass(model, link) for link in model.links.values())
-        _, friction, damping = scales.get(name, (1.0, 1.0, 1.0))
-        scales[name] = (draw.number(name) / mass, friction, damping)
+        factors[name] = draw.number(name) / mass
+    return _with_dynamics(sample, 0, factors)
+
+
+def _with_dynamics(sample: Sample, place: int, factors: Mapping[str, float]) -> Sample:
+    """Return a sample with factors of mass (0), friction (1) or damping (2) by name of the body."""
+    scales = dict(sample.dynamics)
+    for name, factor in factors.items():
+        numbers = list(scales.get(name, (1.0, 1.0, 1.0)))
+        numbers[place] = factor
+        mass, friction, damping = numbers
+        scales[name] = (mass, friction, damping)
     return replace(sample, dynamics=scales)
 
 
