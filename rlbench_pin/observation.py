@@ -18,6 +18,8 @@ RandomState = tuple[Any, ...]
 
 CAMERAS: tuple[str, ...] = ("left_shoulder", "right_shoulder", "overhead", "wrist", "front")
 PRODUCTS: tuple[str, ...] = ("rgb", "depth", "mask", "point_cloud")
+IN_METRES = "camera_depth_in_meters"
+"""End of the `misc` key that a camera with depth in [m] adds."""
 LOW_DIM: tuple[str, ...] = (
     "gripper_open",
     "joint_velocities",

@@ -16,7 +16,7 @@ from rlbench_pin.datasets.reader import check_there, counted_files
 from rlbench_pin.environment.observations.config import CameraConfig, ObservationConfig
 from rlbench_pin.environment.observations.observe import spread_mask
 from rlbench_pin.errors import DatasetError, InvalidArgument
-from rlbench_pin.observation import CAMERAS, LOW_DIM, PRODUCTS, Demo, Observation
+from rlbench_pin.observation import CAMERAS, IN_METRES, LOW_DIM, PRODUCTS, Demo, Observation
 from rlbench_pin.values import as_flag, as_whole
 
 
@@ -138,6 +138,7 @@ def _fit_camera(observation: Observation, name: str, config: CameraConfig) -> No
         cloud = cloud_from_depth(_in_metres(depth, observation.misc, name), observation.misc, name)
     if config.depth and config.depth_in_meters and depth is not None:
         depth = _in_metres(depth, observation.misc, name)
+        observation.misc[f"{name}_{IN_METRES}"] = True
     if mask is not None and not config.masks_as_one_channel and mask.ndim == 2:
         mask = spread_mask(mask)
     for product, image in zip(PRODUCTS, (rgb, depth if config.depth else None, mask, cloud), strict=True):
@@ -165,8 +166,8 @@ def cloud_from_depth(metres: np.ndarray, misc: dict[str, Any], name: str) -> np.
 
 
 def _in_metres(depth: np.ndarray, misc: dict[str, Any], name: str) -> np.ndarray:
-    """Return depth in [m]; stored depth is 0..1 between the clipping planes, unless a value is above 1."""
-    if np.max(depth) > 1.0:
+    """Return depth in [m]; stored depth is 0..1 between the clipping planes, unless `misc` says metres or a value is above 1."""
+    if misc.get(f"{name}_{IN_METRES}", np.max(depth) > 1.0):
         return depth
     near, far = float(_matrix(misc, name, "near")), float(_matrix(misc, name, "far"))
     return (near + depth.astype(float) * (far - near)).astype(np.float32)

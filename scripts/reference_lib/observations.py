@@ -20,7 +20,7 @@ from rlbench_pin.environment import (
     ObservationConfig,
 )
 from rlbench_pin.environment.observations.config import LOW_DIM_FIELDS
-from rlbench_pin.observation import PRODUCTS, Observation, OptionalFields
+from rlbench_pin.observation import IN_METRES, PRODUCTS, Observation, OptionalFields
 from rlbench_pin.tasks import Task, library_names, task_class, task_scene
 from rlbench_pin.tasks.task import low_dim_layout
 
@@ -38,6 +38,7 @@ MISC: Mapping[str, str] = {
     "<camera>_camera_intrinsics": "Pixels from camera coordinates; focal lengths are negative.",
     "<camera>_camera_near": "Near plane [m].",
     "<camera>_camera_far": "Far plane [m].",
+    "<camera>_camera_depth_in_meters": "True; with `depth_in_meters`.",
     "wrist_camera_matrix": "Wrist camera to world; with `wrist_camera_matrix`.",
     "tip_jacobian": "`[linear, angular]` velocity of the tip along world axes per joint velocity.",
     "tip_jacobian_dot": "Its time derivative.",
@@ -119,7 +120,7 @@ def _pictures() -> str:
 
 
 def _misc() -> str:
-    misc = {**observed().misc, "joint_position_action": np.zeros(8)}
+    misc = {**observed().misc, f"front_{IN_METRES}": True, "joint_position_action": np.zeros(8)}
     rows = [(f"`{name}`", shape_of(misc[name.replace("<camera>", "front")]), text) for name, text in MISC.items()]
     return table(("Key", "Shape, type", "What it is"), rows)
 

@@ -136,6 +136,8 @@ def test_a_checkpoint_of_other_settings_is_refused(root: Path, tmp_path: Path) -
     assert not train_cloning([root], "reach_target", tmp_path / "m", SHORT, stop=stop)
     with pytest.raises(ModelFileError, match=r"rate=0\.001"):
         train_cloning([root], "reach_target", tmp_path / "m", dataclasses.replace(SHORT, rate=0.1))
+    with pytest.raises(ModelFileError, match="cameras and demonstrations"):
+        train_cloning([root], "reach_target", tmp_path / "m", SHORT, demos=1)
 
 
 def test_the_policy_does_what_was_learned(root: Path, tmp_path: Path) -> None:

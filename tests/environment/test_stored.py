@@ -151,6 +151,8 @@ def test_units_are_those_asked_for(stored: Path) -> None:
     near, far = (plain[0].misc[f"front_camera_{plane}"] for plane in ("near", "far"))
     assert np.allclose(asked[0].front_depth, near + np.asarray(plain[0].front_depth) * (far - near), atol=1e-5)
     assert np.allclose(np.asarray(asked[0].front_mask) * 255 @ [1, 256, 65536], plain[0].front_mask)
+    assert asked[0].misc["front_camera_depth_in_meters"]
+    assert "wrist_camera_depth_in_meters" not in asked[0].misc
 
 
 def test_paths_of_pictures(stored: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
 import threading
@@ -178,8 +179,7 @@ def learning_rate(config: TrainConfig, step: int) -> float:
 
 
 def train(
-    network: torch.nn.Module,
-    losses: Callable[[np.random.Generator], Losses],
+    learner: Learner,
     config: TrainConfig,
     folder: Path,
     on_step: Callable[[int, float], None] = lambda step, loss: None,
@@ -190,8 +190,7 @@ def train(
     An interrupted training continues from its last checkpoint and gives byte-identical weights.
 
     Args:
-        network: Network on the device of the settings; the weights of a checkpoint replace its weights.
-        losses: Function that draws a batch with the given generator only, and returns its losses.
+        learner: Learner with its network on the device of the settings; the weights of a checkpoint replace its weights.
         config: Settings of the training.
         folder: Output folder.
         on_step: Function that is called with the number of completed steps, and the loss.
@@ -200,16 +199,17 @@ def train(
     Raises:
         ModelFileError: The checkpoint is damaged, or has other settings.
     """
+    network, identity = learner.network, _identity(learner, config)
     optimizer = torch.optim.AdamW(network.parameters(), lr=config.rate, weight_decay=config.decay)
-    done = _restore(network, optimizer, config, folder)
+    done = _restore(network, optimizer, identity, folder)
     writer = SummaryWriter(str(folder / "curves"), purge_step=done)
     try:
         for step in range(done, config.steps):
             if (is_ending := stop is not None and stop.is_set()) or step % config.checkpoint_every == 0:
-                _checkpoint(network, optimizer, config, folder, step)
+                _checkpoint(network, optimizer, identity, folder, step)
             if is_ending:
                 return False
-            found = _step(network, optimizer, losses, config, step)
+            found = _step(learner, optimizer, config, step)
             _draw(writer, found, step + 1)
             on_step(step + 1, found["total"])
     finally:
@@ -248,27 +248,21 @@ def train_task(
     if (place / MODEL).exists() and (place / SETTINGS).exists():
         return True
     learner = make_learner(Path(next((r for r in roots if (Path(r) / task).is_dir()), roots[0])))
-    finished = train(learner.network, lambda rng: learner.losses(rng, config.batch), config, place, on_step, stop)
+    finished = train(learner, config, place, on_step, stop)
     if finished:
         how = asdict(replace(config, device="cpu"))
         write_settings(place / SETTINGS, kind, {"task": task, **learner.settings(), "train": how})
     return finished
 
 
-def _step(
-    network: torch.nn.Module,
-    optimizer: torch.optim.Optimizer,
-    losses: Callable[[np.random.Generator], Losses],
-    config: TrainConfig,
-    step: int,
-) -> dict[str, float]:
+def _step(learner: Learner, optimizer: torch.optim.Optimizer, config: TrainConfig, step: int) -> dict[str, float]:
     """Do one step of the optimizer and return the losses."""
     for group in optimizer.param_groups:
         group["lr"] = learning_rate(config, step)
-    found = losses(np.random.default_rng([config.seed, step]))
+    found = learner.losses(np.random.default_rng([config.seed, step]), config.batch)
     optimizer.zero_grad(set_to_none=True)
     found["total"].backward()
-    torch.nn.utils.clip_grad_norm_(network.parameters(), 1.0)
+    torch.nn.utils.clip_grad_norm_(learner.network.parameters(), 1.0)
     optimizer.step()
     return {name: float(value.detach()) for name, value in found.items()}
 
@@ -280,22 +274,22 @@ def _draw(writer: SummaryWriter, losses: dict[str, float], step: int) -> None:
             writer.add_scalar(f"loss/{name}", value, step)
 
 
-def _checkpoint(network: torch.nn.Module, optimizer: torch.optim.Optimizer, config: TrainConfig, folder: Path, step: int) -> None:
+def _checkpoint(network: torch.nn.Module, optimizer: torch.optim.Optimizer, identity: str, folder: Path, step: int) -> None:
     """Write the state of network and optimizer after `step` steps."""
     tensors = {f"network/{name}": value for name, value in network.state_dict().items()}
     for index, state in optimizer.state_dict()["state"].items():
         tensors |= {f"optimizer/{index}/{name}": torch.as_tensor(value) for name, value in state.items()}
-    write_tensors(folder / CHECKPOINT, tensors, step=str(step), config=_identity(config))
+    write_tensors(folder / CHECKPOINT, tensors, step=str(step), config=identity)
 
 
-def _restore(network: torch.nn.Module, optimizer: torch.optim.Optimizer, config: TrainConfig, folder: Path) -> int:
+def _restore(network: torch.nn.Module, optimizer: torch.optim.Optimizer, identity: str, folder: Path) -> int:
     """Restore network and optimizer from the checkpoint and return the number of completed steps; 0 without a checkpoint."""
     path = folder / CHECKPOINT
     if not path.exists():
         return 0
     tensors, notes = read_tensors(path)
-    if notes.get("config") != _identity(config):
-        raise ModelFileError(path, f"was started with {notes.get('config')}, not {_identity(config)}; delete it to restart")
+    if notes.get("config") != identity:
+        raise ModelFileError(path, f"was started with {notes.get('config')}, not {identity}; delete it to restart")
     network.load_state_dict({n.removeprefix("network/"): t for n, t in tensors.items() if n.startswith("network/")})
     state: dict[int, dict[str, torch.Tensor]] = {}
     for name, tensor in tensors.items():
@@ -306,9 +300,11 @@ def _restore(network: torch.nn.Module, optimizer: torch.optim.Optimizer, config:
     return int(notes["step"])
 
 
-def _identity(config: TrainConfig) -> str:
-    """Return the settings that a resumed training must share, as text."""
-    return f"steps={config.steps} batch={config.batch} rate={config.rate} decay={config.decay} seed={config.seed}"
+def _identity(learner: Learner, config: TrainConfig) -> str:
+    """Return what a resumed training must share, as text: the settings, and what the learner says of its demonstrations."""
+    examples = hashlib.sha256(json.dumps(learner.settings(), sort_keys=True).encode()).hexdigest()[:8]
+    settings = f"steps={config.steps} batch={config.batch} rate={config.rate} decay={config.decay} seed={config.seed}"
+    return f"{settings} cameras and demonstrations={examples}"
 
 
 KIND = "cloning"

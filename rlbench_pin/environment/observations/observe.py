@@ -22,7 +22,7 @@ from rlbench_pin.environment.observations.config import (
     ObservationConfig,
 )
 from rlbench_pin.errors import CameraError, InvalidCamera, TaskError, shown
-from rlbench_pin.observation import CAMERAS, LOW_DIM, Observation
+from rlbench_pin.observation import CAMERAS, IN_METRES, LOW_DIM, Observation
 from rlbench_pin.robot.collision import Distance
 from rlbench_pin.robot.description import RobotDescription
 from rlbench_pin.robot.distances import DistanceModel
@@ -441,6 +441,8 @@ def _add_images(
             setattr(observation, f"{name}_point_cloud", point_cloud(metres, view))
         if config.depth:
             setattr(observation, f"{name}_depth", metres if config.depth_in_meters else normalised_depth(metres, view))
+            if config.depth_in_meters:
+                observation.misc[f"{name}_{IN_METRES}"] = True
     if images.mask is not None:
         setattr(observation, f"{name}_mask", images.mask if config.masks_as_one_channel else spread_mask(images.mask))
     observation.misc.update(camera_misc(name, view))

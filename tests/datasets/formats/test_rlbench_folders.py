@@ -68,6 +68,20 @@ def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+def test_depth_in_metres_below_one_is_stored_between_the_planes(tmp_path: Path) -> None:
+    """Depth in [m] is known by its key of `misc`, although no value is above 1."""
+    demo = make_demo(3)
+    metres = [np.asarray(obs.front_depth) for obs in demo]
+    for obs in demo:
+        obs.misc["front_camera_depth_in_meters"] = True
+    DatasetWriter(tmp_path / "data").add(demo)
+    folders = export_rlbench(tmp_path / "data", tmp_path / "folders")
+    (read,) = folder_demos(folders, TASK, 1, -1, random_selection=False)
+    for obs, depth in zip(read, metres, strict=True):
+        assert np.allclose(obs.front_depth, (depth - 0.01).clip(0.0) / 4.49, atol=1e-6)
+        assert "front_camera_depth_in_meters" not in obs.misc
+
+
 @pytest.fixture(scope="module", params=["upstream", "peract"])
 def folders(request: pytest.FixtureRequest, root: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The same in folders, in both layouts."""
