@@ -64,8 +64,8 @@ class CompliantFollowing:
         """Start at the beginning of the trajectory, with one command per `dt` [s]."""
         check_made_of(model)
         self.model, self.trajectory = model, as_record(trajectory, Trajectory, "trajectory")
-        self.dt = as_number(dt, "the control tick dt [s]", above=0.0)
-        self.config = as_record(config or CompliantConfig(), CompliantConfig, "config")
+        self.dt = as_number(dt, "the control tick dt [s]", least=1e-6)
+        self.config = CompliantConfig() if config is None else as_record(config, CompliantConfig, "config")
         begin, end = (model.tip_se3(q).translation for q in (trajectory.q[0], trajectory.q[-1]))
         length = float(np.linalg.norm(end - begin))
         self._direction = (end - begin) / max(length, 1e-9)

@@ -20,6 +20,8 @@ from rlbench_pin.errors import DatasetError
 from rlbench_pin.values import as_flag, as_names, as_path, as_whole
 
 _FOR_KEY_FRAMES = ("joint_velocities", "gripper_open", "gripper_pose", "ignore_collisions")
+MAX_HORIZON = 10_000
+"""Maximum number of actions of a sample; no demonstration is longer."""
 _OPEN_FILES = 64
 """Files that stay open, in each process."""
 
@@ -45,7 +47,7 @@ class FrameDataset:
         root: Folder of the dataset.
         tasks: Only these tasks; all if empty.
         fields: Names of the `Observation` fields of a sample.
-        horizon: Number of actions of a sample.
+        horizon: Number of actions of a sample, at most `MAX_HORIZON`.
         key_frames_only: Only first frames and key frames, and one action from each to the next key frame.
 
     Raises:
@@ -63,7 +65,7 @@ class FrameDataset:
         key_frames_only: bool = False,
     ) -> None:
         self.fields = as_names(fields, "fields")
-        self.horizon = as_whole(horizon, "horizon", least=1)
+        self.horizon = as_whole(horizon, "horizon", least=1, most=MAX_HORIZON)
         self.key_frames_only = as_flag(key_frames_only, "key_frames_only")
         self.episodes: tuple[StoredEpisode, ...] = tuple(stored_episodes(as_path(root, "root"), tasks))
         self._moments = [self._moments_of(stored) for stored in self.episodes]

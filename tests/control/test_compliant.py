@@ -94,7 +94,11 @@ def test_a_weight_that_is_held_is_no_contact(model: RobotModel) -> None:
 
 
 def test_bad_values_are_refused(model: RobotModel) -> None:
-    """NaN torques and a force of nothing."""
+    """NaN torques, a force of nothing, settings that are an array, and a tick that gives too many commands."""
+    with pytest.raises(InvalidValue, match="config"):
+        CompliantFollowing(model, approach(model), config=np.zeros((0, 7)))  # type: ignore[arg-type]
+    with pytest.raises(InvalidValue, match="control tick"):
+        CompliantFollowing(model, approach(model), 5e-324)
     with pytest.raises(InvalidTarget, match="torques"):
         CompliantFollowing(model, approach(model)).command(model.home, np.full(7, np.nan))
     with pytest.raises(InvalidValue, match=r"CompliantConfig\.force"):

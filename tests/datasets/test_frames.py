@@ -153,6 +153,8 @@ def test_what_is_missing_is_named(root: Path, tmp_path: Path) -> None:
         FrameDataset(tmp_path / "nothing")
     with pytest.raises(InvalidValue, match="horizon"):
         FrameDataset(root, horizon=0)
+    with pytest.raises(InvalidValue, match="horizon"):
+        FrameDataset(root, horizon=2**31)
     bare = moving_demo(4, 9)
     for observation in bare:
         observation.misc.clear()
