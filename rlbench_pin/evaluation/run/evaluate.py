@@ -117,7 +117,8 @@ def evaluate(
     engine = ProcessEngine() if engine is None else as_record(engine, Engine, "engine")  # type: ignore[type-abstract]
     stop = threading.Event() if stop is None else as_record(stop, threading.Event, "stop")
     as_function(on_progress, "on_progress")
-    as_function(make_runner, "make_runner")
+    if not callable(make_runner):
+        raise InvalidValue("make_runner", make_runner, "has to be a function that makes an EpisodeRunner")
     config = _with_key(config, out, as_flag(resume, "resume"))
     with make_runner(config) as runner:
         _check_out(out, resume)

@@ -241,4 +241,6 @@ def test_nothing_runs_for_what_cannot_be_evaluated(tmp_path: Path, monkeypatch: 
         evaluate(CONFIG, tmp_path)
     with pytest.raises(InvalidValue, match="engine"):
         evaluate(CONFIG, tmp_path / "x.json", engine=2)  # type: ignore[arg-type]
+    with pytest.raises(InvalidValue, match="make_runner"):
+        evaluate(CONFIG, tmp_path / "x.json", make_runner=None)  # type: ignore[arg-type]
     assert list(tmp_path.iterdir()) == []
