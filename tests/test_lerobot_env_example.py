@@ -128,9 +128,8 @@ def test_the_installed_name_has_the_prefix(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_lerobots_factory_and_rollout_play_it(package: ModuleType) -> None:
     """LeRobot makes the environment from its settings, and a recorded demonstration as policy succeeds in its rollout."""
-    pytest.importorskip("lerobot")
     torch = pytest.importorskip("torch")
-    utils = importlib.import_module("lerobot.envs.utils")
+    utils = pytest.importorskip("lerobot.envs.utils")
     config = importlib.import_module("lerobot.envs.configs").EnvConfig.get_choice_class("rlbench_pin")(**SMALL)
     assert isinstance(config, package.RlbenchPinEnv)
     assert {name: tuple(feature.shape) for name, feature in utils.env_to_policy_features(config).items()} == {
