@@ -20,7 +20,7 @@ from rlbench_pin.environment import (
     ObservationConfig,
 )
 from rlbench_pin.environment.observations.config import LOW_DIM_FIELDS
-from rlbench_pin.observation import IN_METRES, PRODUCTS, Observation, OptionalFields
+from rlbench_pin.observation import PRODUCTS, Observation, OptionalFields
 from rlbench_pin.tasks import Task, library_names, task_class, task_scene
 from rlbench_pin.tasks.task import low_dim_layout
 
@@ -59,6 +59,7 @@ def everything() -> ObservationConfig:
     config.set_all(True)
     for camera in config.cameras().values():
         camera.image_size = SIZE
+    config.front_camera.depth_in_meters = True
     config.model = ModelObservationConfig(
         **{
             f.name: 1 if isinstance(f.default, int) and not isinstance(f.default, bool) else True
@@ -120,7 +121,7 @@ def _pictures() -> str:
 
 
 def _misc() -> str:
-    misc = {**observed().misc, f"front_{IN_METRES}": True, "joint_position_action": np.zeros(8)}
+    misc = {**observed().misc, "joint_position_action": np.zeros(8)}
     rows = [(f"`{name}`", shape_of(misc[name.replace("<camera>", "front")]), text) for name, text in MISC.items()]
     return table(("Key", "Shape, type", "What it is"), rows)
 
