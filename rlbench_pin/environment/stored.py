@@ -16,7 +16,7 @@ from rlbench_pin.datasets.reader import check_there, counted_files
 from rlbench_pin.environment.observations.config import CameraConfig, ObservationConfig
 from rlbench_pin.environment.observations.observe import spread_mask
 from rlbench_pin.errors import DatasetError, InvalidArgument
-from rlbench_pin.observation import CAMERAS, IN_METRES, LOW_DIM, PRODUCTS, Demo, Observation
+from rlbench_pin.observation import CAMERAS, IN_METRES, LOW_DIM, PRODUCTS, Demo, Observation, is_in_metres
 from rlbench_pin.values import as_flag, as_whole
 
 
@@ -166,8 +166,8 @@ def cloud_from_depth(metres: np.ndarray, misc: dict[str, Any], name: str) -> np.
 
 
 def _in_metres(depth: np.ndarray, misc: dict[str, Any], name: str) -> np.ndarray:
-    """Return depth in [m]; stored depth is 0..1 between the clipping planes, unless `misc` says metres or a value is above 1."""
-    if misc.get(f"{name}_{IN_METRES}", np.max(depth) > 1.0):
+    """Return depth in [m]."""
+    if is_in_metres(depth, misc, name):
         return depth
     near, far = float(_matrix(misc, name, "near")), float(_matrix(misc, name, "far"))
     return (near + depth.astype(float) * (far - near)).astype(np.float32)

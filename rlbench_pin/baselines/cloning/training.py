@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import math
 import threading
@@ -19,6 +18,7 @@ from torch.utils.tensorboard import SummaryWriter
 
 from rlbench_pin.baselines.cloning.model import CHUNK, SENTENCE_SIZE, ChunkNetwork, ChunkSizes, Examples, read_examples
 from rlbench_pin.datasets import write_whole
+from rlbench_pin.datasets.manifest import digest
 from rlbench_pin.errors import RlbenchPinError
 from rlbench_pin.spatial import FloatArray
 
@@ -197,7 +197,7 @@ def train(
         stop: Event that ends the training at a checkpoint.
 
     Raises:
-        ModelFileError: The checkpoint is damaged, or has other settings.
+        ModelFileError: The checkpoint is damaged, or has other settings, demonstrations or cameras.
     """
     network, identity = learner.network, _identity(learner, config)
     optimizer = torch.optim.AdamW(network.parameters(), lr=config.rate, weight_decay=config.decay)
@@ -302,7 +302,7 @@ def _restore(network: torch.nn.Module, optimizer: torch.optim.Optimizer, identit
 
 def _identity(learner: Learner, config: TrainConfig) -> str:
     """Return what a resumed training must share, as text: the settings, and what the learner says of its demonstrations."""
-    examples = hashlib.sha256(json.dumps(learner.settings(), sort_keys=True).encode()).hexdigest()[:8]
+    examples = digest(json.dumps(learner.settings(), sort_keys=True).encode())[:8]
     settings = f"steps={config.steps} batch={config.batch} rate={config.rate} decay={config.decay} seed={config.seed}"
     return f"{settings} cameras and demonstrations={examples}"
 

@@ -19,7 +19,7 @@ from rlbench_pin.datasets.formats.rlbench_pickle import PickledDemo, PickledObse
 from rlbench_pin.datasets.layout import ALL_VARIATIONS, checked_task_name
 from rlbench_pin.datasets.reader import select
 from rlbench_pin.errors import DatasetError, EpisodeFileError, shown
-from rlbench_pin.observation import CAMERAS, FIELDS, IN_METRES, Demo, Observation
+from rlbench_pin.observation import CAMERAS, FIELDS, IN_METRES, Demo, Observation, is_in_metres
 from rlbench_pin.values import as_choice, as_function, as_path, as_whole
 
 DEPTH_STEPS = 2**24 - 1
@@ -158,8 +158,8 @@ def _write_images(folder: Path, demo: Demo, camera: str, product: str) -> None:
 
 
 def _normalised(depth: np.ndarray, obs: Observation, camera: str) -> np.ndarray:
-    """Return depth in 0..1 between the clipping planes; it is in metres if `misc` says so, or a value is above 1."""
-    if not obs.misc.get(f"{camera}_{IN_METRES}", np.max(depth) > 1.0):
+    """Return depth in 0..1 between the clipping planes."""
+    if not is_in_metres(depth, obs.misc, camera):
         return depth
     near, far = (obs.misc.get(f"{camera}_camera_{plane}") for plane in ("near", "far"))
     if near is None or far is None:
