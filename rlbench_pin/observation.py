@@ -39,11 +39,6 @@ class OptionalFields:
     """In demonstrations: whether the segment to this frame was planned without collision checks."""
 
 
-def is_in_metres(depth: Array, misc: Mapping[str, Any], camera: str) -> bool:
-    """Whether depth is in [m], as `misc` says or a value above 1 shows; otherwise it is 0..1 between the clipping planes."""
-    return bool(misc.get(f"{camera}_{IN_METRES}", np.max(depth) > 1.0))
-
-
 @dataclass(eq=False)
 class Observation(OptionalFields):
     """Observation at one instant; a disabled field is None.

@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 
 from rlbench_pin.datasets import Episode, checked_task_name, stored_demos
-from rlbench_pin.datasets.formats.rlbench import folder_demos, folder_descriptions, folder_episodes
+from rlbench_pin.datasets.formats.rlbench import folder_demos, folder_descriptions, folder_episodes, is_in_metres
 from rlbench_pin.datasets.manifest import has_manifest
 from rlbench_pin.datasets.reader import check_there, counted_files
 from rlbench_pin.environment.observations.config import CameraConfig, ObservationConfig
 from rlbench_pin.environment.observations.observe import spread_mask
 from rlbench_pin.errors import DatasetError, InvalidArgument
-from rlbench_pin.observation import CAMERAS, IN_METRES, LOW_DIM, PRODUCTS, Demo, Observation, is_in_metres
+from rlbench_pin.observation import CAMERAS, IN_METRES, LOW_DIM, PRODUCTS, Demo, Observation
 from rlbench_pin.values import as_flag, as_whole
 
 

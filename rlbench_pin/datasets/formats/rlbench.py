@@ -7,7 +7,7 @@ episode<j>` with number and sentences of the variation inside each episode.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal, get_args
 
@@ -19,7 +19,7 @@ from rlbench_pin.datasets.formats.rlbench_pickle import PickledDemo, PickledObse
 from rlbench_pin.datasets.layout import ALL_VARIATIONS, checked_task_name
 from rlbench_pin.datasets.reader import select
 from rlbench_pin.errors import DatasetError, EpisodeFileError, shown
-from rlbench_pin.observation import CAMERAS, FIELDS, IN_METRES, Demo, Observation, is_in_metres
+from rlbench_pin.observation import CAMERAS, FIELDS, IN_METRES, Demo, Observation
 from rlbench_pin.values import as_choice, as_function, as_path, as_whole
 
 DEPTH_STEPS = 2**24 - 1
@@ -31,6 +31,11 @@ _IMAGES = tuple(f"{camera}_{product}" for camera in CAMERAS for product in (*PRO
 _EPISODE = re.compile(r"episode(\d+)")
 _VARIATION = re.compile(r"variation(\d+)")
 _COUNTED = ("rgb", "depth")
+
+
+def is_in_metres(depth: np.ndarray, misc: Mapping[str, Any], camera: str) -> bool:
+    """Whether depth is in [m], as `misc` says or a value above 1 shows; otherwise it is 0..1 between the clipping planes."""
+    return bool(misc.get(f"{camera}_{IN_METRES}", np.max(depth) > 1.0))
 
 
 def encode_depth(depth: np.ndarray) -> np.ndarray:
