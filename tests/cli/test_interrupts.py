@@ -64,6 +64,7 @@ def interrupted(words: tuple[str, ...], moment: float, data: Path, out: Path) ->
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # a test run in the background of a shell ignores it
     )
     assert process.stdout is not None
     assert process.stdout.readline() == "up\n"
