@@ -217,6 +217,11 @@ def kinematic_urdf(path: Path, fixed: Collection[str] = ()) -> str:
         AssetNotFound: The file does not exist.
         AssetInvalid: The file is not XML.
     """
+    return _kinematic_urdf(path, _time_of(path, "a model"), tuple(fixed))
+
+
+@lru_cache(maxsize=64)
+def _kinematic_urdf(path: Path, written: int, fixed: tuple[str, ...]) -> str:
     root = _without_shapes(path, "visual", "collision")
     for joint in root.iterfind("joint"):
         if joint.get("name") in fixed:

@@ -44,8 +44,7 @@ def reach_of(runtime: Runtime, seed: int, variation: int) -> Reach:
         BoundaryError: An object could not be placed.
     """
     random = EpisodeRandom.from_seed(seed)
-    runtime.task.end_episode()
-    runtime.world.build_again()
+    runtime.build_again()
     lay_out(runtime, variation, random, static=False)
     root = pose_to_se3(runtime.world.root.pose)
     yaw = float(np.arctan2(root.rotation[1, 0], root.rotation[0, 0]))

@@ -44,7 +44,7 @@ def start_episode(
     max_attempts: int = MAX_RESET_ATTEMPTS,
     accept: Accept | None = None,
 ) -> EpisodeStart:
-    """Set up the start of an episode.
+    """Set up the start of an episode, after `runtime.build_again`.
 
     Args:
         runtime: The running task.
@@ -58,8 +58,6 @@ def start_episode(
         ResetError: No placement has reachable waypoints; the error has the cause of each failure.
     """
     causes: list[str] = []
-    runtime.task.end_episode()
-    runtime.world.build_again()
     for attempt in range(1, max_attempts + 1):
         try:
             instructions = _try_start(runtime, variation, random, static, accept)

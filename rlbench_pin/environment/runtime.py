@@ -135,7 +135,7 @@ class RuntimeState:
     planning: int
     """Seed of the generators of plans."""
     build: int = 0
-    """Number of rebuilds of the world before this state, see `Runtime.rebuild`."""
+    """How often other bodies were built before this state, see `Runtime.build_again`."""
 
 
 class Runtime:
@@ -149,9 +149,9 @@ class Runtime:
         task: The running task.
         model: Analytic model of the arm.
         planner: Motion planner over `model`.
-        sizes: Scale factor of each body whose size differs from the scene file; see `rebuild`.
-        models: URDF file of each body whose model differs from the scene file; see `rebuild`.
-        build: Number of rebuilds of the world.
+        sizes: Scale factor of each body whose size differs from the scene file; see `build_again`.
+        models: URDF file of each body whose model differs from the scene file; see `build_again`.
+        build: How often other bodies were built.
         listeners: Receivers of ticks, observations and segments; see `listening`.
         before_tick: Functions that `step` calls before each control tick, in order.
         after_tick: Functions that `step` calls after each control tick, in order: listeners, the step of the task, randomization,
@@ -193,23 +193,25 @@ class Runtime:
         if not self._attaches:
             self.gripper.rely_on_friction()
 
-    def rebuild(self, sizes: Mapping[str, float], models: Mapping[str, str]) -> None:
-        """Rebuild world and task with other bodies; without a change of bodies, do nothing.
+    def build_again(self, sizes: Mapping[str, float] = {}, models: Mapping[str, str] = {}) -> None:
+        """End the episode, and bring the world to its origin in an emptied physics server, as `World.build_again` does.
 
-        A rebuild replaces `world`, `task`, `robot`, `gripper` and `observer`, and puts the arm at the base pose of its
-        description.
+        If sizes or models differ from the present ones, `world`, `task`, `robot`, `gripper` and `observer` are replaced, and the
+        arm is at the base pose of its description.
 
         Args:
             sizes: Scale factor of each body; other bodies have the size in the scene file.
             models: URDF file of each body; other bodies have the model in the scene file.
         """
+        self.task.end_episode()
         if sizes == self.sizes and models == self.models:
+            self.world.build_again()
             return
-        scene = resized(with_models(task_scene(type(self.task)), models), sizes)
-        world, task = _build_world(type(self.task), scene, self.description, "egl" if self.world.client.hardware else "cpu")
-        world.end_building()
+        kind = type(self.task)
         self.place_arm()
-        self.world.close()
+        scene = resized(with_models(task_scene(kind), models), sizes)
+        world, task = _with_task(kind, World(scene, self.description, replaced=self.world))
+        world.end_building()
         self._kept.clear()
         self.sizes, self.models, self.build = dict(sizes), dict(models), self.build + 1
         self._use_world(world, task)
@@ -468,7 +470,7 @@ def build_runtime(
         kind: `Runtime`, or a subclass of it.
     """
     spec = SceneSpec(format=1) if task is EmptyTable else task_scene(task)
-    world, running = _build_world(task, spec, model.description, renderer)
+    world, running = _with_task(task, World(spec, model.description, renderer=renderer))
     try:
         planner = MotionPlanner(model, planning)
         return kind(world, running, model.description, model, planner, config, attach_grasped_objects, camera_places)
@@ -477,16 +479,15 @@ def build_runtime(
         raise
 
 
-def _build_world(task: type[Task], scene: SceneSpec, robot: RobotDescription, renderer: RendererName) -> tuple[World, Task]:
-    """Return the world of a scene, and the task in it."""
-    world = World(scene, robot, renderer=renderer)
+def _with_task(kind: type[Task], world: World) -> tuple[World, Task]:
+    """Return a world, and the task in it; if the task cannot be set up, the world is closed."""
     try:
-        running = task(world)
-        running.init_task()
+        task = kind(world)
+        task.init_task()
     except BaseException:
         world.close()
         raise
-    return world, running
+    return world, task
 
 
 MIN_SPEED = 0.13

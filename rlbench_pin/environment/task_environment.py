@@ -165,7 +165,6 @@ class TaskEnvironment:
         changes = FactorRandomizer(self._runtime, self._obs_config, setting) if setting else None
         if self._changes is not None:
             self._changes.remove()
-            self._runtime.rebuild({}, {})
         self._changes = changes
 
     def get_task_descriptions(self) -> list[str]:
@@ -209,7 +208,9 @@ class TaskEnvironment:
         if variation == ALL_VARIATIONS:
             variation = int(random.variation.integers(self.variation_count()))
         changes = self._changes
-        if changes is not None:
+        if changes is None:
+            self._runtime.build_again()
+        else:
             changes.prepare_episode(variation, seed, attempt)
         accept = None if changes is None else changes.accept
         start = start_episode(self._runtime, variation, random, static=self._static_positions, accept=accept)

@@ -10,6 +10,7 @@ import warnings
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Literal
 
 import coal
@@ -89,10 +90,11 @@ class CollisionGeometry:
         """Index of the first shape that does not belong to the arm."""
         for body in bodies:
             self._add_body(body)
-        self._add_pairs()
-        self.pairs: list[tuple[int, int]] = [(pair.first, pair.second) for pair in self.model.collisionPairs]
-        self.ends: NDArray[np.intp] = np.array(self.pairs, dtype=np.intp).reshape(-1, 2).T
+        checked = np.triu(self._checked())
+        self.model.setCollisionPairs(checked)
+        self.ends: NDArray[np.intp] = np.stack(np.nonzero(checked))
         """The first and the second shapes of all pairs, shape (2, pairs)."""
+        self.pairs: list[tuple[int, int]] = list(zip(*self.ends.tolist(), strict=True))
         self.data = self.model.createData()
         _forget_guesses(self.data)
         moves = np.array([owner.moves for owner in self.owners])
@@ -156,18 +158,18 @@ class CollisionGeometry:
                 self.model.addGeometryObject(pin.GeometryObject(name, joint, pin.SE3.Identity(), shape))
                 self.owners.append(Owner(body.name, link, kind))
 
-    def _add_pairs(self) -> None:
-        joints = [shape.parentJoint for shape in self.model.geometryObjects]
-        for j in range(len(joints)):
-            for i in range(j):
-                if joints[i] != joints[j] and self._matters(self.owners[i], self.owners[j]):
-                    self.model.addCollisionPair(pin.CollisionPair(i, j))
-
-    def _matters(self, a: Owner, b: Owner) -> bool:
-        kinds = {a.kind, b.kind}
-        if kinds <= {"arm", "gripper"}:
-            return a.link != b.link and frozenset((a.link, b.link)) not in self._excluded
-        return kinds != {"held"} and kinds != {"held", "gripper"}
+    def _checked(self) -> NDArray[np.bool_]:
+        """Return the mask of the pairs of shapes that are checked, shape (m, m), symmetric."""
+        joints = np.array([shape.parentJoint for shape in self.model.geometryObjects])
+        kinds = np.array([owner.kind for owner in self.owners])
+        held, gripper = kinds == "held", kinds == "gripper"
+        never = held[:, None] & (held | gripper)
+        checked = (joints[:, None] != joints) & ~(never | never.T)
+        for i, j in combinations(range(self.first_body), 2):
+            pair = frozenset((self.owners[i].link, self.owners[j].link))
+            if len(pair) == 1 or pair in self._excluded:
+                checked[i, j] = checked[j, i] = False
+        return checked
 
 
 def body_geometry(body: BodySnapshot) -> Mapping[str, tuple[Part, ...]]:
@@ -190,10 +192,14 @@ def body_distance(body: BodySnapshot, point: FloatArray) -> float:
 
 def _forget_guesses(data: pin.GeometryData) -> None:
     """Reset the start of each query, so that a distance depends only on poses, bit-identical for any earlier query."""
+    if len(data.distanceRequests) == 0:
+        return
+    request, requests = data.distanceRequests[0], coal.StdVec_DistanceRequest()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # Coal's new name for this setting leaves the old one switched on
-        for request in data.distanceRequests:
-            request.enable_cached_gjk_guess = False
+        request.enable_cached_gjk_guess = False
+    requests.extend([request] * len(data.distanceRequests))
+    data.distanceRequests = requests
 
 
 TOUCH = 5e-4

@@ -225,6 +225,7 @@ class PhysicsClient:
     Args:
         timestep: Length of one physics step [s].
         hardware: Draw with OpenGL through EGL.
+        server: Number of the server that another client has left, which keeps what it has read from files; None starts one.
 
     Attributes:
         journal: The calls that built the world.
@@ -235,9 +236,9 @@ class PhysicsClient:
         EglMissing: EGL is not available.
     """
 
-    def __init__(self, timestep: float, hardware: bool = False) -> None:
+    def __init__(self, timestep: float, hardware: bool = False, server: int | None = None) -> None:
         self.hardware = hardware
-        self._id: int | None = bullet.connect(bullet.DIRECT)
+        self._id: int | None = bullet.connect(bullet.DIRECT) if server is None else server
         self.journal = Journal()
         self.placements: dict[tuple[int, int], pin.SE3] = {}
         if hardware:
@@ -247,7 +248,7 @@ class PhysicsClient:
         self.change(bullet.setGravity, *_GRAVITY)
         solver = {"numSolverIterations": PASSES, "solverResidualThreshold": _RESIDUAL}
         self.change(bullet.setPhysicsEngineParameter, **solver, deterministicOverlappingPairs=1)
-        for caching in (0, 1):  # forget what files said when an earlier world was built, then read each of them once
+        for caching in (0, 1) if server is None else ():  # forget files that an earlier world read, then read each once
             bullet.setPhysicsEngineParameter(enableFileCaching=caching, physicsClientId=self.id)
 
     def change(self, function: Callable[..., Any], *positional: Any, **named: Any) -> Any:
@@ -294,6 +295,13 @@ class PhysicsClient:
         except BaseException:
             self.close()
             raise
+
+    def leave(self) -> int:
+        """Empty the server and return its number; this client is closed then."""
+        self.placements.clear()
+        left, self._id = self.id, None
+        bullet.resetSimulation(physicsClientId=left)
+        return left
 
     def allow_passes(self, passes: int) -> None:
         """Set the largest number of solver iterations in the next physics steps."""

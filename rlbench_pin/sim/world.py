@@ -12,11 +12,11 @@ from rlbench_pin.robot.description import RobotDescription
 from rlbench_pin.scene.spec import SceneSpec
 from rlbench_pin.sim import state
 from rlbench_pin.sim.arm.delay import CommandDelay
-from rlbench_pin.sim.client import RendererName, open_client
+from rlbench_pin.sim.client import PhysicsClient, RendererName, open_client
 from rlbench_pin.sim.contents import Contents
 from rlbench_pin.sim.render.camera import CameraView, Images
 from rlbench_pin.sim.render.lighting import ShadowMap
-from rlbench_pin.sim.state import WorldState
+from rlbench_pin.sim.state import Physics, WorldState
 from rlbench_pin.values import as_flag, as_number, as_record, as_seed, as_whole, whole_ratio
 
 MAX_LATENCY = 100
@@ -32,6 +32,7 @@ class World(Contents):
         timestep: Physics step [s].
         control_dt: Control tick [s], a whole number of physics steps.
         renderer: Renderer of moving bodies: `cpu`, `egl`, or `auto` for EGL if it is available.
+        replaced: World that is closed first. Without EGL its physics server is used again, which is faster than a new one.
 
     Attributes:
         spec: The scene of the world.
@@ -59,11 +60,12 @@ class World(Contents):
         timestep: float = 1.0 / 240.0,
         control_dt: float = 0.05,
         renderer: RendererName = "cpu",
+        replaced: World | None = None,
     ) -> None:
         self.timestep, self.control_dt = timestep, control_dt
         self._substeps = whole_ratio(control_dt, timestep)
         self.on_physics: list[Callable[[], None]] = []
-        client = open_client(timestep, renderer)
+        client = open_client(timestep, renderer) if replaced is None else _client_after(replaced, timestep)
         self._finalizer = weakref.finalize(self, client.close)
         self.command_delay: CommandDelay | None = None
         self.saved_states: weakref.WeakSet[WorldState] = weakref.WeakSet()
@@ -206,3 +208,14 @@ class World(Contents):
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None) -> None:
         self.close()
+
+
+def _client_after(replaced: World, timestep: float) -> PhysicsClient:
+    """Close a world, and return a client for another one, with the same renderer."""
+    for saved in replaced.saved_states:
+        if isinstance(saved.physics, Physics):
+            saved.physics.forget()
+    if not replaced.client.hardware:
+        return PhysicsClient(timestep, server=replaced.client.leave())
+    replaced.close()
+    return PhysicsClient(timestep, hardware=True)

@@ -41,9 +41,13 @@ class OrientedBox:
         """Return whether two boxes overlap: no axis separates them."""
         if math.dist(self.middle, other.middle) > self.radius + other.radius:
             return False
-        way = other.center - self.center
+        way, turned = other.center - self.center, np.abs(self.axes.T @ other.axes)
+        if np.any(np.abs(way @ self.axes) > self.half + turned @ other.half):
+            return False
+        if np.any(np.abs(way @ other.axes) > other.half + self.half @ turned):
+            return False
         crossed = cross(np.repeat(self.axes.T, 3, axis=0), np.tile(other.axes.T, (3, 1)))
-        axes = np.concatenate([self.axes.T, other.axes.T, crossed[(crossed * crossed).sum(axis=1) > 1e-18]])
+        axes = crossed[(crossed * crossed).sum(axis=1) > 1e-18]
         reach = np.abs(axes @ self.axes) @ self.half + np.abs(axes @ other.axes) @ other.half
         return bool(np.all(np.abs(axes @ way) <= reach))
 

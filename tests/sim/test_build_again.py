@@ -15,7 +15,7 @@ from rlbench_pin.scene.spec import BodySpec, SceneSpec
 from rlbench_pin.sim import World, read_texture
 from rlbench_pin.sim.client import bullet
 from rlbench_pin.tasks import task_class, task_scene
-from tests.sim.support import UPRIGHT, build, close_on_cube, cube, cube_scene, digest, furniture_scene, steps
+from tests.sim.support import PANDA, UPRIGHT, build, close_on_cube, cube, cube_scene, digest, furniture_scene, steps
 from tests.sim.test_state import clutter, go_on, wander
 
 PASTS = (1, 4)
@@ -217,3 +217,22 @@ def test_bodies_keep_their_places_when_an_earlier_one_was_removed():
         world.build_again()
         world.restore(saved)
         assert {name: world.body(name).position.tolist() for name in "bc"} == places
+
+
+@pytest.mark.simulation
+@pytest.mark.parametrize("scene", [pieces, furniture_scene], ids=["pieces", "furniture"])
+def test_a_world_in_the_server_of_another_one_behaves_like_a_new_one(scene):
+    """Whatever was in the server; the replaced world is closed, and its states cannot be restored."""
+    with build(scene()) as new:
+        expected = go_on(new)
+    before = build(clutter())
+    tumble(before, np.random.default_rng(0))
+    saved = before.save()
+    with World(scene(), PANDA, replaced=before) as world:
+        assert before.closed and go_on(world) == expected
+        with pytest.raises(EnvironmentClosed):
+            before.step()
+        with pytest.raises(RlbenchPinError, match="saved by another world"):
+            world.restore(saved)
+        world.build_again()
+        assert go_on(world) == expected

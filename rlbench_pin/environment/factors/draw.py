@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
 
 import numpy as np
 
@@ -29,6 +31,8 @@ DRAWN_SEEDS = 2**31
 """Number of seeds to draw from."""
 OTHER = "instruction_other"
 """The factor whose instructions are drawn by `other_instructions`."""
+WORDINGS = ("instruction_specific", "instruction_held_out", "instruction_vague", "instruction_none")
+"""The other factors of instructions; `instruction_other` has no effect beside one of them."""
 FIRST = ("arm_base", "object_model", "object_size", "receiver_size")
 """The factors that apply before the objects of the episode are placed."""
 SIZE_STEP = 0.02
@@ -131,12 +135,17 @@ def _background_texture(draw: Draw, sample: Sample) -> Sample:
 
 
 def _with_patterns(draw: Draw, sample: Sample, names: list[str]) -> Sample:
-    images = images_in(asset_path("textures"))
-    changed = {}
+    images, changed = _patterns(), {}
     for name in names:
         image, repeats = images[int(draw.rng.integers(len(images)))], float(draw.rng.uniform(*REPEATS))
         changed[name] = replace(_surface(sample, name), image=image, share=draw.number("share"), repeats=repeats)
     return _with_surfaces(sample, changed)
+
+
+@cache
+def _patterns() -> tuple[Path, ...]:
+    """Return the image files of the patterns."""
+    return images_in(asset_path("textures"))
 
 
 def _surface(sample: Sample, name: str) -> Surface:

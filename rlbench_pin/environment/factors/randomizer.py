@@ -7,7 +7,7 @@ import numpy as np
 from rlbench_pin.environment.episode import EpisodeRandom
 from rlbench_pin.environment.factors.catalogue import FactorSetting
 from rlbench_pin.environment.factors.distractors import add_distractors
-from rlbench_pin.environment.factors.draw import FIRST, OTHER, PLACES, draw_factors, other_instructions
+from rlbench_pin.environment.factors.draw import FIRST, OTHER, PLACES, WORDINGS, draw_factors, other_instructions
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.randomization.randomizer import WorldChanges
 from rlbench_pin.environment.runtime import Runtime
@@ -40,20 +40,22 @@ class FactorRandomizer(WorldChanges):
         self._factors = setting.for_task(runtime.task)
         self._other: tuple[str, ...] | None = None
         chosen = dict(setting.levels)
+        self._draws_other = OTHER in chosen and not any(name in WORDINGS for name in chosen)
         self.accept = next((accept for name, accept in PLACES.items() if name in chosen), None)
 
     def prepare_episode(self, variation: int, seed: int, attempt: int) -> None:
-        """Restore the original world, with the bodies and the base pose of the arm for this episode.
+        """Build the world with the bodies and the base pose of the arm for this episode.
 
         If `instruction_other` is set, also draw the instructions of another variation.
         """
         self.remove()
         first = FactorSetting(tuple((name, level) for name, level in self._factors.levels if name in FIRST))
         sample = draw_factors(self._runtime, self._config, first, seed, attempt)
-        self._runtime.rebuild(sample.sizes, sample.models)
-        self._runtime.place_arm(sample.base)
-        if OTHER in dict(self.setting.levels):
+        self._runtime.build_again(sample.sizes, sample.models)
+        if self._draws_other:
             self._other = other_instructions(self._runtime, variation, seed, attempt)
+            self._runtime.build_again(sample.sizes, sample.models)  # the physics of the episode does not depend on the draw
+        self._runtime.place_arm(sample.base)
 
     def begin_episode(self, variation: int, random: EpisodeRandom, seed: int, attempt: int) -> None:
         """Change the world, the arm and the instructions at the start of an episode."""

@@ -36,8 +36,9 @@ class WorldChanges:
         self.current: RandomizationSample | None = None
 
     def prepare_episode(self, variation: int, seed: int, attempt: int) -> None:
-        """Restore the original world, before the objects of an episode are placed."""
+        """Build the original world, before the objects of an episode are placed."""
         self.remove()
+        self._runtime.build_again()
 
     def begin_episode(self, variation: int, random: EpisodeRandom, seed: int, attempt: int) -> None:
         """Change the world at the start of an episode.

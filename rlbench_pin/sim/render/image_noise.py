@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import zlib
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from PIL import Image, ImageFilter
@@ -43,10 +44,9 @@ class ImageNoise:
             levels = np.minimum(np.arange(256) * 2.0**self.exposure, 255.0)
             rgb = np.rint(levels).astype(np.uint8)[rgb]
         if self.dead_share > 0.0:
-            rng = np.random.default_rng((self.seed, zlib.crc32(camera.encode())))
-            dead = rng.random(rgb.shape[:2]) < self.dead_share
+            places, values = _dead_pixels(self.seed, camera, rgb.shape[0] * rgb.shape[1], self.dead_share)
             rgb = rgb.copy()
-            rgb[dead] = np.where(rng.random(int(dead.sum())) < 0.5, 0, 255).astype(np.uint8)[:, None]
+            rgb.reshape(-1, 3)[places] = values
         if self.jpeg_quality > 0:
             stored = io.BytesIO()
             Image.fromarray(rgb, _RGB).save(stored, "JPEG", quality=self.jpeg_quality)
@@ -59,3 +59,11 @@ class ImageNoise:
             return metres
         noise = rng.standard_normal(metres.shape, dtype=np.float32)
         return np.maximum(metres + self.depth_sigma * metres**2 * noise, 0.0).astype(np.float32)
+
+
+@lru_cache(maxsize=64)
+def _dead_pixels(seed: int, camera: str, count: int, share: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return flat indices (n,) of the dead pixels of a camera with `count` pixels, and their values (n, 1), 0 or 255."""
+    rng = np.random.default_rng((seed, zlib.crc32(camera.encode())))
+    places = np.flatnonzero(rng.random(count) < share)
+    return places, np.where(rng.random(len(places)) < 0.5, 0, 255).astype(np.uint8)[:, None]

@@ -112,15 +112,15 @@ class Renderer:
             link: PyBullet's number of the link.
             texture: The texture.
         """
-        self._link_textures[body, link] = texture
+        self._link_textures = {**self._link_textures, (body, link): texture}
 
     def clear_link_texture(self, body: int, link: int) -> None:
         """Remove the texture of one link; the numbers are PyBullet's."""
-        self._link_textures.pop((body, link), None)
+        self._link_textures = {place: own for place, own in self._link_textures.items() if place != (body, link)}
 
     def clear_link_textures(self) -> None:
         """Remove the textures of all links."""
-        self._link_textures.clear()
+        self._link_textures = {}
 
     def shadow_map(self) -> ShadowMap:
         """Return the shadow map of the key light at this instant."""
@@ -197,7 +197,7 @@ class Renderer:
                     sheet.shade_tables(shadows, painter.table_key, near)
                     if shooting.lamps:
                         sheet.put_pools(shadows, shooting.lamps)
-                self._color(sheet, shot, shadows if first.shadows else None, shooting.lamps)
+                sheet.put_colors(shot, self._colors(sheet, shot, shadows if first.shadows else None, shooting.lamps))
                 sheet.smooth([n for n, request in enumerate(own) if request.antialiasing])
             taken.update(zip(group, _images(own, sheet), strict=True))
         return [taken[n] for n in range(len(requests))]
@@ -217,27 +217,26 @@ class Renderer:
         self, shooting: Shooting, number: int, backdrops: Sequence[KeptBackdrop], room: Painter
     ) -> StationaryLinks | None:
         """Stationary links in front of the room, cached from the second unchanged image on."""
-        if not isinstance(shooting, NumpyShooting) or shooting.state is None or shooting.lamps or self._link_textures:
+        if not isinstance(shooting, NumpyShooting) or shooting.state is None or shooting.lamps:
             return None
         ids = self._ids()
         layout = (number, *(backdrop.view.size for backdrop in backdrops))
-        key = (room, ids, *shooting.state)
+        key = (room, ids, self._link_textures, *shooting.state)
         is_same = layout == self._stationary_layout and len(key) == len(self._stationary_key)
         if not is_same or any(now is not before for now, before in zip(key, self._stationary_key)):
             self._stationary_layout, self._stationary_key, self._stationary_links = layout, key, None
         elif self._stationary_links is None:
-            self._stationary_links = stationary_links(
-                shooting, number, backdrops, room, self.lighting, self._view_of_light(), ids
-            )
+            light = self._view_of_light()
+            self._stationary_links = stationary_links(shooting, number, backdrops, room, self._colors, light, ids)
         return self._stationary_links
 
-    def _color(self, sheet: Sheet, shot: Shot, shadows: ShadowMap | None, lamps: Sequence[Lamp]) -> None:
-        """Draw the colours of moving objects over the room, with shadows, fill lights and textures."""
+    def _colors(self, sheet: Sheet, shot: Shot, shadows: ShadowMap | None, lamps: Sequence[Lamp] = ()) -> NDArray[np.uint8]:
+        """Return the colours (n, 3) of objects before the room, with shadows, fill lights and textures."""
         normals = normals_of_depth(sheet.backdrops, shot) if shot.normals is None else shot.normals
         colors = colors_in_light(shot, normals, self.lighting, shadows, lamps)
         if self._link_textures:
             put_textures(colors, shot, normals, self._link_textures, self._frame)
-        sheet.put_colors(shot, bytes_of(colors))
+        return bytes_of(colors)
 
     def _frame(self, body: int, link: int) -> NDArray[np.float32]:
         identifier = self._client.id

@@ -6,7 +6,7 @@ a shadow.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from rlbench_pin.sim.render.backdrop import Painter
 from rlbench_pin.sim.render.camera import CameraView
-from rlbench_pin.sim.render.lighting import Lighting, ShadowMap, spread
-from rlbench_pin.sim.render.shading import KeptBackdrop, Sheet, bytes_of, colors_in_light, light_blocks
+from rlbench_pin.sim.render.lighting import ShadowMap, spread
+from rlbench_pin.sim.render.shading import KeptBackdrop, Sheet, light_blocks
 from rlbench_pin.sim.render.shots import NumpyShooting, Shot
 
 
@@ -64,7 +64,7 @@ def stationary_links(
     number: int,
     backdrops: Sequence[KeptBackdrop],
     room: Painter,
-    lighting: Lighting,
+    colors: Callable[[Sheet, Shot, ShadowMap], NDArray[np.uint8]],
     light: CameraView,
     ids: NDArray[np.int32],
 ) -> StationaryLinks:
@@ -75,7 +75,7 @@ def stationary_links(
         number: Number of the group.
         backdrops: Their images of the room.
         room: The room.
-        lighting: The lights.
+        colors: Returns the colours (n, 3) of links with their shadows.
         light: Camera of the key light.
         ids: Mask ids of body b and link l at `[b, l + 1]`.
     """
@@ -83,8 +83,7 @@ def stationary_links(
     shot, blocked, is_kept = shooting.stationary(number, sheet.depth)
     shadows = ShadowMap(light, room.table_height, blocked)
     sheet.shade_tables(shadows, room.table_key)
-    assert shot.normals is not None
-    sheet.put_colors(shot, bytes_of(colors_in_light(shot, shot.normals, lighting, shadows, ())))
+    sheet.put_colors(shot, colors(sheet, shot, shadows))
     sheet.put_depth_and_ids(shot, ids)
     covered = np.zeros(len(sheet.depth), dtype=np.bool_)
     covered[shot.pixels] = True

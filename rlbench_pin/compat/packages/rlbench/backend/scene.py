@@ -232,6 +232,7 @@ class Scene:
         random = EpisodeRandom.from_seed(seed, attempt)
         self._variation_index = index
         self._before_episode()
+        self._runtime.build_again()
         try:
             start = start_episode(self._runtime, index, random, static=not randomly_place, max_attempts=max_attempts)
         except ResetError as error:
