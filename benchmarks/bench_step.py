@@ -13,6 +13,7 @@ import numpy as np
 from harness import Result, main, measure, summary, velocity_environment
 
 from rlbench_pin.environment import TaskEnvironment
+from rlbench_pin.sim.client import PASSES
 
 EPISODES, STEPS = 10, 200
 PEERS = {"reach_target": "PandaReach-v3", "stack_blocks": "PandaPickAndPlace-v3"}
@@ -47,7 +48,7 @@ def _processor_time(operation: Callable[[], object]) -> float:
 
 def _summary(task_name: str, task: TaskEnvironment, steps: list[float]) -> Result:
     world = task.world
-    physics = f"{round(world.control_dt / world.timestep)} x {1e3 * world.timestep:.2f} ms, at most 60 passes"
+    physics = f"{round(world.control_dt / world.timestep)} x {1e3 * world.timestep:.2f} ms, at most {PASSES} solver iterations"
     return _result(f"step {task_name}, joint velocity", steps, world.control_dt, physics)
 
 
@@ -88,7 +89,7 @@ def _peer(name: str) -> Result:
         actions = [environment.action_space.sample() for _ in range(STEPS)]
         steps += [_processor_time(lambda action=action: environment.unwrapped.step(action)) for action in actions]
     environment.close()
-    return _result(f"panda-gym {name}", steps, sim.dt, f"{sim.n_substeps} x {1e3 * sim.timestep:.2f} ms, 50 passes")
+    return _result(f"panda-gym {name}", steps, sim.dt, f"{sim.n_substeps} x {1e3 * sim.timestep:.2f} ms, 50 solver iterations")
 
 
 if __name__ == "__main__":
