@@ -102,7 +102,8 @@ def measure(tasks: Sequence[str], episodes: int, products: tuple[str, ...], work
 
 def table(figures: Sequence[Figures]) -> str:
     """Return the figures for people."""
-    head = "| Episodes hold | Workers | Episodes | A minute | Processor s each | Frames each | kB each | kB a frame | Worker MB |"
+    each = "Processor s per episode | Frames per episode | kB per episode | kB per frame"
+    head = f"| Contents | Workers | Episodes | Episodes per minute | {each} | Worker MB |"
     lines = [head, "|---|---|---|---|---|---|---|---|---|"]
     lines += [
         f"| {f.what} | {f.workers} | {f.episodes} | {f.a_minute} | {f.processor_seconds} | {f.frames} | {f.kilobytes} "
@@ -167,7 +168,7 @@ def measure_tasks(tasks: Sequence[str], episodes: int, kept: Path | None) -> lis
 def table_of_tasks(figures: Sequence[TaskFigures]) -> str:
     """Return the figures for people, the mean over the tasks last."""
     lines = [
-        "| Task | Processor s an episode | Episodes a minute and core | Frames | ms a frame | kB a frame |",
+        "| Task | Processor s per episode | Episodes per minute and core | Frames | ms per frame | kB per frame |",
         "|---|---|---|---|---|---|",
     ]
     rows = [(f.task, f.seconds, f.frames, 1e3 * f.seconds / f.frames, f.kilobytes_a_frame) for f in figures]

@@ -3,7 +3,7 @@
 `python scripts/write_factor_results.py FILE...` adds the profiles of results files to docs/results/factors.json, replaces
 earlier ones of the same policy and the same settings, and writes the page. Files of one policy and commit with the same
 episodes form one table.
-Without files it writes the page from factors.json.
+Without files it writes the page from factors.json, and the figure of the losses of two baselines, docs/images/factor_losses.png.
 With `--check` nothing is written; it only reports whether the page is out of date.
 """
 
@@ -12,19 +12,28 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
 
 sys.path.insert(0, str(Path(__file__).parent))
 
 from reference_lib.docs import table
 from update_readme import write_pages
 
+from rlbench_pin.environment.factors import factor_catalogue
 from rlbench_pin.evaluation import read_results
+from rlbench_pin.evaluation.results.plots import COLORS, write_plot
 from rlbench_pin.evaluation.results.profile import factor_profile
 
 RESULTS = Path(__file__).resolve().parents[1] / "docs" / "results"
 DATA, PAGE = RESULTS / "factors.json", RESULTS / "factors.md"
+FIGURE = RESULTS.parent / "images" / "factor_losses.png"
+BASELINES = ("classical", "key_frames")
+"""Policies in the figure."""
 LOW = 0.9
 """Tasks whose success is below this share are named."""
 HEAD = """# Factors of generalisation: results
@@ -89,6 +98,29 @@ def _section(entry: dict[str, Any]) -> str:
     return f"## {title}\n\n{text}\n\n{table(head[:columns], [row[:columns] for row in rows], 'lrrrrl'[:columns])}\n"
 
 
+def losses(entries: Sequence[dict[str, Any]]) -> Figure:
+    """Draw the paired differences of some entries, one line for each setting, with their intervals."""
+    names = list(dict.fromkeys(row["factors"] for entry in entries for row in entry["factors"]))
+    names.sort(key=lambda name: list(factor_catalogue()).index(name.partition(":")[0]))
+    figure = Figure(figsize=(7.5, 0.26 * len(names) + 1.1), layout="constrained")
+    axes = figure.add_subplot()
+    axes.axvline(0.0, color="black", linewidth=0.8)
+    for place, entry in enumerate(entries):
+        differences = [row["difference"] for row in entry["factors"]]
+        at = [names.index(row["factors"]) + 0.24 * (place - (len(entries) - 1) / 2) for row in entry["factors"]]
+        values = 100.0 * np.array([d["value"] for d in differences])
+        spread = np.abs(100.0 * np.array([d["interval_95"] for d in differences]).T - values)
+        label = f"{entry['policy']}: {entry['tasks']} tasks, {entry['episodes']} episodes per factor at most"
+        axes.errorbar(values, at, xerr=spread, fmt="o", markersize=4, linewidth=1.2, capsize=2, color=COLORS[place], label=label)
+    axes.set_yticks(range(len(names)), names)
+    axes.set_ylim(len(names) - 0.5, -0.5)
+    axes.set_xlabel("difference to the same episodes without factors [percentage points], with 95 % intervals")
+    axes.grid(color="#dddddd", linewidth=0.6)
+    axes.set_axisbelow(True)
+    figure.legend(loc="outside upper center", ncols=len(entries), frameon=False)
+    return figure
+
+
 def _rate(estimate: dict[str, Any]) -> str:
     return f"{100 * estimate['value']:.1f} ({_span(estimate)})"
 
@@ -109,6 +141,7 @@ def main() -> int:
     entries = sorted([*kept, *made], key=lambda entry: entry["policy"])
     if not arguments.check:
         DATA.write_text(json.dumps(entries, indent=1) + "\n", encoding="utf-8")
+        write_plot(FIGURE, lambda: losses([entry for entry in entries if entry["policy"] in BASELINES]))
     return write_pages(arguments.check, {PAGE: page(entries)})
 
 

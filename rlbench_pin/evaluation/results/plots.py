@@ -94,7 +94,10 @@ def _draw_profile(axes: Any, profile: Profile) -> None:
         closed = [*chosen, chosen[0]] if len(chosen) == len(names) > 2 else chosen
         axes.plot(*zip(*closed), label=level if level.isalpha() else f"level {level}", clip_on=False, **line)
     axes.set_xticks(angles, [_label(name).strip() for name in names])
-    axes.tick_params(axis="x", pad=16)
+    axes.tick_params(axis="x", pad=4)
+    for label, angle in zip(axes.get_xticklabels(), angles, strict=True):
+        side = np.cos(angle)
+        label.set_horizontalalignment("center" if abs(side) < 0.05 else "left" if side > 0.0 else "right")
     axes.set_ylim(0.0, 1.0)
     axes.set_yticks(np.linspace(0.25, 1.0, 4), [f"{v} %" for v in (25, 50, 75, 100)])
     axes.set_title(f"{_label(profile.policy)}: success by factor", pad=18)
