@@ -214,7 +214,8 @@ def table(problems: Sequence[PlanningProblem], results: dict[str, list[Run]], li
     lines = [
         "# Planning problems",
         "",
-        f"Made by `python benchmarks/bench_planning.py --fine --out docs/results/planning.md`.\n{__doc__.split(chr(10) * 2)[1].strip()}",
+        "Made by `python benchmarks/bench_planning.py --fine --out docs/results/planning.md`.",
+        (__doc__ or "").split("\n\n")[1].strip(),
         "",
     ]
     lines += [f"All {len(problems)} problems; the plain planner gives up after {limit:g} s.", "", HEAD]
