@@ -135,7 +135,7 @@ class RuntimeState:
     planning: int
     """Seed of the generators of plans."""
     build: int = 0
-    """How often other bodies were built before this state, see `Runtime.build_again`."""
+    """Number of changes of bodies before this state; see `Runtime.build_again`."""
 
 
 class Runtime:
@@ -151,7 +151,7 @@ class Runtime:
         planner: Motion planner over `model`.
         sizes: Scale factor of each body whose size differs from the scene file; see `build_again`.
         models: URDF file of each body whose model differs from the scene file; see `build_again`.
-        build: How often other bodies were built.
+        build: Number of changes of bodies.
         listeners: Receivers of ticks, observations and segments; see `listening`.
         before_tick: Functions that `step` calls before each control tick, in order.
         after_tick: Functions that `step` calls after each control tick, in order: listeners, the step of the task, randomization,

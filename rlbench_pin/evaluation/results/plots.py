@@ -100,7 +100,7 @@ def _draw_profile(axes: Any, profile: Profile) -> None:
         label.set_horizontalalignment("center" if abs(side) < 0.05 else "left" if side > 0.0 else "right")
     axes.set_ylim(0.0, 1.0)
     axes.set_yticks(np.linspace(0.25, 1.0, 4), [f"{v} %" for v in (25, 50, 75, 100)])
-    axes.set_title(f"{_label(profile.policy)}: success by factor", pad=18)
+    axes.set_title(f"{_label(profile.policy)}: success by factor", pad=24)
     axes.legend(loc="lower left", bbox_to_anchor=(1.05, 0.0), frameon=False)
 
 
