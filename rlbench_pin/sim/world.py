@@ -215,6 +215,7 @@ def _client_after(replaced: World, timestep: float) -> PhysicsClient:
     for saved in replaced.saved_states:
         if isinstance(saved.physics, Physics):
             saved.physics.forget()
+    replaced.renderer.forget()
     if not replaced.client.hardware:
         return PhysicsClient(timestep, server=replaced.client.leave())
     replaced.close()

@@ -94,10 +94,17 @@ class Renderer:
         appearance: Appearance,
     ) -> None:
         self._client, self._room, self._room_ids, self._ids = client, room, room_ids, ids
-        numbers = frozenset(body.model.uid for body in room.values())
-        self._rasterizer = BulletRasterizer(client, numbers) if client.hardware else NumpyRasterizer(client, numbers, appearance)
+        self._appearance = appearance
         self.lighting = Lighting()
         self._link_textures: dict[tuple[int, int], LinkTexture] = {}
+        self.forget()
+
+    def forget(self) -> None:
+        """Drop all cached drawings. A closed world does so, because it can stay in memory until the next garbage collection."""
+        client, numbers = self._client, frozenset(body.model.uid for body in self._room.values())
+        self._rasterizer: BulletRasterizer | NumpyRasterizer = (
+            BulletRasterizer(client, numbers) if client.hardware else NumpyRasterizer(client, numbers, self._appearance)
+        )
         self._stationary_layout: tuple[object, ...] = ()
         self._stationary_key: tuple[object, ...] = ()
         self._stationary_links: StationaryLinks | None = None
