@@ -222,7 +222,7 @@ def test_bodies_keep_their_places_when_an_earlier_one_was_removed():
 @pytest.mark.simulation
 @pytest.mark.parametrize("scene", [pieces, furniture_scene], ids=["pieces", "furniture"])
 def test_a_world_in_the_server_of_another_one_behaves_like_a_new_one(scene):
-    """Whatever was in the server; the replaced world is closed, and its states cannot be restored."""
+    """Its earlier contents have no effect; the replaced world is closed, and its states cannot be restored."""
     with build(scene()) as new:
         expected = go_on(new)
     before = build(clutter())

@@ -31,8 +31,6 @@ DRAWN_SEEDS = 2**31
 """Number of seeds to draw from."""
 OTHER = "instruction_other"
 """The factor whose instructions are drawn by `other_instructions`."""
-WORDINGS = ("instruction_specific", "instruction_held_out", "instruction_vague", "instruction_none")
-"""The other factors of instructions; `instruction_other` has no effect beside one of them."""
 FIRST = ("arm_base", "object_model", "object_size", "receiver_size")
 """The factors that apply before the objects of the episode are placed."""
 SIZE_STEP = 0.02

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from rlbench_pin.environment.episode import EpisodeRandom
-from rlbench_pin.environment.factors.catalogue import FactorSetting
+from rlbench_pin.environment.factors.catalogue import FactorSetting, factor_catalogue
 from rlbench_pin.environment.factors.distractors import add_distractors
-from rlbench_pin.environment.factors.draw import FIRST, OTHER, PLACES, WORDINGS, draw_factors, other_instructions
+from rlbench_pin.environment.factors.draw import FIRST, OTHER, PLACES, draw_factors, other_instructions
 from rlbench_pin.environment.observations.config import ObservationConfig
 from rlbench_pin.environment.randomization.randomizer import WorldChanges
 from rlbench_pin.environment.runtime import Runtime
@@ -40,7 +40,8 @@ class FactorRandomizer(WorldChanges):
         self._factors = setting.for_task(runtime.task)
         self._other: tuple[str, ...] | None = None
         chosen = dict(setting.levels)
-        self._draws_other = OTHER in chosen and not any(name in WORDINGS for name in chosen)
+        self._draws_other = [name for name in chosen if factor_catalogue()[name].group == "language"] == [OTHER]
+        """Whether the instructions are those of another variation; another factor of language replaces them."""
         self.accept = next((accept for name, accept in PLACES.items() if name in chosen), None)
 
     def prepare_episode(self, variation: int, seed: int, attempt: int) -> None:

@@ -100,7 +100,7 @@ class Renderer:
         self.forget()
 
     def forget(self) -> None:
-        """Drop all cached drawings. A closed world does so, because it can stay in memory until the next garbage collection."""
+        """Drop all cached drawings, for a replaced world: it can stay in memory until the next garbage collection."""
         client, numbers = self._client, frozenset(body.model.uid for body in self._room.values())
         self._rasterizer: BulletRasterizer | NumpyRasterizer = (
             BulletRasterizer(client, numbers) if client.hardware else NumpyRasterizer(client, numbers, self._appearance)
